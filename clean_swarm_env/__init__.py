@@ -13,12 +13,12 @@ siblings.own("selforg")
 siblings.own("selector")
 
 if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` cannot wait for: see `__getattr__`
-    from clean_swarm_env.config.errors import ConfigurationError as ConfigurationError
     from clean_swarm_env.config.families import FamilyConfig as FamilyConfig
     from clean_swarm_env.config.load import load_family as load_family
     from clean_swarm_env.config.load import load_mission as load_mission
     from clean_swarm_env.config.mission import MissionConfig as MissionConfig
     from clean_swarm_env.config.mission import StartConfiguration as StartConfiguration
+    from clean_swarm_env.config.types import ConfigurationError as ConfigurationError
     from clean_swarm_env.learning.actions import ActionConfig as ActionConfig
     from clean_swarm_env.learning.batch import Batch as Batch
     from clean_swarm_env.learning.joined import family_batches as family_batches

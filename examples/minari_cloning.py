@@ -1,7 +1,7 @@
 """Behaviour cloning: a network learns from a Minari dataset to decide as the strategy did that was recorded.
 
 pip install -c constraints.txt 'minari[hdf5,create]==0.5.4' '.[train]'
-clean-swarm dataset clean-swarm/rule-v0 --strategy fsm:rule --missions 10
+clean-swarm learn dataset clean-swarm/rule-v0 --strategy fsm:rule --missions 10
 python examples/minari_cloning.py clean-swarm/rule-v0
 clean-swarm evaluate --family table1 --strategy fsm:rule --strategy policy:minari_cloning.pt --scenarios 10
 """

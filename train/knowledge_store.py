@@ -11,7 +11,6 @@ import platformdirs
 from selector.documents.errors import DocumentError
 from selector.knowledge import Knowledge, LearnedScores, load_knowledge
 from selector.store import KnowledgeStore, RewardSums, StoredKnowledge, StoreError, document
-from selector.store.connection import public_url
 from selector.store.stored_knowledge import check_names, stored
 
 VARIABLE = "CLEAN_SWARM_STORE"
@@ -30,11 +29,6 @@ class StoreRequest:
     def __post_init__(self) -> None:
         if self.learn and self.url is None:
             raise DocumentError("--learn: expected --store URL, the knowledge store to give to")
-
-    @property
-    def shown(self) -> str | None:
-        """URL of the store without its password."""
-        return None if self.url is None else public_url(self.url)
 
     def memory(self, knowledge: Knowledge, context: str, source: str) -> "Memory | None":
         """Return the memory of a run; None without a store."""
@@ -89,7 +83,7 @@ class Memory:
     def check_new(self, options: Collection[str] = ()) -> None:
         """Raise StoreError if the store holds what this run would learn (of `options`), which would count twice."""
         if self.learns and self.given(options):
-            advice = "take another --seed, continue with --resume, or `clean-swarm knowledge reset --source` it"
+            advice = "take another --seed, continue with --resume, or `clean-swarm learn knowledge reset --source` it"
             raise StoreError(f"{self._store.name}: holds what {self.source!r} learned already; {advice}")
 
     def now(self) -> Knowledge:

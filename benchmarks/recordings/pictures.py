@@ -13,8 +13,8 @@ from time import process_time
 
 from benchmarks.shared.record import record
 from clean_swarm_env.clean_swarm_v0 import parallel_env
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND
 from clean_swarm_env.drawing.pixels import pixels_of
 from clean_swarm_env.drawing.recorded_picture import RecordedCourse

@@ -2,7 +2,7 @@
 
 The values belong to the decision period that has passed and to its mission, at the end of a mission too. Only
 `action_mask` says something of the coming period. `learning.figures` names the keys of missions; those of goals have
-their measures (`clean_swarm_env.goals`).
+their measures (`clean_swarm_env.tasks`).
 """
 
 from __future__ import annotations

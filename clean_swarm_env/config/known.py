@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from clean_swarm_env.config.mission import MissionConfig
+from selector.documents.errors import within
 from selector.knowledge import Knowledge, load_knowledge
 
 
@@ -14,7 +15,8 @@ def knowledge_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> Kn
         DocumentError: there is no such knowledge or store, or they do not fit.
 
     """
-    known = load_knowledge(mission.knowledge, directories).with_learned(mission.learned)
+    with within("mission.knowledge"):
+        known = load_knowledge(mission.knowledge, directories).with_learned(mission.learned)
     if not mission.store:
         return known
     from selector.store import KnowledgeStore  # imports SQLAlchemy, which takes long

@@ -9,11 +9,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import task_names
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
 from selector.documents.find import KINDS, files_of, find_file, is_path

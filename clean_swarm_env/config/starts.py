@@ -13,9 +13,8 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.types import Point
+from clean_swarm_env.config.types import ConfigurationError, Point
 from selector.documents.errors import impossible, shown, validated
 from selector.documents.fields import Closed, Positive
 from selector.documents.reading import read_json

@@ -4,7 +4,11 @@ from typing import Annotated
 
 from pydantic import Field
 
+from selector.documents.errors import DocumentError
 from selector.documents.fields import Number
+
+ConfigurationError = DocumentError
+"""A configuration, a file or a name that cannot be used."""
 
 Count = Annotated[int, Field(strict=True, ge=1, le=10_000_000)]
 """A number of steps of learning; a day has room for some millions."""

@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image, ImageChops, ImageColor
 from PIL.GifImagePlugin import getdata, getheader
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND, OPTION_COLOURS, STATIONS
 from clean_swarm_env.drawing.pixels import Pixels, trail_colours
 

@@ -6,7 +6,7 @@ from typing import Final
 
 from PIL import Image
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import Canvas
 from clean_swarm_env.drawing.layout import layout_of
 from clean_swarm_env.drawing.pixels import laid_out

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from clean_swarm_env.config.cleaning import StationsConfig
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.world.cleaning import PHEROMONES
-from clean_swarm_env.world.garbage import ABSENT, DONE, LYING, NOTHING
+from clean_swarm_env.world.cleaning.cleaning_task import PHEROMONES
+from clean_swarm_env.world.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
 from selforg.arrays import Floats
 
-ROBOT, ITEM, STATION = "robot", "item", "station"
+ROBOT, ITEM, STATION, THING = "robot", "item", "station", "thing"
 CHANNELS = {
     "x": ROBOT,
     "y": ROBOT,
@@ -36,14 +36,18 @@ CHANNELS = {
     "item_leftover": ITEM,
     "station_x": STATION,
     "station_y": STATION,
+    "thing_x": THING,
+    "thing_y": THING,
 }
 """Channels of which a picture is made, and what each has a number for."""
+OF_CLEANING = ("cargo", "recycled", "item_x", "item_y", "item_stage", "item_leftover", "station_x", "station_y")
+"""Channels that recordings of other tasks need not have."""
 HELD = "held/"
 """Beginning of the channels with the option that each robot holds, to be followed by a goal."""
 DRAWN = (*CHANNELS, HELD)
 """How the names of the channels begin that pictures show; the others need not be kept for them."""
 TRAILS = (PHEROMONES, "trail")
-"""Channels of the gradients that are drawn: those of missions and of the scene Foraging."""
+"""Channels of the gradients that are drawn: those of cleaning, and of Foraging."""
 EDGE_OF_LAND = 2.0
 """Width of the land around the places where robots have been [m]."""
 LEAST_AREA = 0.2
@@ -57,13 +61,15 @@ class _Robots(BaseModel):
 
 
 class DrawnThing(BaseModel):
-    """A gradient that is there from the start on, in a scene."""
+    """A thing of a task other than cleaning, where it is at the start."""
 
     channel: str
     attraction: Literal[-1, 0, 1]
     x: Number
     y: Number
     radius: NonNegative
+    moves: Annotated[int, Field(strict=True, ge=-1)] = -1
+    """Its number among the things that move; -1: it stays where it is."""
 
 
 class _Sizes(BaseModel):
@@ -78,7 +84,7 @@ class _Shown(BaseModel):
 
     mission: _Sizes
     things: tuple[DrawnThing, ...] | None = None
-    """Those of a scene, which has no items and no stations."""
+    """Those of a task other than cleaning, which has no items and no stations."""
     ground: Literal["torus", "open"] = "torus"
     """Of open land the square is shown in which the robots have been."""
 
@@ -97,25 +103,27 @@ class RecordedCourse:
         shown = validated(_Shown, head, f"{recording.path}: head")
         self._sizes = shown.mission
         self._options = {goal: names for goal, names in head["options"].items() if f"{HELD}{goal}" in recording}
-        counts = {ROBOT: head["robots"], ITEM: head["items"]}
+        self._things = shown.things or ()
+        moving = 1 + max((thing.moves for thing in self._things), default=-1)
+        counts = {ROBOT: head["robots"], ITEM: head["items"], THING: moving}
         kinds = CHANNELS | {f"{HELD}{goal}": ROBOT for goal in self._options}
-        scene = shown.things is not None
-        self._empty = {name: np.zeros(0) for name, kind in kinds.items() if scene and kind != ROBOT}
-        self._names = [name for name in kinds if name not in self._empty]
+        spare = (*(() if shown.things is None else OF_CLEANING), *(() if moving else ("thing_x", "thing_y")))
+        lacking = [name for name in spare if name not in recording]
+        self._names = [name for name in kinds if name not in lacking]
         for name in self._names:
             kind = kinds[name]
             shape = recording.channels[name].shape if name in recording else None
             if shape is None or (len(shape) != 1 or shape[0] != counts.get(kind, shape[0])):
                 expected = f"channel {name} with a number for each {kind}"
                 raise ConfigurationError(f"{recording.path}: expected {expected}, got shape {shape}")
+        self._empty = {name: np.full(counts.get(kinds[name], 0), NOTHING) for name in lacking}
         self._corner, self._extent = np.zeros(2), (head["width"], head["height"])
         if shown.ground == "open":
             places = np.stack([recording["x"], recording["y"]], axis=-1)
             low, high = places.min(axis=(0, 1)) - EDGE_OF_LAND, places.max(axis=(0, 1)) + EDGE_OF_LAND
             side = float((high - low).max())
             self._corner, self._extent = low, (side, side)
-        self._areas = areas_of(shown.things or (), self._corner)
-        stage = (recording["x"][:, :0] if scene else recording["item_stage"]).astype(np.int8)
+        stage = (recording["item_stage"] if "item_stage" in self._names else recording["x"][:, :0]).astype(np.int8)
         before = np.concatenate([np.full_like(stage[:1], ABSENT), stage[:-1]])
         self._dumped = ((stage == DONE) & (before != DONE)).sum(axis=1).cumsum()
         self._arrived = ((stage < DONE) & (before >= DONE)).sum(axis=1).cumsum()
@@ -163,17 +171,16 @@ class RecordedCourse:
             stations=np.stack([now["station_x"], now["station_y"]], axis=1),
             station_kinds=self._sizes.stations.kinds,
             station_radius=self._sizes.stations.reach,
-            areas=self._areas,
+            areas=areas_of(self._things, self._corner, np.stack([now["thing_x"], now["thing_y"]], axis=1)),
             pheromones=traces.positions[trail] - self._corner,
             pheromone_diffusions=traces.diffusion[trail],
         )
 
 
-def areas_of(things: Sequence[DrawnThing], corner: Floats) -> tuple[Area, ...]:
-    """Return the areas of a picture whose lower left `corner` (2,) [m] is given."""
-    return tuple(
-        Area(
-            thing.channel, thing.x - corner[0], thing.y - corner[1], max(thing.radius, LEAST_AREA), thing.attraction < 0
-        )
-        for thing in things
-    )
+def areas_of(things: Sequence[DrawnThing], corner: Floats, moved: Floats) -> tuple[Area, ...]:
+    """Return the areas of a picture whose lower left `corner` (2,) [m] is given; `moved` (K, 2) [m]: what moves."""
+    areas = []
+    for thing in things:
+        x, y = (moved[thing.moves] if 0 <= thing.moves < len(moved) else np.array([thing.x, thing.y])) - corner
+        areas.append(Area(thing.channel, float(x), float(y), max(thing.radius, LEAST_AREA), thing.attraction < 0))
+    return tuple(areas)

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.animations import write_gif, write_webp
 from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND
 from clean_swarm_env.drawing.pixels import Pixels

@@ -37,7 +37,7 @@ from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.learning.reward import MeasureRewards, OwnRewards, RewardConfig, Rewards, rewards_of
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from clean_swarm_env.recording.recorder import MissionRecorder
-from clean_swarm_env.world.cleaning_robot import coordinators_of
+from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, TIME_OVER
 from clean_swarm_env.world.states import Opened

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.config.cleaning import StationsConfig
 from clean_swarm_env.learning.observation.thing_terms import kinds_of
 from clean_swarm_env.learning.progress import MissionProgress
-from clean_swarm_env.world.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.world.cleaning.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.elementary import unit_vectors

@@ -9,8 +9,8 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from clean_swarm_env.world.cleaning_robot import GOAL
-from clean_swarm_env.world.garbage import DONE, NOTHING
+from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.world.cleaning.garbage import DONE, NOTHING
 from clean_swarm_env.world.mission_end import (
     EVENT,
     ITEMS,

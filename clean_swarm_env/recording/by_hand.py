@@ -12,8 +12,8 @@ import numpy as np
 from pydantic import Field
 
 from clean_swarm_env.config.types import Index
-from clean_swarm_env.world.cleaning import cleaning_of
-from clean_swarm_env.world.garbage import ABSENT, LYING
+from clean_swarm_env.world.cleaning.cleaning_task import cleaning_of
+from clean_swarm_env.world.cleaning.garbage import ABSENT, LYING
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import Closed, Number, Share
 from selforg.arrays import Floats
@@ -129,6 +129,7 @@ class AddItem(_AtPlace):
 
     def make(self, worlds: Worlds) -> None:
         """Put the item at its place."""
+        cleaning_of(worlds.task)
         place = self.place(worlds)
         if not worlds.garbage.arrive(WORLD, place):
             raise ValueError(f"an item more: expected at most {worlds.garbage.stage.shape[1]} lying or carried")
@@ -143,12 +144,12 @@ class _OfItem(Change):
 
     def lift(self, worlds: Worlds) -> None:
         """Take the item from where it lies; whoever looks sees it no more."""
-        garbage = worlds.garbage
+        garbage, task = worlds.garbage, cleaning_of(worlds.task)
         if self.item >= garbage.stage.shape[1] or garbage.stage[WORLD, self.item] != LYING:
             raise ValueError(f"item {self.item}: expected an item that lies")
         here, place = np.array([WORLD]), garbage.positions[WORLD, [self.item]]
         garbage.stage[WORLD, self.item] = ABSENT
-        cleaning_of(worlds.task).hide_items(here, place)
+        task.hide_items(here, place)
 
 
 class PutItem(_AtPlace, _OfItem):

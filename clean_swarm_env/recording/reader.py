@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.channels import Channel, packed_bytes, unpacked_frames
 from clean_swarm_env.recording.file import HEAD, PART, SUFFIX, blocks_of

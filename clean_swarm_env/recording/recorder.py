@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn, SupportsIndex
 
@@ -16,7 +16,7 @@ import numpy as np
 from clean_swarm_env.recording.channels import MILLI, Channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
-from clean_swarm_env.recording.sampled import Thinking, floor_arrays, mind_arrays, networks_of, points
+from clean_swarm_env.recording.sampled import Thinking, floor_arrays, mind_arrays, networks_of, points, things_of
 from clean_swarm_env.recording.stepping import DONE, JOINED, copy_poses, look_at_worlds
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
 from clean_swarm_env.world.mission import result_of
@@ -79,6 +79,8 @@ class MissionRecorder:
         self._messages = MessageLog(worlds)
         self._opinions: dict[str, Floats] = {}
         self._poses: Floats = np.zeros((worlds.rows, 3))
+        self._moving = [thing.places for thing in worlds.task.around if thing.moves]
+        self._moved: Floats = np.zeros((worlds.worlds, sum(places.shape[1] for places in self._moving), 2))
         sampled = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
         sampled += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
         minds = Thinking(worlds.network, worlds.coordinators, worlds.minds.nested)
@@ -100,12 +102,13 @@ class MissionRecorder:
         """
         self._end(world)
         worlds, mission = self.worlds, self.worlds.missions[world]
+        width, height = mission.extent
         facts: dict[str, Any] = {
             "about": {**self.settings.about, **about},
             "period": worlds.period,
             "ticks_per_decision": round(mission.decision_period * mission.world.control_rate),
-            "width": mission.world.width,
-            "height": mission.world.height,
+            "width": width,
+            "height": height,
             "robots": worlds.robots,
             "items": worlds.garbage.stage.shape[1],
             "minds": self.settings.minds,
@@ -114,6 +117,9 @@ class MissionRecorder:
             "mission": mission.model_dump(mode="json"),
         }
         facts |= self._networks
+        if not mission.cleans:
+            facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)
+            facts["things"] = list(things_of(worlds, world))
         path = self._path(facts["about"])
         self._running[world] = _Running(RecordingFile(path, facts, self.frames.channels), 0)
         self.frames.start(world)
@@ -150,7 +156,7 @@ class MissionRecorder:
         if found & DONE or self._ticks >= self._soonest:
             done = worlds.done
             for world in [w for w in self._running if done[w] or self._ticks >= self._ends[w]]:
-                self._end(world, asdict(result_of(worlds, world)))
+                self._end(world, result_of(worlds, world).as_mapping())
         if self.frames.at == self.frames.room:
             self._write_all()
 
@@ -179,7 +185,8 @@ class MissionRecorder:
         robots, poses = ("robot", self.worlds.robots), self._poses
         heading = Channel("heading", robots[:1], robots[1:], MILLI, 1, "rad", "where the robot looks")
         places = points("", (robots,), poses[:, :2], "where the robot is", order=2)
-        return [*places, Sampled(heading, poses[:, 2])]
+        moved = points("thing", (("thing", self._moved.shape[1]),), self._moved, "where a thing is that moves")
+        return [*places, Sampled(heading, poses[:, 2]), *(moved if self._moving else ())]
 
     def _opinion(self, coordinator: Coordinator) -> Sampled:
         worlds, model, goal = self.worlds, coordinator.model, coordinator.model.goal
@@ -190,8 +197,10 @@ class MissionRecorder:
         return Sampled(channel, self._opinions[goal])
 
     def _note_poses(self) -> None:
-        """Keep the poses at the end of a tick: those of the next frame."""
+        """Keep the poses at the end of a tick, and the places of things that move: those of the next frame."""
         copy_poses(self.worlds.physics.positions, self.worlds.physics.headings, self._poses)
+        if self._moving:
+            np.concatenate(self._moving, axis=1, out=self._moved)
 
     def _note_joined(self) -> None:
         """Put robots that joined in this tick where they joined: their poses have been spread there."""

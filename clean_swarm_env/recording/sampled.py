@@ -13,6 +13,8 @@ import numpy as np
 
 from clean_swarm_env.recording.channels import MILLI, Channel, point_channels, whole_channel
 from clean_swarm_env.recording.taking import Sampled
+from clean_swarm_env.world.cleaning.garbage import NOTHING
+from clean_swarm_env.world.view import CARRYING
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork, at_any_depth
@@ -47,14 +49,20 @@ class Thinking(NamedTuple):
     inner: tuple[InnerNetwork, ...]
 
 
+OF_CLEANING = ("recycled", "item_stage", "item_leftover")
+"""Channels that missions of other tasks do not have, beside the places of items and stations."""
+
+
 def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
     """Yield the arrays of items, stations, cargo, contacts and held options; the recorder keeps the poses itself."""
     robots, items = ("robot", worlds.robots), ("item", worlds.garbage.stage.shape[1])
-    garbage, consequences = worlds.garbage, worlds.floor.consequences
+    garbage, consequences, cleans = worlds.garbage, worlds.floor.consequences, worlds.mission.cleans
+    cargo = garbage.cargo if cleans else np.full(worlds.rows, NOTHING)
+    lacking = () if cleans else OF_CLEANING if CARRYING in worlds.minds.memory.kinds else (*OF_CLEANING, "cargo")
     named = [
         (robots, "present", worlds.physics.present, "1 where the robot is there, at work or failed"),
         (robots, "working", worlds.team.working, "1 where the robot is at work"),
-        (robots, "cargo", garbage.cargo, "the item that the robot carries, -1 for none"),
+        (robots, "cargo", cargo, "the item that the robot carries, -1 for none"),
         (robots, "recycled", garbage.recycled, "1 where the cargo has been recycled"),
         (robots, "contact", worlds.collisions.entered_in_tick, "robots that came too close until the next frame"),
         (items, "item_stage", garbage.stage, "0 lying, 1 carried, 2 dumped, 3 absent"),
@@ -67,10 +75,32 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
     for c in worlds.coordinators:
         named.append((robots, f"held/{c.model.goal}", c.held, "the option that serves the goal in the robot"))
     for axis, name, values, about in named:
-        yield Sampled(whole_channel(name, axis, about), values)
-    yield from points("item", (items,), garbage.positions, "where the item lies or was picked")
-    stations = ("station", worlds.stations.shape[1])
-    yield from points("station", (stations,), worlds.stations, "recycling, dump, further recycling, further dumps")
+        if name not in lacking:
+            prepare = partial(_note_cargo, worlds, cargo) if name == "cargo" and not cleans else None
+            yield Sampled(whole_channel(name, axis, about), values, None, prepare)
+    if cleans:
+        yield from points("item", (items,), garbage.positions, "where the item lies or was picked")
+        stations = ("station", worlds.stations.shape[1])
+        yield from points("station", (stations,), worlds.stations, "recycling, dump, further recycling, further dumps")
+
+
+def _note_cargo(worlds: Worlds, cargo: Ints) -> None:
+    """Fill `cargo` (R,) with 0 where a robot carries something, -1 elsewhere."""
+    cargo[:] = np.where(worlds.world.carrying, 0, NOTHING)
+
+
+def things_of(worlds: Worlds, world: int) -> Iterator[dict[str, Any]]:
+    """Yield the things of a world as plain data; `moves` counts those that move, in the order of their channels."""
+    count = 0
+    for thing in worlds.task.around:
+        places = thing.places[world]
+        reaches = (np.broadcast_to(reach, len(places)).tolist() for reach in (thing.diffusion, thing.goal_radius))
+        for (x, y), diffusion, radius in zip(places.tolist(), *reaches, strict=True):
+            what = {"channel": thing.channel, "attraction": thing.attraction}
+            yield {**what, "x": x, "y": y, "diffusion": diffusion, "radius": radius} | (
+                {"moves": count} if thing.moves else {}
+            )
+            count += thing.moves
 
 
 def points(

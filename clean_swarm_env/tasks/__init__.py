@@ -1,11 +1,11 @@
 """Tasks: what there is to do in a world. `Task` is what a task of your own begins with; importing this registers ours.
 
-`TASKS` has the tasks by name; cleaning is in `clean_swarm_env.world.cleaning`.
+`TASKS` has the tasks by name; cleaning is in `clean_swarm_env.world.cleaning.cleaning_task`.
 """
 
 from clean_swarm_env.config.tasks import TASKS as TASKS
 from clean_swarm_env.config.tasks import TaskSettings as TaskSettings
-from clean_swarm_env.world.cleaning import Cleaning as Cleaning
+from clean_swarm_env.world.cleaning.cleaning_task import Cleaning as Cleaning
 from clean_swarm_env.world.placing import WorldStart as WorldStart
 from clean_swarm_env.world.task import Measure as Measure
 from clean_swarm_env.world.task import Task as Task

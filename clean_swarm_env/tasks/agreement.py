@@ -4,8 +4,8 @@ from typing import Annotated, ClassVar, TypeVar
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.tasks.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
 from clean_swarm_env.tasks.measures.order import barycentre
 from clean_swarm_env.world.placing import WorldStart

@@ -13,8 +13,6 @@ PATCH_RADIUS, NEST_RADIUS = 0.5, 1.5  # [m]
 AWAY = 9.0  # [m] least distance of food from the nest
 AT_NEST = 1.0
 """Distance from the edge of the nest within which an item counts as brought [m]: a robot's goal radius and more."""
-CARRYING = "carrying"
-"""What robots know that carry something."""
 
 
 class Food(TaskState):
@@ -60,7 +58,7 @@ class Foraging(Task[TaskSettings, Food]):
     def after_moving(self) -> None:
         """Count what robots have put down at the nest."""
         world, state = self.world, self.state
-        carrying = world.memory[CARRYING].values == 1.0
+        carrying = world.carrying
         at_nest = world.ground.distances(world.floor.physics.positions, world.ground.centre) < NEST_RADIUS + AT_NEST
         state.brought += world.by_world(state.carried & ~carrying & at_nest).sum(axis=1)
         state.carried[:] = carrying

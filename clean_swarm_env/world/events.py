@@ -14,8 +14,8 @@ from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveSpots, Mo
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import Places
 from clean_swarm_env.physics.clock import Clock
+from clean_swarm_env.world.cleaning.garbage import NO_TICK, Arrivals
 from clean_swarm_env.world.floor import Floor
-from clean_swarm_env.world.garbage import NO_TICK, Arrivals
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.team_changes import Place, Team
 from selforg.arrays import KEPT, Flags, Floats, Ints, derived

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.events import join_time
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork, at_any_depth

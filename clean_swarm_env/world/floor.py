@@ -15,8 +15,8 @@ from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
-from clean_swarm_env.world.consequences import Consequences
-from clean_swarm_env.world.garbage import LYING, NOTHING, Garbage
+from clean_swarm_env.world.cleaning.consequences import Consequences
+from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.records import FLOOR, FloorRecord
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.world.cleaning_robot import coordinators_of
+from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
 from clean_swarm_env.world.explaining import RobotStep, explain_robot
 from clean_swarm_env.world.mission_end import RUNNING, mission_cost, mission_state, tick_limit, unavoidable_cost
 from clean_swarm_env.world.worlds import Worlds
@@ -54,6 +55,11 @@ class MissionResult:
     def excess_s(self) -> float:
         """The part of the cost that is compared [s]."""
         return self.cost_s - self.unavoidable_s
+
+    def as_mapping(self) -> dict[str, Any]:
+        """Return the figures as plain data; of cleaning, which has no measures, without `measures`."""
+        figures = asdict(self)
+        return figures if self.measures else {name: figures[name] for name in figures if name != "measures"}
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.ground import Ground
 from selforg.arrays import Floats
 

@@ -13,9 +13,9 @@ from typing import Annotated, Any, ClassVar, Final, Generic, Literal, TypeVar, g
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.view import World
@@ -71,11 +71,6 @@ class Measure:
         better = values / target if self.better == "lower" else target / np.maximum(values, target / MOST_RATIO)
         ratio: Floats = np.clip(better, least, MOST_RATIO)
         return np.where(ratio > 1.0, ratio, 1.0 / MOST_RATIO) if self.guard else ratio
-
-    def score(self, values: Floats) -> Floats:
-        """Return the scores of values: 1 where the target is just met, 0 as far from it as it is from 0."""
-        sign = -1.0 if self.better == "lower" else 1.0
-        return 1.0 + sign * (values - self.target) / (abs(self.target) or 1.0)
 
 
 @dataclass(frozen=True)
@@ -334,12 +329,6 @@ class Task(ABC, Generic[S, T]):
 
     def after_leaving(self) -> None:
         """Carry out what robots have asked for while they acted."""
-
-    def scores(self) -> Floats:
-        """Return the scores (W,) of the measures that are farthest from their targets; see `Measure.score`."""
-        values = self.result()
-        lowest: Floats = np.min([measure.score(values[measure.name]) for measure in self.measures], axis=0)
-        return lowest
 
     def costs(self) -> Floats:
         """Return what the missions (W,) cost [s]: their time limits times their worst measures by the targets.

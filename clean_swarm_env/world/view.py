@@ -6,13 +6,13 @@ Shapes: W worlds of N robots, R = W * N rows.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, TypeVar
+from typing import Annotated, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.ground import Ground
@@ -26,6 +26,8 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms import DecisionMechanism
 
 V = TypeVar("V", bound=np.generic)
+CARRYING: Final = "carrying"
+"""What robots know that carry something."""
 
 
 class World:
@@ -110,6 +112,12 @@ class World:
     def memory(self) -> RobotMemory:
         """Knowledge of every robot, by name, shared by all options."""
         return self.minds.memory
+
+    @property
+    def carrying(self) -> Flags:
+        """Which robots (R,) know that they carry something; none if no option asks for it."""
+        known: Flags = np.zeros(self.rows, dtype=np.bool_)
+        return self.memory[CARRYING].values == 1.0 if CARRYING in self.memory.kinds else known
 
     @property
     def steers(self) -> Flags:

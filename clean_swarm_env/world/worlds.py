@@ -16,7 +16,7 @@ from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.physics.clock import Clock
-from clean_swarm_env.world.cleaning import Cleaning
+from clean_swarm_env.world.cleaning.cleaning_task import Cleaning
 from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds

@@ -32,7 +32,7 @@ class Compared(Closed):
 
 
 class Configured(Closed):
-    """The option that is configured, as `clean-swarm configure` does it."""
+    """The option that is configured, as `clean-swarm study configure` does it."""
 
     option: Name
     family: Name

@@ -3,11 +3,11 @@
 import json
 import resource
 import subprocess
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.load import load_family
 from docs.comparison.manifest import Ablations, Compared, Configured, Learner, Manifest, Pairs
 from docs.figures.update_readme import CLEAN_SWARM, ROOT
 from selector.documents.find import load_file
@@ -15,8 +15,9 @@ from selector.documents.reading import as_yaml, read_mapping
 from selector.documents.writing import write_whole
 from selector.knowledge import load_knowledge
 from train.deciders.named import FIXED, MACHINE, POLICY
-from train.evaluation.choosing.look_ahead import LookAheadRequest, looked_ahead
+from train.evaluation.choosing.look_ahead import LOOKING
 from train.learning.config import TrainingConfig
+from train.running.finished_runs import JOURNAL, natural_order, runs_of
 
 OWN_NAME = "Configured"
 """Name of the option that is configured."""
@@ -126,7 +127,7 @@ def _with_configured(folder: Path, manifest: Manifest, configured: Configured) -
     """Configure the option; return knowledge in which it stands beside all others."""
     output = folder / "configured"
     asked = ("--family", configured.family, "--knowledge", manifest.knowledge, "--trials", configured.trials)
-    _run("configure", configured.option, *asked, "--seed", 1, "--output", output, "--resume")
+    _run("study", "configure", configured.option, *asked, "--seed", 1, "--output", output, "--resume")
     (found,) = (output / "knowledge").glob("*.yaml")
     option = read_mapping(found)["goals"][manifest.goal][0]
     options = _options(manifest)
@@ -141,12 +142,17 @@ def _look_ahead(folder: Path, manifest: Manifest, family: str, compared: Compare
         return
     claimed, first = manifest.claimed, manifest.learners[manifest.claimed].seeds[0]
     base = f"{POLICY}:{folder / f'{claimed}-{first}' / 'policy'}"
-    request = LookAheadRequest(
-        load_family(family), base, 1, compared.looked_ahead, COPIES, HOLD, HORIZON, manifest.goal
+    asked = ("--goal", manifest.goal, "--scenarios", compared.looked_ahead, "--seed", 1)
+    ahead = ("--copies", COPIES, "--hold", HOLD, "--horizon", HORIZON)
+    output = folder / f"look-ahead-of-{family}"
+    _run("study", "look-ahead", family, "--base", base, *asked, *ahead, "--output", output, "--resume")
+    looked = sorted(
+        (run for run in runs_of(output / JOURNAL) if run.condition == LOOKING),
+        key=lambda run: natural_order(run.scenario),
     )
-    looked = looked_ahead(request)
-    taken = {claimed if name == base else name: number for name, number in looked.taken.items()}
-    content = {"excess_s": [result.excess_s for result in looked.results], "taken": taken}
+    counted = sum((Counter(run.taken) for run in looked), Counter())
+    taken = {claimed if name == base else name: number for name, number in counted.items()}
+    content = {"excess_s": [run.result.excess_s for run in looked], "taken": taken}
     write_whole(file, json.dumps(content).encode())
 
 

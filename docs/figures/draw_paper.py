@@ -1,8 +1,8 @@
 """Draws the figures of the paper anew: `python -m docs.figures.draw_paper [DIR]` (default docs/pictures).
 
 The paper's own pictures are not at hand: these are made from its text and from this code.
-Fig. 1 comes from the table of patterns, Fig. 5 is a mission, Fig. 6 is what `clean-swarm draw cleaning` draws; names in
-the others come from documents and registries.
+Fig. 1 comes from the table of patterns, Fig. 5 is a mission, Fig. 6 is what `clean-swarm look draw cleaning` draws;
+names in the others come from documents and registries.
 """
 
 import sys

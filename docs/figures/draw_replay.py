@@ -23,16 +23,17 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from train.cli.options import wide_console
-from train.evaluation.family import FamilyEvaluation, FamilyRequest
-from train.evaluation.pipeline import Execution, evaluate
+from train.evaluation.family import FamilyEvaluation
+from train.evaluation.pipeline import evaluate
 from train.evaluation.trial_task import TrialTask
 from train.live.chosen import chosen, playable
 from train.live.conductor import Conductor
 from train.live.server import LiveServer
+from train.live.session import Session
 from train.replay.page_file import live_page, write_page
 from train.report_page.page import report_of_results
 from train.report_page.results import results_in
-from train.running.processes import Processes
+from train.request import Request
 from train.running.run_folder import RECORDINGS
 
 DOCS = Path(__file__).parents[1]
@@ -82,7 +83,7 @@ def chromium() -> Iterator[Browser]:
 @contextmanager
 def played(browser: Browser, output: Path, speed: float) -> Iterator[Page]:
     """Play the mission of `clean-swarm play` at a speed before a page, and record it; give the page."""
-    session = chosen("crowded", 1, 0, None, ()).open(output, minds=True)
+    session = Session(chosen("crowded", 1, 0, None, ()), output)
     conductor = Conductor(dict.fromkeys(("", *playable(())), lambda: session), speed)
     runner = Thread(target=conductor.run)
     with LiveServer() as server:
@@ -115,8 +116,8 @@ def pictures(page: Page, frames: int) -> Iterator[Image.Image]:
 
 def write_report(folder: Path) -> Path:
     """Evaluate both conditions on some scenarios and write the report; return it."""
-    evaluation = FamilyEvaluation(FamilyRequest(FAMILY, CONDITIONS, 0, SCENARIOS, goal=GOAL))
-    evaluate(evaluation, Execution(Processes(1), folder, False, wide_console(), RecordSettings(Path(RECORDINGS))))
+    kept = {"output": folder, "record": RecordSettings(Path(RECORDINGS))}
+    evaluate(FamilyEvaluation(Request(FAMILY, CONDITIONS, 0, SCENARIOS, goal=GOAL, **kept)), wide_console())
     page = folder / "report.html"
     page.write_text(report_of_results([results_in(folder)], {}), encoding="utf-8")
     return page

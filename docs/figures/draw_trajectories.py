@@ -15,7 +15,7 @@ from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvas import GARBAGE, INK, LEFTOVERS, PAPER, SEARCHING, Canvas, appearances
 from clean_swarm_env.drawing.world_picture import canvas_of
-from clean_swarm_env.world.cleaning_robot import GOAL
+from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from train.analysis.statistics import Summary
 from train.analysis.task_report import MeasuredStrategy
-from train.evaluation.task_run import TaskOutcome, TaskRunRequest, run_task, tasks_to_run
+from train.evaluation.task_run import TaskOutcome, TaskRun, run_task, tasks_to_run
 
 FILE = Path(__file__).parents[1] / "original.md"
 KNOWLEDGE, RUNS = "original", 20
@@ -79,8 +79,8 @@ def page(runs: int) -> str:
     tasks = tasks_to_run()
     for name in tasks:
         print(name, flush=True)
-        ours = run_task(TaskRunRequest(name, runs=runs))
-        theirs = run_task(TaskRunRequest(name, runs=runs, knowledge=KNOWLEDGE))
+        ours = run_task(TaskRun(name, scenarios=runs))
+        theirs = run_task(TaskRun(name, scenarios=runs, knowledge=KNOWLEDGE))
         table += rows(name, ours, theirs)
         for source, outcome in (("original", theirs), ("library", ours)):
             met[source] += all(one.met for one in outcome.measured)

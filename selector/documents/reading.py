@@ -88,7 +88,8 @@ def json_value(text: str, where: str) -> Any:  # noqa: ANN401  (whatever JSON ho
     try:
         content = json.loads(text, object_pairs_hook=_unique, parse_int=value_of)
     except json.JSONDecodeError as error:
-        raise DocumentError(f"{where}: line {error.lineno}: {error.msg}; expected JSON") from error
+        found = short(text[error.pos : error.pos + 20]) if text[error.pos :].strip() else "the end"
+        raise DocumentError(f"{where}: line {error.lineno}: expected JSON, got {found}") from error
     except RecursionError as error:
         raise DocumentError(f"{where}: {TOO_DEEP}") from error
     except ValueError as error:

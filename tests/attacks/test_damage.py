@@ -26,17 +26,23 @@ from tests.train import fake_mission
 from tests.train.commands import told
 from tests.train.live.sessions import SMALL, play_of
 from train.deciders.models import ModelDecider
-from train.evaluation.gathering import RunShare, gathered
+from train.evaluation.gathering import gathered
 from train.evaluation.held import held_evaluation
 from train.evaluation.repeat import record_run
-from train.live.missions import MissionSession
+from train.live.session import Session
 from train.replay.export import export
+from train.request import Request, RunShare
 from train.running import runs
 from train.running.finished_runs import JOURNAL
 from train.running.run_folder import MANIFEST
 
 COUNT = 3
 FILES = [(number, name) for number in range(1, COUNT + 1) for name in (MANIFEST, JOURNAL)]
+
+
+def held(folder):
+    """Return the evaluation of a share."""
+    return held_evaluation(Request("shares"), folder)
 
 
 @pytest.fixture
@@ -57,7 +63,7 @@ def place(root: Path, number: int, name: str) -> Path:
 def test_damaged_shares_are_gathered_as_they_were_or_refused_in_one_line(shares, tmp_path):
     """Files are cut, changed, swapped and lost; figures of a run may change in a journal, but no run comes or goes."""
     first = place(shares, 1, "")
-    expected, _ = gathered(held_evaluation(first, None), shares, COUNT)
+    expected, _ = gathered(held(first), shares, COUNT)
     whole = {record.key for record in expected}
     files = {at: place(shares, *at).read_bytes() for at in FILES}
     one = st.sampled_from(FILES)
@@ -78,7 +84,7 @@ def test_damaged_shares_are_gathered_as_they_were_or_refused_in_one_line(shares,
             else:
                 place(root, *at).write_bytes(content)
         try:
-            found, _ = gathered(held_evaluation(place(root, 1, ""), None), root, COUNT)
+            found, _ = gathered(held(place(root, 1, "")), root, COUNT)
         except DocumentError as error:
             message = str(error)
         else:
@@ -197,9 +203,9 @@ def test_a_recording_of_a_play_is_whole_after_a_full_disk_and_goes_on_when_there
     """Nothing stays of a block that could not be written, and no file whose head could not be."""
     path = tmp_path / "run.swarm"
     with full_disk(100), pytest.raises(OSError, match=r"run\.swarm"):
-        MissionSession(play_of(SMALL), path)
+        Session(play_of(SMALL), path)
     assert not path.exists()
-    session = MissionSession(play_of(SMALL), path)
+    session = Session(play_of(SMALL), path)
     for _ in range(3):
         session.tick()
     with full_disk(path.stat().st_size + 100), pytest.raises(OSError, match=r"run\.swarm"):

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.skipif(not ATTACKS.is_dir(), reason="the attacks lie be
 
 def command(path):
     if path.name in KNOWLEDGE:
-        return ("knowledge", "import", path, "--store", "store.sqlite")
+        return ("learn", "knowledge", "import", path, "--store", "store.sqlite")
     if path.name == "starts.json":
         return ("evaluate", "--starts", path)
     return ("evaluate", *(("--family",) if path.name.startswith("fam") else ()), path, *CONFIGS)
@@ -29,9 +29,10 @@ def command(path):
 FILES = sorted(path for pattern in ("*.yaml", "*.json") for path in ATTACKS.glob(pattern) if path.name not in RUN)
 COMMANDS = {path.name: command(path) for path in FILES}
 COMMANDS |= {
-    f"draw {path.stem}": ("draw", path.stem, *CONFIGS) for path in sorted((ATTACKS / "configs" / "robots").glob("*"))
+    f"draw {path.stem}": ("look", "draw", path.stem, *CONFIGS)
+    for path in sorted((ATTACKS / "configs" / "robots").glob("*"))
 }
-COMMANDS |= {f"draw {name}": ("draw", ATTACKS / name) for name in ("e2.yaml", "k1.yaml", "m1.yaml", "e5.yaml")}
+COMMANDS |= {f"draw {name}": ("look", "draw", ATTACKS / name) for name in ("e2.yaml", "k1.yaml", "m1.yaml", "e5.yaml")}
 COMMANDS |= {
     f"run {name}": ("run", "MaxValue", "--knowledge", name, *CONFIGS) for name in ("bomb", "selfref", "../x", "none")
 }

@@ -17,11 +17,11 @@ TASKS = """
 import multiprocessing
 from clean_swarm_env.siblings import own
 own("train")
-from train.running.engine import each_done
 from train.running.processes import Processes
 from tests.clean_swarm_env.worker_tasks import WhereTask
 if __name__ == "__main__":
-    print(sorted({run.scenario for run in each_done([WhereTask(), WhereTask()], Processes(2))}))
+    with Processes(2).rounds() as done:
+        print(sorted({run.scenario for run in done([WhereTask(), WhereTask()])}))
 """
 
 

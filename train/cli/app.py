@@ -16,20 +16,19 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.tasks import import_tasks, task_stories
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.find import KINDS, SHIPPED, files_of
 from selector.documents.plain import plain
 from selector.documents.reading import read_mapping
 from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
 from train.cli import (
+    choosing,
     claims,
-    configure,
     dataset,
     draw,
     evaluate,
-    headroom,
     knowledge,
     play,
     repeat,
@@ -83,45 +82,98 @@ def _interruptions_reported() -> Iterator[None]:
         raise typer.Exit(INTERRUPTED) from None
 
 
-app = typer.Typer(
-    cls=_Interruptible,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
+PANELS = ("run", "look", "learn", "study", "machine")
+"""Groups of commands in the help, in this order."""
+
+
+class _Grouped(_Interruptible):
+    """The group of all commands, which its help shows under `PANELS`, one line each."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401
+        """Write the commands, panel by panel."""
+        width = max(map(len, self.commands))
+        for panel in PANELS:
+            own = {name: one for name, one in self.commands.items() if getattr(one, "rich_help_panel", "") == panel}
+            with formatter.section(panel):
+                for name, command in own.items():
+                    formatter.write(f"  {name:<{width}}  {command.short_help}\n")
+
+
+def _group(summary: str) -> typer.Typer:
+    return typer.Typer(cls=_Interruptible, no_args_is_help=True, rich_markup_mode=None, help=summary)
+
+
+app = typer.Typer(cls=_Grouped, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
+    "run": {
+        "run": (run.run_command, "a goal of the library in its scene, by its measures (seconds)"),
+        "evaluate": (evaluate.evaluate_command, "an experiment, or strategies on a family (1 to 60 min)"),
+        "play": (play.play_command, "a mission in the browser, changed by hand (starts in seconds)"),
+    },
+    "look": {
+        "explain": (repeat.explain_command, "what a robot decided at a time, and why (seconds)"),
+        "record": (repeat.record_command, "a run again, into a file (seconds)"),
+        "replay": (repeat.replay_command, "a run as a page, or two side by side (seconds)"),
+        "video": (video.video_command, "a run as a video (1 min)"),
+        "report": (report.report_command, "results as a page with charts (seconds)"),
+    },
+    "learn": {},
+    "study": {"tune": (tune.tune_command, "parameters and scores of options, by missions (10 to 60 min)")},
+    "machine": {"gather": (gather.gather_command, "the shares of an evaluation into one (seconds)")},
+}
+"""Panel -> command -> its function, and what it is for with its usual time."""
+GROUPS: dict[str, tuple[str, dict[str, Any]]] = {
+    "look": (
+        "picture, draw, export: a file of what one sees (seconds)",
+        {"picture": picture.picture_command, "draw": draw.draw_command, "export": repeat.export_command},
+    ),
+    "learn": (
+        "knowledge, dataset: what is known and learned (seconds)",
+        {"dataset": dataset.dataset_command},
+    ),
+    "study": (
+        "what choosing brings, in six ways (1 to 60 min)",
+        {
+            "score": score.score_command,
+            "headroom": choosing.headroom_command,
+            "look-ahead": choosing.look_ahead_command,
+            "periods": choosing.periods_command,
+            "configure": tune.configure_command,
+            "claims": claims.claims_command,
+        },
+    ),
+    "machine": (
+        "warm, slurm: compile all, print a job array (1 min)",
+        {"warm": warm.warm_command},
+    ),
+}
+"""Group, in the panel of its name -> what it is for, and its commands."""
+for _panel, _commands in COMMANDS.items():
+    for _name, (_command, _summary) in _commands.items():
+        app.command(_name, short_help=_summary, rich_help_panel=_panel)(_command)
+groups = {name: _group(summary) for name, (summary, _) in GROUPS.items()}
+for _name, (_summary, _below) in GROUPS.items():
+    for _own, _command in _below.items():
+        groups[_name].command(_own)(_command)
+    app.add_typer(groups[_name], name=_name, short_help=_summary, rich_help_panel=_name)
+groups["learn"].add_typer(knowledge.app, name="knowledge")
+groups["machine"].command("slurm", context_settings=script.PASSED_ON)(script.slurm_command)
+app.add_typer(
+    train.app,
+    name="train",
+    short_help="ppo, bandit, es, design: what serves where (2 to 60 min)",
+    rich_help_panel="learn",
 )
-app.command("evaluate")(evaluate.evaluate_command)
-app.add_typer(knowledge.app, name="knowledge")
-app.add_typer(train.app, name="train")
-app.command("run")(run.run_command)
-app.command("score")(score.score_command)
-app.command("tune")(tune.tune_command)
-app.command("configure")(configure.configure_command)
-app.command("claims")(claims.claims_command)
-app.command("headroom")(headroom.headroom_command)
-app.command("look-ahead")(headroom.look_ahead_command)
-app.command("periods")(headroom.periods_command)
-app.command("gather")(gather.gather_command)
-app.add_typer(script.app, name="script")
-app.command("warm")(warm.warm_command)
-app.command("draw")(draw.draw_command)
-app.command("dataset")(dataset.dataset_command)
-app.command("explain")(repeat.explain_command)
-app.command("record")(repeat.record_command)
-app.command("replay")(repeat.replay_command)
-app.command("play")(play.play_command)
-app.command("picture")(picture.picture_command)
-app.command("video")(video.video_command)
-app.command("report")(report.report_command)
-app.command("export")(repeat.export_command)
 
 
 def run_app() -> None:
     """Run the command line and exit with its code."""
     for name in THREAD_LIMITS:  # runs are parallel in processes, which inherit this limit
         os.environ.setdefault(name, "1")
-    # --trust and --import may stand anywhere; in the command of a script they stay where they are
-    words, files = (sys.argv[1:], []) if sys.argv[1:2] == ["script"] else _imports(sys.argv[1:])
-    words = sorted(words, key=lambda word: word != TRUST and words[0] != "script")
+    # --trust and --import may stand anywhere; in the command of a job array they stay where they are
+    array = sys.argv[1:3] == ["machine", "slurm"]
+    words, files = (sys.argv[1:], []) if array else _imports(sys.argv[1:])
+    words = sorted(words, key=lambda word: word != TRUST and not array)
     try:
         given = [*words, *(value for name, value in os.environ.items() if name.startswith("CLEAN_SWARM_"))]
         with permitting(permission_of(given, trusted=words[:1] == [TRUST])):
@@ -172,7 +224,7 @@ def _common(
     """Compare and learn the selection of self-organisation mechanisms by robots that clean a torus."""
 
 
-@app.command("list")
+@app.command("list", short_help="all that has a name (seconds)", rich_help_panel="run")
 def list_everything(configs: Configs = None) -> None:
     """List the experiments with their conditions, the families of scenarios, and the names of all else."""
     directories = tuple(configs or ())

@@ -1,4 +1,4 @@
-"""`clean-swarm claims`: strategies on several families at once, corrected for their number."""
+"""`clean-swarm study claims`: strategies on several families at once, corrected for their number."""
 
 from pathlib import Path
 from typing import Annotated

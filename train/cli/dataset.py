@@ -1,13 +1,14 @@
-"""`clean-swarm dataset`: missions as a Minari dataset."""
+"""`clean-swarm learn dataset`: missions as a Minari dataset."""
 
 from typing import Annotated
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, check_whole, error_console
+from clean_swarm_env.config.types import ConfigurationError
+from train.cli.options import MOST_SCENARIOS, MOST_SEED, GivenOptions, asking, check_whole, error_console
 
 
+@asking("seed", "configs")
 def dataset_command(
     name: Annotated[str, typer.Argument(help="Name of the dataset, as Minari has it: group/name-v0.")],
     family: Annotated[str, typer.Option(help="Family of the missions: a name or a path.")] = "table1",
@@ -17,20 +18,22 @@ def dataset_command(
     strategy: Annotated[
         str, typer.Option(help="Who decides, as in `evaluate --strategy`; one member, not learning.")
     ] = "Random",
-    missions: Annotated[int, typer.Option(help="Number of missions.")] = 10,
-    seed: Annotated[int, typer.Option(help="Seed of the first mission; the others follow.")] = 0,
-    configs: Configs = None,
+    missions: Annotated[int, typer.Option(help="Number of missions; their seeds follow on the first.")] = 10,
+    *,
+    given: GivenOptions,
 ) -> None:
     """Run missions and keep every observation, action, reward and info as a Minari dataset (extra `minari`)."""
-    check_whole({"--missions": (missions, 1, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED - MOST_SCENARIOS)})
+    check_whole({"--missions": (missions, 1, MOST_SCENARIOS)})
+    check_whole({"--seed": (given.values["seed"], 0, MOST_SEED - MOST_SCENARIOS)})
     if strategy == "fixed" or "+" in strategy:
         raise ConfigurationError(f"--strategy: expected one strategy, such as fixed:OPTION, got {strategy!r}")
-    from train.learning.dataset import DatasetRequest, write_dataset  # imports Numba
+    from train.learning.dataset import write_dataset  # imports Numba
 
-    directories = tuple(configs or ())
-    request = DatasetRequest(name, family, size, strategy, missions, seed, directories)
+    request = given.request(family, strategies=(strategy,), scenarios=missions)
     with error_console().status("running") as status:
         done = iter(range(1, missions + 1))
-        text, decisions = write_dataset(request, lambda: status.update(f"{next(done)} of {missions} missions"))
+        text, decisions = write_dataset(
+            name, request, size, lambda: status.update(f"{next(done)} of {missions} missions")
+        )
     typer.echo(text)
     typer.echo(f"{missions} missions, {decisions} decisions in the Minari dataset {name}")

@@ -1,4 +1,4 @@
-"""`clean-swarm draw`: a diagram of a robot's behaviour network, of a mechanism configuration, or of a state machine.
+"""`clean-swarm look draw`: a diagram of a robot's network, of a mechanism configuration, or of a state machine.
 
 The functions import Matplotlib and the library themselves, so that help is quick.
 """
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import Configs
 
 if TYPE_CHECKING:

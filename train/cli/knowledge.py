@@ -1,4 +1,4 @@
-"""`clean-swarm knowledge`: list, show, import, export, merge and reset knowledge stores.
+"""`clean-swarm learn knowledge`: list, show, import, export, merge and reset knowledge stores.
 
 The commands import the store inside their functions: SQLAlchemy takes long to load, and help has to be quick.
 """
@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.writing import write_whole
 from train.cli.options import Configs, wide_console
 

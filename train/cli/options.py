@@ -1,49 +1,49 @@
-"""Parts of several commands: options, checks of numbers, consoles."""
+"""Parts of several commands: the options that they share, checks of numbers, consoles.
 
-from collections.abc import Mapping, Sequence
+A command names the options that it shares with others (`asking`). It gets what was given for them as `GivenOptions`, of
+which it makes the one `Request`. Libraries that take seconds are imported only then.
+"""
+
+import inspect
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import named_file
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.find import find_file
 from selector.documents.plain import short
 from selector.documents.trust import FOREIGN_ENDINGS
+from train.running.run_folder import RECORDINGS
+
+if TYPE_CHECKING:  # imports SQLAlchemy and Numba
+    from train.request import Request
 
 MEMBER_FILES = {"policy": "policies", "learned": "strategies", "fsm": "machines"}
 """Kind of a strategy -> kind of its file."""
 TABLE_WIDTH = 140
 """Least width of the printed tables [characters]: folded cells are hard to read."""
+MOST_SEED = 2**63 - 1
+MOST_SCENARIOS = 10_000
+MAY_NAME_CODE = "only with --trust may files name code, models that are code, or databases (docs/trust.md)"
+"""What the help of options says whose files may name code."""
 
 Configs = Annotated[
     list[Path] | None,
     typer.Option(
-        help="Directory of your own files, with experiments/, families/, knowledge/, mechanisms/, missions/, "
-        "policies/, robots/, starts/, strategies/, studies/, training/; searched before the shipped ones; can be "
-        "repeated.",
+        help="Directory of your own files, with experiments/, families/, knowledge/, machines/, mechanisms/, "
+        "missions/, policies/, robots/, starts/, strategies/, studies/, training/; searched before the shipped ones; "
+        f"can be repeated; {MAY_NAME_CODE}.",
     ),
 ]
-
-MOST_SEED = 2**63 - 1
-MOST_SCENARIOS = 10_000
-MOST_WORKERS = 1000
-MOST_WORLD_SEEDS = 100
-
-Family = Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")]
-GoalText = Annotated[
-    str | None, typer.Option(help="Goal to decide on, or several joined by +; AvoidCollision unless given.")
-]
-OtherKnowledge = Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
-Workers = Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")]
 Output = Annotated[Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")]
-Resume = Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")]
-Force = Annotated[
-    bool, typer.Option("--force", help="Start even what is estimated to need more memory than there is, or a week.")
-]
 RunStore = Annotated[
     str | None,
     typer.Option(
@@ -51,43 +51,168 @@ RunStore = Annotated[
         metavar="URL",
     ),
 ]
-ShareText = Annotated[
-    str | None,
-    typer.Option(
-        "--share",
-        help="Do the I-th of N parts of the runs, beside the other parts in --output; `gather` merges them.",
-        metavar="I/N",
-    ),
-]
-OnPlace = Annotated[
-    str | None,
-    typer.Option(
-        "--on",
-        help="Run missions on the workers of a Dask scheduler, or of up to JOBS jobs of SLURM (extra `cluster`).",
-        metavar="tcp://HOST:PORT|slurm:JOBS",
-    ),
-]
 AnyBits = Annotated[
     bool, typer.Option("--any-bits", help="Take machines on which missions end differently, and note them.")
 ]
 Learn = Annotated[bool, typer.Option("--learn", help="Give what is learned back to the store.")]
 
+SHARED: dict[str, tuple[Any, Any]] = {
+    "scenarios": (
+        Annotated[int | None, typer.Option(help="Number of scenarios; the family's own unless given.")],
+        None,
+    ),
+    "seed": (Seed, 0),
+    "knowledge": (Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")], None),
+    "goal": (
+        Annotated[
+            str | None,
+            typer.Option(
+                help="Goal to decide on, or several joined by +; AvoidCollision or the only one unless given."
+            ),
+        ],
+        None,
+    ),
+    "workers": (
+        Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")],
+        None,
+    ),
+    "output": (Output, None),
+    "resume": (Annotated[bool, typer.Option("--resume", help="Do only what the directory lacks.")], False),
+    "store": (RunStore, None),
+    "learn": (Learn, False),
+    "record": (
+        Annotated[bool, typer.Option("--record", help="Record the missions, for `clean-swarm replay`.")],
+        False,
+    ),
+    "minds": (
+        Annotated[bool, typer.Option("--minds", help="Record what the robots' networks decide, too.")],
+        False,
+    ),
+    "share": (
+        Annotated[
+            str | None,
+            typer.Option(
+                help="Do the I-th of N parts of the runs, beside the other parts in --output; `gather` merges them.",
+                metavar="I/N",
+            ),
+        ],
+        None,
+    ),
+    "on": (
+        Annotated[
+            str | None,
+            typer.Option(
+                help="Run missions on the workers of a Dask scheduler, or of JOBS jobs of SLURM (extra `cluster`).",
+                metavar="tcp://HOST:PORT|slurm:JOBS",
+            ),
+        ],
+        None,
+    ),
+    "any_bits": (AnyBits, False),
+    "force": (
+        Annotated[
+            bool,
+            typer.Option("--force", help="Start even what is estimated to need more memory than there is, or a week."),
+        ],
+        False,
+    ),
+    "configs": (Configs, None),
+}
+"""GivenOptions that commands share: name -> type and help, default."""
+KEEPING = ("output", "resume", "workers", "on", "any_bits", "force", "configs")
+"""GivenOptions of all commands that do missions and keep results."""
+BOUNDS = {"scenarios": (1, MOST_SCENARIOS), "seed": (0, MOST_SEED), "workers": (1, 1000)}
+"""Least and largest number."""
 
-def check_share(share: str | None, output: Path | None, *, learn: bool = False) -> None:
-    """Raise ConfigurationError for a share without a directory, or of missions that learn in turn."""
-    if share is not None and output is None:
-        raise ConfigurationError("--share: expected --output, the directory of all shares")
-    if share is not None and learn:
-        raise ConfigurationError("--share: expected no --learn, where missions learn in turn")
+Family = Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")]
+
+
+@dataclass(frozen=True)
+class GivenOptions:
+    """What the user gave for the shared options of a command."""
+
+    values: Mapping[str, Any]
+
+    @property
+    def directories(self) -> tuple[Path, ...]:
+        """The user's own directories of configurations."""
+        return tuple(self.values["configs"] or ())
+
+    def request(self, name: str, **more: Any) -> "Request":  # noqa: ANN401  (fields of a request)
+        """Return the request for an experiment, a family, a training or a study, with `more` of its fields."""
+        from clean_swarm_env.recording.recorder import RecordSettings  # these import SQLAlchemy and Numba
+        from train.cluster.bits import WorkerBits
+        from train.knowledge_store import StoreRequest
+        from train.request import Request, RunShare, without_secrets
+        from train.running.needs import Machine
+        from train.running.runs import usable_cpus
+
+        value = self.values.get
+        learns = value("learn", value("store") is not None)
+        record, share = value("record") or value("minds"), value("share")
+        workers = value("workers") or (usable_cpus() if "workers" in self.values else 1)
+        settings = {
+            **{name: value(name) for name in ("scenarios", "knowledge", "goal", "output")},
+            "seed": value("seed", 0),
+            "directories": self.directories,
+            "store": StoreRequest(value("store"), learns),
+            "resume": value("resume", False),
+            "share": RunShare.of_text(share) if share is not None else None,
+            "record": RecordSettings(Path(RECORDINGS), value("minds", False)) if record else None,
+            "machine": Machine(workers, value("force", False), value("on")),
+            "bits": WorkerBits(mixed=value("any_bits", False)),
+            "words": ("clean-swarm", *map(without_secrets, sys.argv[1:])),
+        }
+        return Request(name, **{**settings, **more})
+
+    def check(self) -> None:
+        """Raise ConfigurationError for numbers out of bounds, and for options that exclude each other."""
+        value = self.values.get
+        check_whole({f"--{name}": (value(name), *bounds) for name, bounds in BOUNDS.items()})
+        if value("share") is not None and value("output") is None:
+            raise ConfigurationError("--share: expected --output, the directory of all shares")
+        for name in ("share", "on"):
+            if value("learn") and value(name) is not None:
+                raise ConfigurationError(f"--{name}: expected no --learn, where missions learn in turn")
+
+
+def asking(*names: str, **defaults: object) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the shared options of these names; it gets what is given for them, checked, as `given`.
+
+    GivenOptions with a default of their own get it: `scenarios=30`.
+    """
+
+    def with_options(command: Callable[..., None]) -> Callable[..., None]:
+        own = inspect.signature(command).parameters.values()
+        shared = [
+            inspect.Parameter(
+                name, inspect.Parameter.KEYWORD_ONLY, default=defaults.get(name, default), annotation=annotation
+            )
+            for name, (annotation, default) in SHARED.items()
+            if name in names or name in defaults
+        ]
+
+        @wraps(command)
+        def with_given(**words: Any) -> None:  # noqa: ANN401  (values of options)
+            given = GivenOptions({one.name: words.pop(one.name) for one in shared})
+            given.check()
+            command(**words, given=given)
+
+        parameters = [*(one for one in own if one.name != "given"), *shared]
+        with_given.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        with_given.__annotations__ = {one.name: one.annotation for one in parameters}
+        del with_given.__wrapped__
+        return with_given
+
+    return with_options
 
 
 def check_whole(given: Mapping[str, tuple[int | None, int, int]]) -> None:
     """Raise ConfigurationError for a number out of bounds; `given`: option -> number, least and largest number."""
     for name, (value, least, most) in given.items():
-        if value is not None and value < least:
-            raise ConfigurationError(f"{name}: expected a whole number of at least {least}, got {short(value)}")
-        if value is not None and value > most:
-            raise ConfigurationError(f"{name}: expected a whole number of at most {most}, got {short(value)}")
+        if value is not None and not least <= value <= most:
+            which = f"at least {least}" if value < least else f"at most {most}"
+            raise ConfigurationError(f"{name}: expected a whole number of {which}, got {short(value)}")
 
 
 def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None = None, **given: str | None) -> None:

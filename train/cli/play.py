@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, Seed, check_whole
 
 if TYPE_CHECKING:  # imports Numba
-    from train.live.session import Played, Session
+    from train.live.chosen import PlayedMission
+    from train.live.session import Session
 
 MOST_PORT = 65_535
 MINDS_UP_TO = 30
@@ -30,8 +31,8 @@ def play_command(
     name: Annotated[
         str,
         typer.Argument(
-            help="Name of a mission, a family or a goal, or path to a YAML file; or a recording of an earlier play.",
-            metavar="[MISSION|FAMILY|GOAL|RECORDING]",
+            help="Name of a mission, a family or a task, or path to a YAML file; or a recording of an earlier play.",
+            metavar="[MISSION|FAMILY|TASK|RECORDING]",
         ),
     ] = "crowded",
     strategy: Annotated[
@@ -64,14 +65,15 @@ def play_command(
     from train.live.chosen import chosen, playable  # imports Numba
     from train.live.conductor import Conductor, checked_speed
     from train.live.server import LiveServer
+    from train.live.session import Session
     from train.replay.page_file import live_page
 
     recorded: list[Path] = []
 
-    def opened(choose: Callable[[], Played]) -> Session:
+    def opened(choose: Callable[[], PlayedMission]) -> Session:
         play = choose()
         recorded.append(_new_file(output, play.name))
-        return play.open(recorded[-1], minds=play.robots <= MINDS_UP_TO if minds is None else minds)
+        return Session(play, recorded[-1], minds=play.robots <= MINDS_UP_TO if minds is None else minds)
 
     checked_speed(speed)
     directories = tuple(configs or ())

@@ -10,10 +10,12 @@ import typer
 from rich.console import Console
 from rich.progress import track
 
-from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import error_console
+from clean_swarm_env.config.types import ConfigurationError
+from train.cli.options import MAY_NAME_CODE, error_console
 
-RunDirectory = Annotated[Path, typer.Argument(help="Directory of an evaluation's results.", metavar="RUN")]
+RunDirectory = Annotated[
+    Path, typer.Argument(help=f"Directory of an evaluation's results; {MAY_NAME_CODE}.", metavar="RUN")
+]
 ScenarioOption = Annotated[str | None, typer.Option(help="Scenario of the run; the first one unless given.")]
 ConditionOption = Annotated[str | None, typer.Option(help="Condition of the run; the first one unless given.")]
 
@@ -58,7 +60,10 @@ def record_command(
 
 def replay_command(
     runs: Annotated[
-        list[Path], typer.Argument(help="Recordings, or directories of results: one or two.", metavar="RUN [RUN2]")
+        list[Path],
+        typer.Argument(
+            help=f"Recordings, or directories of results: one or two; {MAY_NAME_CODE}.", metavar="RUN [RUN2]"
+        ),
     ],
     html: Annotated[Path, typer.Option(help="Page to write; one that exists is replaced.")],
     scenario: ScenarioOption = None,

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.writing import write_whole
 from train.cli.options import MOST_SEED, Configs, Learn, RunStore, check_whole, wide_console
 
@@ -48,8 +48,9 @@ def run_command(
         raise ConfigurationError(f"--seconds: expected a positive number up to {MOST_SECONDS:g}, got {seconds:g}")
     if arena is not None and arena not in ARENAS:
         raise ConfigurationError(f"--arena: expected {' or '.join(ARENAS)}, got {arena!r}")
+    from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation.task_page import as_page, outcome_grid
-    from train.evaluation.task_run import TaskRunRequest, run_task, tasks_to_run  # imports Numba
+    from train.evaluation.task_run import TaskRun, run_task, tasks_to_run  # imports Numba
     from train.knowledge_store import StoreRequest
     from train.reports.knowledge_tables import learned_scores
     from train.reports.text_table import on_terminal
@@ -57,15 +58,25 @@ def run_command(
     if (task is None) is not every:
         known = f"; the tasks are {', '.join(tasks_to_run())}" if task is None else ""
         raise ConfigurationError(f"run: expected a task or --all, got {'both' if every else 'neither'}{known}")
-    outcomes, directories, kept = [], tuple(configs or ()), StoreRequest(store, learn)
+    outcomes, directories = [], tuple(configs or ())
     with Console(stderr=True).status("running") as status:
         for name in tasks_to_run() if every else (str(task),):
             status.update(f"running {name}")
             ground: Any = arena  # which has been checked
-            request = TaskRunRequest(
-                name, option, robots, seconds, ground, seed, runs, knowledge, directories, kept, record
+            asked = TaskRun(
+                name,
+                seed=seed,
+                scenarios=runs,
+                knowledge=knowledge,
+                directories=directories,
+                store=StoreRequest(store, learn),
+                record=None if record is None else RecordSettings(record.resolve()),
+                option=option,
+                robots=robots,
+                seconds=seconds,
+                ground=ground,
             )
-            outcomes.append(run_task(request))
+            outcomes.append(run_task(asked))
     if json:
         plain = [outcome.content for outcome in outcomes]
         typer.echo(json_format.dumps(plain if every else plain[0], indent=2))
@@ -76,5 +87,5 @@ def run_command(
         for outcome in outcomes:
             wide_console().print(on_terminal(outcome_grid(outcome)))
             if outcome.known is not None:
-                known = learned_scores(outcome.known, "known at the beginning", outcome.request.mission)
-                wide_console().print(on_terminal(known))
+                table = learned_scores(outcome.known, "known at the beginning", outcome.request.mission)
+                wide_console().print(on_terminal(table))

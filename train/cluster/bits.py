@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.warm_up import compile_once
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from selector.documents.plain import short

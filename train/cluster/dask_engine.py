@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from functools import partial
@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.plain import short
 from selector.documents.trust import current_permission, permitting
 from train.cluster.bits import WorkerBits, own_bits
@@ -78,7 +78,7 @@ class DaskEngine:
             if cluster is not None:
                 cluster.close()
 
-    def _round(self, client: Any, tasks: Sequence[Work]) -> Iterator[RunRecord]:  # noqa: ANN401  (no types)
+    def _round(self, client: Any, tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:  # noqa: ANN401  (no types)
         from distributed import as_completed
 
         def remote(directory: str, pickled: bytes) -> Any:  # noqa: ANN401

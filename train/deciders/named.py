@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.observation.config import TRUE_TERMS, ObservationConfig
 from selector.documents.arrays import check_known

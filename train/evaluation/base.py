@@ -1,8 +1,7 @@
 """Evaluations: the base class of those of an experiment and of a family."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Any
 
@@ -11,8 +10,11 @@ from pydantic import Field
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.fields import Closed, Flag
 from selector.strategies.strategy import DecisionStrategy
-from train.knowledge_store import Memory
+from train.knowledge_store import Memory, as_plain
 from train.reports.write_report import Publication
+from train.request import Request
+from train.running.provenance import fingerprints, versions
+from train.running.run_folder import LEARNED_BEFORE
 from train.running.runs import RunKey, RunRecord, Task
 
 OWN_STARTS = "own starts"
@@ -37,6 +39,8 @@ class Asked(Closed):
 
 Choosers = Mapping[str, DecisionStrategy]
 """Goal -> strategy with one row, which chooses one option for the whole team and mission."""
+Done = Mapping[RunKey, RunRecord | None]
+"""Runs that need not be done: their records, or None for those that others do."""
 
 
 class Evaluation(ABC):
@@ -46,14 +50,14 @@ class Evaluation(ABC):
     that does not exist or fit.
 
     Attributes:
+        request: the request.
+        directories: the user's own directories of configurations.
         stem: name of the default directory for the results.
         manifest: content of `manifest.json`; `identity` decides whether runs can be resumed, the rest is for readers.
-        words: the command of this evaluation, without its directory.
         growing: name of a mapping in the identity to which entries can be added later; empty: none.
         memory: the knowledge store of this evaluation, if any.
         mission: the mission; before the runs begin it gets what was learned of its options.
         scenarios: names of the scenarios, in the order in which missions learn.
-        directories: the user's own directories of configurations.
         asked: what the identity does not say.
         context: under which a store keeps rewards of such missions.
         scored: condition -> goal -> option, where runs of fixed options are scored for the store.
@@ -62,15 +66,17 @@ class Evaluation(ABC):
 
     stem: str
     manifest: dict[str, Any]
-    words: list[str]
     growing = ""
     memory: Memory | None = None
     mission: MissionConfig
     scenarios: list[str]
-    directories: tuple[Path, ...]
     asked: Asked
     context: str
     scored: Mapping[str, Mapping[str, str]] = MappingProxyType({})
+
+    def __init__(self, request: Request) -> None:
+        self.request = request
+        self.directories = tuple(path.resolve() for path in request.directories)
 
     @property
     def learns_in_turn(self) -> bool:
@@ -79,12 +85,29 @@ class Evaluation(ABC):
 
     @property
     def keys(self) -> list[RunKey]:
-        """Scenario and condition of all runs, condition by condition."""
-        return sorted((key for task in self.tasks(()) for key in task.keys), key=lambda key: key[1])
+        """Scenario and condition of all runs that are known before the first, condition by condition."""
+        return sorted((key for task in self.tasks({}) for key in task.keys), key=lambda key: key[1])
+
+    def identify(self, identity: Mapping[str, Any], **beside: object) -> None:
+        """Make the manifest of an identity, and of what stands `beside` it."""
+        learns = {"learns": True} if self.learns_in_turn else {}
+        self.manifest = {
+            "identity": {**identity, "files": fingerprints(self.directories), **learns},
+            **beside,
+            "versions": versions(),
+            **({LEARNED_BEFORE: as_plain(self.memory.knowledge.learned)} if self.memory is not None else {}),
+        }
+
+    def remarks(self) -> list[str]:
+        """Return what a user should know of the strategies before they run."""
+        return []
 
     @abstractmethod
-    def tasks(self, done: Collection[RunKey]) -> Sequence[Task]:
-        """Return the tasks for all runs except those that are `done`."""
+    def tasks(self, done: Done) -> Sequence[Task]:
+        """Return the tasks for all runs except those that are `done`.
+
+        A search whose runs depend on the results of others returns those that can be done now, and is asked again.
+        """
 
     @abstractmethod
     def mistake(self, record: RunRecord) -> str:

@@ -6,29 +6,27 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.config.families import FamilyConfig, place_of
-from selector.documents.errors import validated
+from clean_swarm_env.config.families import place_of
+from clean_swarm_env.config.types import ConfigurationError
 from selforg.registry import unknown
 from train.analysis.claims import Claim, claims_of
 from train.analysis.family_report import FamilyRuns, excesses_of, unfinished_of
 from train.analysis.spread import too_few
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
-from train.evaluation.entrants import Entrant
-from train.evaluation.repeat_trial import evaluation_seed
+from train.evaluation.identity import Identity
 from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
 from train.running.finished_runs import JOURNAL, runs_of
-from train.running.run_folder import MANIFEST, read_manifest
+from train.running.run_folder import read_manifest
 
 
 def family_runs(directory: Path) -> FamilyRuns:
     """Return the runs of a directory of results; ConfigurationError if it is none of a family, or lacks runs."""
-    identity, path = read_manifest(directory)["identity"], directory / MANIFEST
-    if "family" not in identity or not isinstance(identity.get("strategies"), dict):
+    manifest = read_manifest(directory)
+    if "family" not in manifest["identity"] or "strategies" not in manifest["identity"]:
         raise ConfigurationError(f"{directory}: expected results of `evaluate --family`")
-    family = validated(FamilyConfig, identity["family"], f"{path}: identity.family")
-    entrants = [Entrant(label, tuple(map(str, members))) for label, members in identity["strategies"].items()]
+    identity = Identity.of(manifest, directory)
+    entrants = identity.entrants
     records = runs_of(directory / JOURNAL)
     places = {place_of(record.scenario) for record in records}
     scenarios, worlds = (max((place[k] for place in places), default=-1) + 1 for k in (0, 1))
@@ -36,9 +34,9 @@ def family_runs(directory: Path) -> FamilyRuns:
     if scenarios < 2 or missing:
         raise ConfigurationError(f"{directory}: expected all runs of two scenarios or more; {missing} are missing")
     return FamilyRuns(
-        family=family,
-        goal=str(identity.get("goal")),
-        seed=evaluation_seed(identity, path),
+        family=identity.family(directory),
+        goal=identity.goal,
+        seed=identity.seed,
         scenarios=scenarios,
         worlds=worlds,
         conditions={entrant.label: entrant.conditions for entrant in entrants},

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import find_task
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observer
 from selector.documents.errors import DocumentError
@@ -21,6 +21,8 @@ from selector.strategies.problem import Problem
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FILED, FIXED, decider_named
 
+UNTAUGHT = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
+"""What is said of a strategy that could learn."""
 NEVER_AVOIDING, RANDOM = f"{FIXED}:Off", "Random"
 """What every strategy has to beat at avoiding collisions: never to avoid, and any option in each decision period."""
 
@@ -101,15 +103,14 @@ def with_baselines(
     return [*entrants, *(Entrant(name, (name,)) for name in names if name in exist and name not in taken)]
 
 
-def never_taken(
-    entrants: Sequence[Entrant], options: Sequence[str], directories: Sequence[Path] = ()
-) -> dict[str, list[str]]:
-    """Return the options that were not there when a strategy was trained, by the labels of such strategies."""
-    known = {entrant.label: decider_named(entrant.members[0], directories).knows for entrant in entrants}
-    missing = {label: [option for option in options if option not in own] for label, own in known.items() if own}
-    return {label: names for label, names in missing.items() if names}
-
-
-def unlearned(entrants: Sequence[Entrant], directories: Sequence[Path] = ()) -> list[str]:
-    """Return the labels of strategies that could learn, but have learned nothing and do not in an evaluation."""
-    return [entrant.label for entrant in entrants if decider_named(entrant.members[0], directories).learns]
+def remarks_on(entrants: Sequence[Entrant], options: Sequence[str], directories: Sequence[Path] = ()) -> list[str]:
+    """Return which options strategies never take, and which strategies could learn, but have learned nothing."""
+    told = []
+    for entrant in entrants:
+        named = decider_named(entrant.members[0], directories)
+        missing = [option for option in options if named.knows and option not in named.knows]
+        if missing:
+            told.append(f"{entrant.label}: never takes {', '.join(missing)}, which it was trained without")
+        if named.learns:
+            told.append(f"{entrant.label}: {UNTAUGHT}")
+    return told

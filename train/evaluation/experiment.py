@@ -1,19 +1,19 @@
 """The evaluation of an experiment: every condition on every start configuration."""
 
 import platform
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import load_starts, random_start
-from clean_swarm_env.world.cleaning_robot import coordinators_of, goals_of, robot_network
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of, goals_of, robot_network
 from selector.configurations.library import library_of
 from selector.documents.errors import shown, within
 from selector.knowledge import load_knowledge
@@ -23,72 +23,31 @@ from selector.strategies.streams import row_keys
 from selforg.network.planning.names import check_planner
 from selforg.registry import unknown
 from train.analysis.report import report_of, summary_json
-from train.evaluation.base import OWN_STARTS, Asked, Choosers, Evaluation
+from train.evaluation.base import OWN_STARTS, Asked, Choosers, Done, Evaluation
+from train.evaluation.entrants import UNTAUGHT
 from train.evaluation.trial_task import StartTask, TrialTask, experiment_tasks, identities
-from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.experiment_tables import all_tables
 from train.reports.figure import draw
 from train.reports.write_report import Publication
-from train.running.command import command_words
+from train.request import Request
 from train.running.estimate import needs_of
-from train.running.needs import ALONE, Machine, Workload, check_needs
-from train.running.provenance import fingerprints, versions
-from train.running.run_folder import LEARNED_BEFORE
-from train.running.runs import RunKey, RunRecord, RunTask, forcing
-
-
-@dataclass(frozen=True)
-class ExperimentRequest:
-    """The request of the user."""
-
-    experiment: str
-    """Name of an experiment, or path to its YAML file."""
-    seed: int
-    scenarios: int | None = None
-    """Number of random start configurations, in place of the experiment's own."""
-    starts: Path | None = None
-    """File of start configurations, in place of the experiment's own."""
-    conditions: tuple[str, ...] = ()
-    """Names of the conditions to run; empty: all."""
-    directories: tuple[Path, ...] = ()
-    """The user's own directories of configurations, searched before the shipped one."""
-    store: StoreRequest = NO_STORE
-    """The knowledge store."""
-    scoring: bool = False
-    """Whether to run every option of each goal in place of the conditions, and score it."""
-    machine: Machine = ALONE
-    """What the evaluation may use."""
-
-    @property
-    def words(self) -> list[str]:
-        """The command for this request."""
-        return command_words(
-            "score" if self.scoring else "evaluate",
-            self.experiment,
-            seed=self.seed,
-            store=self.store.shown,
-            learn=self.store.learn and not self.scoring,
-            scenarios=self.scenarios,
-            starts=self.starts,
-            condition=self.conditions,
-            force=self.machine.forced,
-            configs=self.directories,
-        )
+from train.running.needs import Workload, check_needs
+from train.running.runs import RunRecord, RunTask, forcing
 
 
 class ExperimentEvaluation(Evaluation):
     """The conditions of an experiment on its start configurations, on random ones, or on those of a file."""
 
     def __init__(
-        self, request: ExperimentRequest, experiment: ExperimentConfig | None = None, asked: Asked | None = None
+        self, request: Request, experiment: ExperimentConfig | None = None, asked: Asked | None = None
     ) -> None:
+        super().__init__(request)
         if request.scenarios is not None and request.starts is not None:
             raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
-        directories = tuple(directory.resolve() for directory in request.directories)
-        self.directories = directories
-        experiment = experiment or load_experiment(request.experiment, directories)
+        directories = self.directories
+        experiment = experiment or load_experiment(request.name, directories)
         chosen = with_conditions(experiment, request.conditions)
-        self.seed, self.words, self.stem = request.seed, request.words, f"{chosen.name}-seed{request.seed}"
+        self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}"
         self.scored, measured, starts = {}, dict[str, Any](), OWN_STARTS
         if request.scoring:
             chosen, self.scored = by_option(chosen, directories)
@@ -104,24 +63,24 @@ class ExperimentEvaluation(Evaluation):
             starts_from, changes = "the experiment's own start configurations", {}
         else:
             count = request.scenarios or chosen.scenarios
-            with within(request.experiment):
+            with within(request.name):
                 check_needs(Workload(chosen.mission, count * len(chosen.conditions)), request.machine)
             starts_from = f"{count} random start configurations of seed {request.seed}"
             self.stem += f"-{count}-scenarios"
             starts = "random starts"
-            with within(request.experiment):
+            with within(request.name):
                 drawn = tuple(random_start(chosen.mission, request.seed, index) for index in range(count))
             changes = {"starts": drawn}
         self.experiment = chosen.model_copy(update=changes)
         self.asked = asked or Asked(scoring=request.scoring, starts=starts, starts_from=starts_from, measured=measured)
-        check_mission(self.experiment, directories, request.experiment)
+        check_mission(self.experiment, directories, request.name)
         store = replace(request.store, url=request.store.url or self.experiment.mission.store or None)
         self.mission = self.experiment.mission.model_copy(update={"store": ""})
         self.scenarios = [start.id for start in self.experiment.starts]
         self.context = mission_context(chosen.mission.name)
         source = f"experiment {chosen.name}, seed {request.seed}, {self.asked.starts}"
         self.memory = store.memory(knowledge_of(self.mission, directories), self.context, source)
-        with within(shown(request.starts) if request.starts is not None else request.experiment):
+        with within(shown(request.starts) if request.starts is not None else request.name):
             tasks = self._tasks()
             for task in {task.condition: task for task in tasks if isinstance(task, StartTask)}.values():
                 with within(f"condition {task.condition!r}"):
@@ -129,28 +88,23 @@ class ExperimentEvaluation(Evaluation):
             largest = max((task.mission for task in tasks), key=lambda mission: needs_of(mission).memory)
             check_needs(Workload(largest, len(tasks)), request.machine)
         self._missions = {(task.scenario, task.condition): task.mission for task in tasks}
-        self.manifest = {
-            "identity": {
-                "experiment": self.experiment.name,
-                "seed": self.seed,
-                "configuration": self.experiment.model_dump(mode="json"),
-                "files": fingerprints(directories),
-                "directories": [str(directory) for directory in directories],
-                **({"learns": True} if self.learns_in_turn else {}),
-                **({"deciders": found} if (found := identities(tasks)) else {}),
-            },
-            "versions": versions(),
-            "platform": platform.platform(),
-            **({LEARNED_BEFORE: as_plain(self.memory.knowledge.learned)} if self.memory is not None else {}),
+        found = identities(tasks)
+        identity = {
+            "experiment": self.experiment.name,
+            "seed": self.seed,
+            "configuration": self.experiment.model_dump(mode="json"),
+            "directories": [str(directory) for directory in directories],
+            **({"deciders": found} if found else {}),
         }
+        self.identify(identity, platform=platform.platform())
 
-    @property
-    def unlearned(self) -> list[str]:
-        """Names of the conditions whose strategy could learn, but has learned nothing."""
+    def remarks(self) -> list[str]:
+        """Return that a strategy which could learn has learned nothing."""
         specs = {each.name: each.strategy for each in self.experiment.conditions}
-        return [name for name, spec in specs.items() if isinstance(spec, StrategySpec) and named(spec.name).can_learn()]
+        able = [name for name, spec in specs.items() if isinstance(spec, StrategySpec) and named(spec.name).can_learn()]
+        return [] if self.request.store.url else [f"{name}: {UNTAUGHT}" for name in able]
 
-    def tasks(self, done: Collection[RunKey]) -> list[RunTask | TrialTask]:
+    def tasks(self, done: Done) -> list[RunTask | TrialTask]:
         """Return one task for each run that is missing."""
         return [task for task in self._tasks() if task.keys[0] not in done]
 
@@ -244,7 +198,7 @@ def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], w
     with within(f"{where}: mission.knowledge"):
         knowledge = load_knowledge(experiment.mission.knowledge, directories)
         library.check(knowledge)
-    with within(f"{where}: mission.network.robot"):
+    with within(where):
         models = coordinators_of(experiment.mission, knowledge, library, directories)
         if experiment.mission.cleans:
             robot_network(network, models, directories)

@@ -13,7 +13,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, explain_robot
 from selforg.arrays import Flags
 from selforg.network.explain.explanation import BehaviourAccount, Explanation

@@ -1,64 +1,15 @@
-"""Shares of an evaluation: commands that each do a part of its runs, beside each other in one directory."""
+"""Gathering: the runs of all shares of an evaluation, checked against each other and against the evaluation."""
 
 from __future__ import annotations
 
-import re
-import shlex
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 
-from clean_swarm_env.config.errors import ConfigurationError
-from selector.documents.plain import short
+from clean_swarm_env.config.types import ConfigurationError
 from train.evaluation.base import Evaluation
+from train.request import ALL, RunShare
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import MANIFEST, SHARE_FOLDERS, Json, RunFolder
 from train.running.runs import RunKey, RunRecord
-
-ALL = "all"
-"""In place of the number of a share: the results of all shares are gathered."""
-
-
-@dataclass(frozen=True)
-class RunShare:
-    """One of `count` parts of the runs of an evaluation, or the gathering of them all."""
-
-    number: int
-    """From 1 on; 0 gathers."""
-    count: int
-
-    @classmethod
-    def of_text(cls, text: str) -> RunShare:
-        """Return the share `I/N`, or what gathers, `all/N`."""
-        found = re.fullmatch(rf"({ALL}|[1-9]\d{{0,4}})/([1-9]\d{{0,4}})", text)
-        number, count = (0 if found[1] == ALL else int(found[1]), int(found[2])) if found else (1, 0)
-        if number > count:
-            raise ConfigurationError(f"--share: expected I/N with I from 1 to N, got {short(text)}")
-        return cls(number, count)
-
-    @property
-    def gathers(self) -> bool:
-        """Whether this is the gathering of all shares."""
-        return self.number == 0
-
-    def __str__(self) -> str:
-        return f"{self.number or ALL}/{self.count}"
-
-    def folder(self, directory: Path) -> Path:
-        """Return the run folder of this share in the directory of all shares."""
-        return directory / SHARE_FOLDERS / f"{self.number}-of-{self.count}"
-
-    def folders(self, directory: Path) -> list[Path]:
-        """Return the run folders of all shares."""
-        return [replace(self, number=number).folder(directory) for number in range(1, self.count + 1)]
-
-    def part(self, keys: Sequence[RunKey]) -> Sequence[RunKey]:
-        """Return every `count`-th of the keys, so that each share has some of every condition."""
-        return keys if self.gathers else keys[self.number - 1 :: self.count]
-
-    def command(self, evaluation: Evaluation, directory: Path | None) -> str:
-        """Return the command that goes on with this share."""
-        return shlex.join([*evaluation.words, "--output", str(directory), "--share", str(self), "--resume"])
 
 
 def gathered(evaluation: Evaluation, directory: Path, count: int) -> tuple[list[RunRecord], Json]:
@@ -69,11 +20,10 @@ def gathered(evaluation: Evaluation, directory: Path, count: int) -> tuple[list[
 
     """
     keys, runs, known = evaluation.keys, dict[RunKey, tuple[RunRecord, Path]](), list[Json]()
-    shares = [RunShare(number, count) for number in range(1, count + 1)]
-    for share in shares:
-        path, command = share.folder(directory), share.command(evaluation, directory)
+    shares = {share: share.folder(directory) for share in (RunShare(k, count) for k in range(1, count + 1))}
+    for share, path in shares.items():
         if not (path / MANIFEST).exists():
-            raise ConfigurationError(f"{path}: no such share; expected the results of `{command}`")
+            raise ConfigurationError(f"{path}: no such share; expected the results of {_command(evaluation, share)}")
         folder = RunFolder(path, evaluation.manifest, resume=True, growing=evaluation.growing)
         with folder.alone():
             for record in runs_of(path / JOURNAL, evaluation.mistake):
@@ -84,13 +34,19 @@ def gathered(evaluation: Evaluation, directory: Path, count: int) -> tuple[list[
         known.append(folder.learned)
         if folder.learned != known[0]:
             raise ConfigurationError(f"{path}: began with other learned scores than share 1")
-    for share in shares:
-        part, path = share.part(keys), share.folder(directory)
+    for share, path in shares.items():
+        part = share.part(keys)
         lacking = sum(key not in runs for key in part)
         if lacking:
-            command = share.command(evaluation, directory)
-            raise ConfigurationError(f"{path}: lacks {lacking} of {len(part)} runs; to go on: `{command}`")
+            how = _command(evaluation, share)
+            raise ConfigurationError(f"{path}: lacks {lacking} of {len(part)} runs; to go on: {how}")
     return [record for record, _ in runs.values()], known[0]
+
+
+def _command(evaluation: Evaluation, share: RunShare) -> str:
+    """Return the command of a share: that of a share which is there, in which the last --share counts."""
+    asked = evaluation.request
+    return f"`{asked.command(asked.output or Path(), '--share', str(share), '--resume')}`"
 
 
 def first_share(directory: Path) -> tuple[RunShare, Path]:

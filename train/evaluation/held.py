@@ -8,18 +8,19 @@ from clean_swarm_env.config.families import RobustnessConfig
 from selector.documents.errors import validated
 from train.deciders.named import FIXED
 from train.evaluation.base import Asked, Evaluation
-from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
-from train.evaluation.family import FamilyEvaluation, FamilyRequest
-from train.evaluation.repeat import held_directories
-from train.evaluation.repeat_trial import evaluation_seed, held_entrants, held_family
+from train.evaluation.choosing.look_ahead import LookAheadEvaluation, LookingAhead
+from train.evaluation.choosing.periods import PeriodsEvaluation
+from train.evaluation.experiment import ExperimentEvaluation
+from train.evaluation.family import FamilyEvaluation
+from train.evaluation.identity import Identity
 from train.evaluation.robustness import RobustnessEvaluation
 from train.knowledge_store import NO_STORE, StoreRequest
-from train.running.needs import Machine
-from train.running.run_folder import ASKED, COMMAND, MANIFEST, WORKERS, Json, read_manifest
+from train.request import Request
+from train.running.run_folder import ASKED, COMMAND, MANIFEST, WORKERS, read_manifest
 
 
-def held_evaluation(folder: Path, store: str | None) -> Evaluation:
-    """Return the evaluation of which a run folder holds runs; a `store` gets the scores of its options.
+def held_evaluation(request: Request, folder: Path) -> Evaluation:
+    """Return the evaluation of which a run folder holds runs; the store of the request gets the scores of its options.
 
     Raises:
         ConfigurationError: a mistake in the manifest.
@@ -27,40 +28,39 @@ def held_evaluation(folder: Path, store: str | None) -> Evaluation:
     """
     path, manifest = folder / MANIFEST, read_manifest(folder)
     asked = validated(Asked, manifest.get(ASKED, {}), f"{path}: {ASKED}")
-    evaluation = _rebuilt(
-        manifest, asked, path, StoreRequest(store, learn=True) if store and asked.scoring else NO_STORE
+    words = manifest.get(COMMAND)
+    store = StoreRequest(request.store.url, learn=True) if request.store.url and asked.scoring else NO_STORE
+    identity = Identity.of(manifest, folder)
+    known = replace(
+        request,
+        name=str(path),
+        seed=identity.seed,
+        scenarios=asked.scenarios,
+        worlds=asked.worlds,
+        directories=identity.directories,
+        store=store,
+        scoring=asked.scoring,
+        words=tuple(map(str, words)) if isinstance(words, list) else (),  # they are only shown
     )
-    if isinstance(words := manifest.get(COMMAND), list):
-        evaluation.words = [str(word) for word in words]  # they are only shown
+    evaluation = _rebuilt(known, identity, asked, folder)
     evaluation.manifest = {key: value for key, value in manifest.items() if key != WORKERS}
     return evaluation
 
 
-def _rebuilt(manifest: Json, asked: Asked, path: Path, store: StoreRequest) -> Evaluation:
-    identity, directories = manifest["identity"], held_directories(manifest, path)
-    seed, name = evaluation_seed(identity, path), str(path)
-    if "family" not in identity:
-        experiment = validated(ExperimentConfig, identity.get("configuration"), f"{path}: identity.configuration")
-        known = ExperimentRequest(name, seed, directories=directories, store=store, scoring=asked.scoring)
-        return ExperimentEvaluation(replace(known, machine=Machine(forced=True)), experiment, asked)
-    entrants = [entrant for entrant, _ in held_entrants(identity.get("strategies"), path)]
-    family = held_family(identity["family"], [one.label for one in entrants], f"{path}: identity.family")
-    request = FamilyRequest(
-        family=name,
-        strategies=(FIXED,),
-        seed=seed,
-        scenarios=asked.scenarios,
-        goal=str(identity.get("goal")),
-        directories=directories,
-        store=store,
-        scoring=asked.scoring,
-        machine=Machine(forced=True),
-        worlds=asked.worlds,
-    )
-    evaluation: FamilyEvaluation = (
-        RobustnessEvaluation(request, family)
-        if isinstance(family, RobustnessConfig)
-        else FamilyEvaluation(request, family)
-    )
-    evaluation.entrants = entrants
+def _rebuilt(request: Request, identity: Identity, asked: Asked, folder: Path) -> Evaluation:
+    where = f"{folder / MANIFEST}: identity"
+    if not identity.of_family:
+        experiment = validated(ExperimentConfig, identity.content("configuration"), f"{where}.configuration")
+        return ExperimentEvaluation(replace(request, scenarios=None), experiment, asked)
+    family, request = identity.family(folder), replace(request, strategies=(FIXED,), goal=identity.goal)
+    evaluation: FamilyEvaluation
+    if held := identity.content("look_ahead"):
+        return LookAheadEvaluation(request, validated(LookingAhead, held, f"{where}.look_ahead"), family)
+    if identity.periods:
+        evaluation = PeriodsEvaluation(request, identity.periods, family)
+    elif isinstance(family, RobustnessConfig):
+        evaluation = RobustnessEvaluation(request, family)
+    else:
+        evaluation = FamilyEvaluation(request, family)
+    evaluation.entrants = identity.entrants
     return evaluation

@@ -1,14 +1,12 @@
-"""The pipeline of all evaluations, of an experiment or of a family: check, tasks, runs, report.
+"""The pipeline of all evaluations: check, tasks, runs, report.
 
-`evaluate` is the whole pipeline. `ExperimentEvaluation` and `FamilyEvaluation` define the tasks and the report.
+`evaluate` is the whole pipeline. Subclasses of `Evaluation` define the tasks and the report.
 """
 
 import json
-import shlex
 from collections.abc import Generator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 from rich.console import Console
@@ -20,83 +18,65 @@ from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission_end import best_score
 from selector.store.exact_sums import REWARD_LIMIT
-from train.cluster.bits import WorkerBits, noted_bits, noting, own_bits
+from train.cluster.bits import noted_bits, noting, own_bits
 from train.evaluation.base import Evaluation
-from train.evaluation.gathering import RunShare, gathered
+from train.evaluation.gathering import gathered
 from train.knowledge_store import Memory
 from train.reports.knowledge_tables import learned_scores
 from train.reports.text_table import on_terminal
 from train.reports.write_report import publish
-from train.running.engine import Engine, WorkerLost, each_done
-from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
+from train.running.engine import WorkerLost
+from train.running.exit_codes import FINISHED
 from train.running.finished_runs import Results
 from train.running.progress import progress
 from train.running.run_folder import ASKED, CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
-from train.running.runs import RunKey, RunRecord
+from train.running.runs import RunKey, RunRecord, Task
 from train.running.warm_up import compile_first
 
 NO_CONTEXT = np.zeros((1, 0))
 """Context of the one row of a strategy that chooses for a whole mission."""
 
 
-@dataclass(frozen=True)
-class Execution:
-    """How an evaluation is executed; none of these settings changes a result."""
+def evaluate(evaluation: Evaluation, console: Console) -> int:
+    """Do the missing runs, write the results and print the tables; return the exit code.
 
-    engine: Engine
-    """What does the runs."""
-    output: Path | None
-    """Directory for the results; a new one below results/ unless given."""
-    resume: bool
-    """Whether to do only the runs that are missing in the directory."""
-    console: Console
-    """Shows the tables; the standard error shows the progress."""
-    record: RecordSettings | None = None
-    """How the runs are recorded, in a directory below that of the results; they are not unless given."""
-    share: RunShare | None = None
-    """The part of the runs that is done, or the gathering of all parts; all runs are done unless given."""
-    bits: WorkerBits = field(default_factory=WorkerBits)
-    """The CPUs that take part in shares or elsewhere."""
-
-    def wanted(self, evaluation: Evaluation) -> Sequence[RunKey]:
-        """Return scenario and condition of the runs that are asked for."""
-        return evaluation.keys if self.share is None else self.share.part(evaluation.keys)
-
-
-def evaluate(evaluation: Evaluation, execution: Execution) -> int:
-    """Do the missing runs, write the results and print the tables; return the exit code."""
-    root = execution.output or default_directory(evaluation.stem, resume=execution.resume)
-    if evaluation.memory is not None and not execution.resume:
+    The standard error shows the progress, `console` the tables.
+    """
+    request, share, known = evaluation.request, evaluation.request.share, list[RunRecord]()
+    root = request.output or default_directory(evaluation.stem, resume=request.resume)
+    if evaluation.memory is not None and not request.resume:
         evaluation.memory.check_new()
-    manifest = {**evaluation.manifest, ASKED: evaluation.asked.model_dump(), COMMAND: evaluation.words}
-    share, known = execution.share, list[RunRecord]()
+    for remark in () if share is not None and share.gathers else evaluation.remarks():
+        Console(stderr=True, highlight=False, soft_wrap=True).print(remark, markup=False)
+    manifest = {**evaluation.manifest, ASKED: evaluation.asked.model_dump(), COMMAND: list(request.words)}
     if share is not None and share.gathers:
         known, learned = gathered(evaluation, root, share.count)
         manifest |= {LEARNED_BEFORE: learned} if LEARNED_BEFORE in manifest else {}
     for place in [root] if share is None else share.folders(root):
-        execution.bits.add(noted_bits(place))
+        request.bits.add(noted_bits(place))
     if share is not None and not share.gathers:
-        execution.bits.add(own_bits())
+        request.bits.add(own_bits())
         root = share.folder(root)
-    folder = RunFolder(root, manifest, resume=execution.resume, growing=evaluation.growing)
-    with noting(folder, execution.bits):
-        return _evaluated(evaluation, execution, Results(folder, evaluation.mistake, known))
+    folder = RunFolder(root, manifest, resume=request.resume, growing=evaluation.growing)
+    with noting(folder, request.bits):
+        return _evaluated(evaluation, Results(folder, evaluation.mistake, known), console)
 
 
-def _evaluated(evaluation: Evaluation, execution: Execution, results: Results) -> int:
-    memory, folder = evaluation.memory, results.folder
+def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> int:
+    memory, folder, request = evaluation.memory, results.folder, evaluation.request
     if folder.learned:
         evaluation.mission = evaluation.mission.beginning_with(folder.learned)
+    wanted = evaluation.keys if request.share is None else request.share.part(evaluation.keys)
     try:
-        _run_missing(evaluation, results, execution)
+        _run_missing(evaluation, results, wanted)
     except (KeyboardInterrupt, WorkerLost) as end:
-        _print_how_to_resume(evaluation, execution, results, str(end) or "interrupted")
-        return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
+        kept = f": {len(results.records)} of {max(len(wanted), len(results.records))} runs are kept"
+        return request.ended(end, folder.path, kept)
     finally:
         results.close()
-    if execution.share is not None and not execution.share.gathers:
-        done = f"share {execution.share} is done; `clean-swarm gather {execution.output}` merges all shares"
-        execution.console.print(done, soft_wrap=True, highlight=False)
+    if request.share is not None and not request.share.gathers:
+        done = f"share {request.share} is done; `clean-swarm gather {request.output}` merges all shares"
+        console.print(done, soft_wrap=True, highlight=False)
         return FINISHED
     publication = evaluation.publication(results.records)
     if folder.learned:
@@ -104,34 +84,47 @@ def _evaluated(evaluation: Evaluation, execution: Execution, results: Results) -
         title = f"known at the beginning in the context {evaluation.context!r}"
         grids = (*publication.grids, learned_scores(known, title, evaluation.mission))
         publication = replace(publication, grids=grids)
-    publish(publication, folder, execution.console)
+    publish(publication, folder, console)
     if memory is not None:
         if memory.learns:
             _give_scores(evaluation, memory, results.records)
             title = f"known now in the context {memory.context!r}"
-            execution.console.print(on_terminal(learned_scores(memory.now(), title, evaluation.mission)))
+            console.print(on_terminal(learned_scores(memory.now(), title, evaluation.mission)))
         memory.close()
     return FINISHED
 
 
-def _run_missing(evaluation: Evaluation, results: Results, execution: Execution) -> None:
-    wanted = execution.wanted(evaluation)
-    others = set(evaluation.keys) - set(wanted)
-    tasks = evaluation.tasks(others | {record.key for record in results.records})
+def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunKey]) -> None:
+    """Do the runs that are wanted and not done, and those of a search that follow from their results."""
+    settings, others = evaluation.request.record, dict.fromkeys(set(evaluation.keys) - set(wanted))
+
+    def missing() -> Sequence[Task]:
+        return evaluation.tasks({**others, **{record.key: record for record in results.records}})
+
+    tasks = missing()
     if tasks and not compiled_before():
         compile_first(tasks[0])
-    settings = execution.record
     if settings is not None:
-        directory = (execution.output or results.folder.path).resolve()  # workers may have another
+        directory = (evaluation.request.output or results.folder.path).resolve()  # workers may have another
         settings = replace(settings, directory=directory / settings.directory)
-        tasks = [task.recorded(settings) for task in tasks]
-    done = len(wanted) - sum(len(task.keys) for task in tasks)
-    in_turn = evaluation.learns_in_turn
-    runs = _lessons(evaluation, results, settings) if in_turn else each_done(tasks, execution.engine)
-    with progress("runs", MofNCompleteColumn(), len(wanted), done) as update, closing(runs) as each:
-        for record in each:
-            results.add(record)
-            update(advance=1)
+    in_turn, left = evaluation.learns_in_turn, _count(tasks)
+    done, total = max(len(wanted) - left, 0), len(wanted)
+    bar = progress("runs", MofNCompleteColumn(), total, done)
+    with bar as update, evaluation.request.engine.rounds() as each_done:
+        while tasks or in_turn:
+            recorded = [task.recorded(settings) for task in tasks] if settings is not None else tasks
+            update(total=max(total, done + left))
+            with closing(_lessons(evaluation, results, settings) if in_turn else each_done(recorded)) as runs:
+                for record in runs:
+                    results.add(record)
+                    update(advance=1)
+            done, tasks, in_turn = done + left, missing(), False
+            left = _count(tasks)
+
+
+def _count(tasks: Sequence[Task]) -> int:
+    """Return the number of runs of tasks."""
+    return sum(len(task.keys) for task in tasks)
 
 
 def _lessons(
@@ -186,13 +179,3 @@ def mission_score(mission: MissionConfig, cost: float) -> float:
     The lowest score is the lowest reward that a store takes.
     """
     return max(best_score(mission) - cost / mission.time_limit, -REWARD_LIMIT)
-
-
-def _print_how_to_resume(evaluation: Evaluation, execution: Execution, results: Results, what: str) -> None:
-    """Print on the standard error what happened, and the command that continues the evaluation."""
-    if execution.share is not None:
-        command = execution.share.command(evaluation, execution.output)
-    else:
-        command = shlex.join([*evaluation.words, "--output", str(results.folder.path), "--resume"])
-    kept = f"{len(results.records)} of {len(execution.wanted(evaluation))} runs are kept; to go on:\n  {command}"
-    Console(stderr=True, highlight=False, soft_wrap=True).print(f"{what}: {kept}", markup=False)

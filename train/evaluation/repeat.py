@@ -3,14 +3,18 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
+import numpy as np
+
 from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.config.families import place_of
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.file import SUFFIX, blocks_of
 from clean_swarm_env.recording.reader import NoFrames, RecordedMission, RecordedParts
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import Course, MissionRun, period_of, result_of
+from clean_swarm_env.world.mission_end import RUNNING
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import shown, validated, within
 from selector.documents.fields import Closed, Number
@@ -18,8 +22,10 @@ from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text
 from selector.documents.writing import writing_to
 from selforg.registry import unknown
-from train.evaluation.repeat_trial import evaluation_seed, family_tasks, trial_steps
-from train.evaluation.trial_task import TrialTask, experiment_tasks, identities
+from train.deciders.decided_goal import DecidedGoal
+from train.evaluation.identity import DIGEST, Identity
+from train.evaluation.trial_task import TrialTask, experiment_tasks
+from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import ALONE, Workload, check_needs
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import CHOSEN_OPTIONS, LEARNED_BEFORE, MANIFEST, RECORDINGS, read_manifest
@@ -30,6 +36,8 @@ Repeated = RunTask | TrialTask
 NOT_REPEATED = {
     "learner": "a training: replay files below its recordings/, or evaluate what it learned",
     "study": "a study: evaluate what it found",
+    "headroom": "a search for headroom: evaluate what it found",
+    "look_ahead": "looking ahead: evaluate what copies follow",
 }
 """Key of the identity of results whose missions are not run again -> what they are of, and what to do."""
 LISTED = 8
@@ -56,49 +64,59 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
             mechanisms, knowledge, robots, policies or strategies have changed since.
 
     """
-    manifest = read_manifest(directory)
-    path, identity = directory / MANIFEST, manifest["identity"]
+    manifest, path = read_manifest(directory), directory / MANIFEST
     for key, kind in NOT_REPEATED.items():
-        if key in identity:
+        if key in manifest["identity"]:
             raise ConfigurationError(f"{directory}: expected the results of an evaluation, got those of {kind}")
-    directories = held_directories(manifest, path)
-    _check_same_files(identity.get("files"), directories, path)
-    if "family" in identity:
-        tasks: Sequence[Repeated] = family_tasks(identity, directories, directory)
+    identity = Identity.of(manifest, directory)
+    _check_same_files(identity, path)
+    tasks: Sequence[Repeated]
+    members: Mapping[str, str]
+    if identity.of_family:
+        tasks, members = _family_tasks(identity, directory)
     else:
-        tasks = _experiment_tasks(identity, directories, path)
+        tasks, members = _experiment_tasks(identity, directory, condition), identity.deciders
     of_scenario = _of_scenario(tasks, scenario, directory)
     names = [task.condition for task in of_scenario]
     if condition is not None and condition not in names:
         raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
     task = of_scenario[0 if condition is None else names.index(condition)].knowing(manifest.get(LEARNED_BEFORE, {}))
+    if isinstance(task, TrialTask) and task.named.identity != members.get(task.condition):
+        told = f"condition {task.condition!r} is no longer what the evaluation ran with; its runs cannot be repeated"
+        raise ConfigurationError(f"{path}: {told}")
     options = chosen_options(directory).get((task.scenario, task.condition))
     with within(f"{directory / CHOSEN_OPTIONS}"):
         return task.serving(options) if options else task
 
 
-def held_directories(manifest: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
-    """Return the user's own directories of configurations that a manifest names."""
-    listed = manifest["identity"].get("directories", manifest.get("directories", []))
-    if not (isinstance(listed, list) and all(isinstance(name, str) for name in listed)):
-        raise ConfigurationError(f"{path}: identity.directories: expected paths, got {short(listed)}")
-    return tuple(Path(name) for name in listed)
+def _family_tasks(identity: Identity, directory: Path) -> tuple[list[TrialTask], dict[str, str]]:
+    """Return a task for each finished run in a directory, in their order there, and condition -> member with digest."""
+    runs, tasks = identity.runs(identity.family(directory)), []
+    for scenario, condition in (record.key for record in runs_of(directory / JOURNAL)):
+        if condition not in runs:
+            where = f"{directory / MANIFEST}: identity.strategies"
+            raise ConfigurationError(f"{where}: expected the run {condition!r} among them")
+        family, member = runs[condition]
+        with within(f"{directory / JOURNAL}"):
+            place = place_of(scenario)
+        alone = member.partition(DIGEST)[0]
+        tasks.append(TrialTask(family, identity.seed, (place,), condition, alone, identity.goal, identity.directories))
+    if not tasks:
+        raise ConfigurationError(f"{directory}: holds no finished run")
+    return tasks, {condition: member for condition, (_, member) in runs.items()}
 
 
-def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], path: Path) -> Sequence[Repeated]:
-    where = f"{path}: identity.configuration"
-    experiment = validated(ExperimentConfig, identity.get("configuration"), where)
+def _experiment_tasks(identity: Identity, directory: Path, condition: str | None) -> Sequence[Repeated]:
+    """Return the tasks of one condition, the first unless given: what only others name is neither read nor refused."""
+    content, where = identity.content("configuration"), f"{directory / MANIFEST}: identity.configuration"
+    if isinstance(content, dict) and isinstance(content.get("conditions"), list):
+        named = {str(one["name"]): one for one in content["conditions"] if isinstance(one, dict) and "name" in one}
+        if condition is not None and condition not in named:
+            raise ConfigurationError(f"{directory}: {unknown('condition', condition, list(named))}")
+        content = content | {"conditions": [named[condition or next(iter(named))]] if named else []}
+    experiment = validated(ExperimentConfig, content, where)
     with within(where):
-        tasks = experiment_tasks(experiment, evaluation_seed(identity, path), directories)
-        now = identities(tasks)
-    held = identity.get("deciders", {})
-    if not isinstance(held, dict) or set(held) != set(now):
-        expected = ", ".join(now) or "none"
-        raise ConfigurationError(f"{path}: identity.deciders: expected those of {expected}, got {short(held)}")
-    for condition, identity_now in now.items():
-        if held[condition] != identity_now:
-            raise ConfigurationError(f"{path}: condition {condition!r} is no longer what the evaluation ran with")
-    return tasks
+        return experiment_tasks(experiment, identity.seed, identity.directories)
 
 
 def chosen_options(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
@@ -124,13 +142,34 @@ def changed_versions(directory: Path) -> list[str]:
 def steps_of(task: Repeated) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
     if isinstance(task, TrialTask):
-        yield from trial_steps(task)
+        yield from _trial_steps(task)
         return
     run = MissionRun(task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories)
     course = Course(run, explained=True)
     while course.in_progress:
         course.tick()
         yield course.worlds
+
+
+def _trial_steps(task: TrialTask) -> Iterator[Worlds]:
+    """Repeat a run with networks that note their reasons; yield the world after each control period."""
+    scenarios, settings = iter((task.scenario_of(task.places[0]),)), task.settings
+    batch = Batch(
+        task.mission,
+        source=lambda _: next(scenarios, None),
+        directories=task.directories,
+        explained=True,
+        observation=settings.observation,
+        action=settings.action,
+    )
+    decided = DecidedGoal(batch, settings.goal)
+    decider = task.decider(decided.problem, np.zeros(batch.robots, dtype=np.int64))
+    observations = batch.reset()
+    decider.reset(batch.worlds.rows_of(0), task.mission_seed)
+    while batch.progress.outcome[0] == RUNNING:
+        yield from batch.ticks(decided.decide(decider, observations))
+        if batch.progress.outcome[0] == RUNNING:
+            observations = batch.end_period().observations
 
 
 def steps_until(task: Repeated, time: float) -> Iterator[Worlds]:
@@ -164,13 +203,12 @@ def _of_scenario(tasks: Sequence[Repeated], scenario: str | None, directory: Pat
     return [task for task in tasks if task.scenario == wanted]
 
 
-def _check_same_files(held: object, directories: Sequence[Path], path: Path) -> None:
-    now = fingerprints(directories)
-    if held == now:
-        return
-    of_then = held if isinstance(held, dict) else {}
-    name = next(name for name in sorted(now.keys() | of_then.keys()) if now.get(name) != of_then.get(name))
-    raise ConfigurationError(f"{path}: {name} is no longer what the evaluation ran with; its runs cannot be repeated")
+def _check_same_files(identity: Identity, path: Path) -> None:
+    held, now = identity.files, fingerprints(identity.directories)
+    for name in sorted(now.keys() | held.keys()):
+        if now.get(name) != held.get(name):
+            told = "is no longer what the evaluation ran with; its runs cannot be repeated"
+            raise ConfigurationError(f"{path}: {name} {told}")
 
 
 def record_run(task: Repeated, output: Path, *, minds: bool = True) -> Path:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from train.evaluation.task_run import TaskOutcome, TaskRunRequest, setting_of
+from train.evaluation.task_run import TaskOutcome, TaskRun, setting_of
 from train.reports.task_tables import MEASURE_HEADS, measure_cells
 from train.reports.text_table import Grid, flat
 
@@ -11,7 +11,7 @@ from train.reports.text_table import Grid, flat
 def outcome_grid(outcome: TaskOutcome) -> Grid:
     """Return the results of one task that was run."""
     request, task = outcome.request, outcome.task
-    title = f"{request.task} by {outcome.option}: {setting_of(request.mission)}, {_runs(request)}"
+    title = f"{request.name} by {outcome.option}: {setting_of(request.mission)}, {_runs(request)}"
     rows = [measure_cells(one) for one in outcome.measured]
     notes = [f"baseline: {task.baseline}"]
     notes += [f"target of {one.measure.name}: {one.measure.reason}" for one in outcome.measured]
@@ -60,15 +60,15 @@ def as_markdown(outcomes: Sequence[TaskOutcome]) -> str:
     lines = [f"| task, option | {' | '.join(MEASURE_HEADS)} |", "|---" * (len(MEASURE_HEADS) + 1) + "|"]
     for outcome in outcomes:
         for index, one in enumerate(outcome.measured):
-            first = f"{outcome.request.task}, {outcome.option}" if index == 0 else ""
+            first = f"{outcome.request.name}, {outcome.option}" if index == 0 else ""
             lines.append(f"| {first} | {' | '.join(measure_cells(one))} |")
     lines += ["", "| task | story | baseline | where the targets come from |", "|---|---|---|---|"]
     for outcome in outcomes:
         task, ground = outcome.task, outcome.request.mission.world.ground
         reasons = "; ".join(f"{one.measure.name}: {one.measure.reason}" for one in outcome.measured)
-        lines.append(f"| {outcome.request.task} | {task.story} ({ground}) | {task.baseline} | {reasons} |")
+        lines.append(f"| {outcome.request.name} | {task.story} ({ground}) | {task.baseline} | {reasons} |")
     return "\n".join(lines)
 
 
-def _runs(request: TaskRunRequest) -> str:
+def _runs(request: TaskRun) -> str:
     return f"{request.runs} run{'s' if request.runs > 1 else ''} of seed {request.seed}"

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import own_mission, random_starts, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import find_task, task_names
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.config.world import GroundKind
-from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.world.cleaning_robot import coordinators_of
+from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
 from selector.configurations.library import library_of
 from selector.documents.errors import validated
 from selector.documents.trust import BASELINE
@@ -28,19 +26,21 @@ from selforg.registry import unknown
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.task_report import MeasuredStrategy, reached
 from train.deciders.named import FIXED
-from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.evaluation.family import FamilyEvaluation
 from train.evaluation.pipeline import mission_score
 from train.evaluation.trial_task import TrialTask
-from train.knowledge_store import NO_STORE, StoreRequest, as_plain
+from train.knowledge_store import as_plain
+from train.request import Request
 from train.running.engine import in_turn
+
+USUAL_RUNS = 20
+"""Runs of a task, unless a number is given."""
 
 
 @dataclass(frozen=True)
-class TaskRunRequest:
-    """The request of the user; where a field is None, the task's own mission has the value."""
+class TaskRun(Request):
+    """The request of a task beside its baseline; where a field is None, the task's own mission has the value."""
 
-    task: str
-    """Name of the task."""
     option: str | None = None
     """Name of the option that serves its goal; the one of the highest score unless given."""
     robots: int | None = None
@@ -49,23 +49,16 @@ class TaskRunRequest:
     """Simulated time [s]."""
     ground: GroundKind | None = None
     """Kind of ground."""
-    seed: int = 0
-    """Seed of everything random."""
-    runs: int = 20
-    """Number of runs, each from a start of its own."""
-    knowledge: str | None = None
-    """Expert knowledge with the goal and the option."""
-    directories: tuple[Path, ...] = ()
-    """The user's own directories of configurations, searched before the shipped one."""
-    store: StoreRequest = NO_STORE
-    """The knowledge store; runs give back their scores."""
-    record: Path | None = None
-    """Directory in which every run is recorded; none is unless given."""
+
+    @property
+    def runs(self) -> int:
+        """Number of runs, each from a start of its own."""
+        return self.scenarios or USUAL_RUNS
 
     @cached_property
     def own_mission(self) -> MissionConfig:
         """The mission for which the targets are stated."""
-        return own_mission(self.task)
+        return own_mission(self.name)
 
     @cached_property
     def mission(self) -> MissionConfig:
@@ -77,7 +70,7 @@ class TaskRunRequest:
             "knowledge": self.knowledge,
         }
         own = self.own_mission.model_dump()
-        return validated(MissionConfig, with_changes(own, _without_none(given)), self.task, own=True)
+        return validated(MissionConfig, with_changes(own, _without_none(given)), self.name, own=True)
 
     @property
     def of_baseline(self) -> MissionConfig:
@@ -94,7 +87,7 @@ def _without_none(given: dict[str, Any]) -> dict[str, Any]:
 class TaskOutcome:
     """The result of running a task."""
 
-    request: TaskRunRequest
+    request: TaskRun
     option: str
     measured: Sequence[MeasuredStrategy]
     """Measures of the option."""
@@ -104,7 +97,7 @@ class TaskOutcome:
     @property
     def task(self) -> Any:  # noqa: ANN401  (a class of tasks)
         """The task."""
-        return find_task(self.request.task)
+        return find_task(self.request.name)
 
     @property
     def own_setting(self) -> bool:
@@ -121,7 +114,7 @@ class TaskOutcome:
         """Plain data for JSON."""
         mission = self.request.mission
         return {
-            "task": self.request.task,
+            "task": self.request.name,
             "option": self.option,
             "story": self.task.story,
             "baseline": self.task.baseline,
@@ -148,20 +141,20 @@ def tasks_to_run() -> list[str]:
     return [name for name, kind in kinds.items() if kind.baseline]
 
 
-def run_task(request: TaskRunRequest) -> TaskOutcome:
+def run_task(request: TaskRun) -> TaskOutcome:
     """Run a task by an option and by its baseline.
 
     Raises:
         ConfigurationError: task, option or setting do not exist or fit.
 
     """
-    if request.task not in tasks_to_run():
-        raise ConfigurationError(unknown("task with a baseline", request.task, tasks_to_run()))
+    if request.name not in tasks_to_run():
+        raise ConfigurationError(unknown("task with a baseline", request.name, tasks_to_run()))
     mission = request.mission
     expert = knowledge_of(mission, request.directories)
     changed = "" if setting_of(mission) == setting_of(request.own_mission) else f", {setting_of(mission)}"
-    context = mission_context(request.task + changed)
-    memory = request.store.memory(expert, context, f"task {request.task}, seed {request.seed}, {request.runs} runs")
+    context = mission_context(request.name + changed)
+    memory = request.store.memory(expert, context, f"task {request.name}, seed {request.seed}, {request.runs} runs")
     known = expert if memory is None else memory.knowledge
     goal, option = _taken(request, mission, known)
     if memory is not None:
@@ -169,8 +162,7 @@ def run_task(request: TaskRunRequest) -> TaskOutcome:
     family, names = random_starts(mission), (f"{FIXED}:{option}", BASELINE)
     tasks = _tasks(request, family, names[0]) + _tasks(request, random_starts(request.of_baseline), BASELINE)
     if request.record is not None:
-        settings = RecordSettings(request.record.resolve())
-        tasks = [task.recorded(settings) for task in tasks]
+        tasks = [task.recorded(request.record) for task in tasks]
     records = list(in_turn(tasks))
     if memory is not None:
         if memory.learns:
@@ -183,14 +175,15 @@ def run_task(request: TaskRunRequest) -> TaskOutcome:
     return TaskOutcome(request, option, measured, None if memory is None else known)
 
 
-def _tasks(request: TaskRunRequest, family: FamilyConfig, strategy: str) -> list[TrialTask]:
+def _tasks(request: TaskRun, family: FamilyConfig, strategy: str) -> list[TrialTask]:
     """Return the runs of a strategy."""
-    directories = request.directories
-    asked = FamilyRequest(request.task, (strategy,), request.seed, request.runs, directories=directories, scoring=True)
-    return FamilyEvaluation(asked, family).tasks(())
+    asked = Request(
+        request.name, (strategy,), request.seed, request.runs, directories=request.directories, scoring=True
+    )
+    return FamilyEvaluation(asked, family).tasks({})
 
 
-def _taken(request: TaskRunRequest, mission: MissionConfig, known: Knowledge) -> tuple[str, str]:
+def _taken(request: TaskRun, mission: MissionConfig, known: Knowledge) -> tuple[str, str]:
     """Return the goal of the task, and the option that serves it: the given one, or that of the highest score."""
     model = coordinators_of(mission, known, library_of(request.directories), request.directories)[0]
     if request.option is None:

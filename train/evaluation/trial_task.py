@@ -20,7 +20,7 @@ from clean_swarm_env.config.starts import run_seed
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, validated
 from selector.documents.plain import short
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
@@ -201,3 +201,13 @@ def experiment_tasks(
 def identities(tasks: Sequence[RunTask | TrialTask]) -> dict[str, str]:
     """Return the identity of the decider of each condition that has one."""
     return {task.condition: task.named.identity for task in tasks if isinstance(task, TrialTask)}
+
+
+def with_periods(family: FamilyConfig, periods: Sequence[float]) -> dict[str, FamilyConfig]:
+    """Return the family with decision periods [s] of other lengths, by name; DocumentError for one that cannot be."""
+    found = {}
+    for period in periods:
+        changed = {**family.mission.model_dump(), "decision_period": period}
+        mission = validated(MissionConfig, changed, "--period", own=True)
+        found[f"{period:g} s"] = family.model_copy(update={"mission": mission})
+    return found

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -18,77 +16,65 @@ from clean_swarm_env.borders.spaces import CORRECTION, OPTION
 from selector.documents.errors import DocumentError
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import NamedDecider, decider_named
+from train.request import Request
 from train.running.needs import ALONE, Workload, check_needs
 
 ENVIRONMENT = "clean_swarm_env.registration:CleanSwarm-v0"
 """Id by which Minari makes the environment of a dataset again, in a program that has not imported ours."""
 
 
-@dataclass(frozen=True)
-class DatasetRequest:
-    """The request of the user."""
-
-    name: str
-    """Name of the dataset, as Minari has it: `group/name-v0`."""
-    family: str
-    """Name or path of the family of the missions."""
-    size: tuple[float, float] | None
-    """Torus of a family that draws from several [m]."""
-    strategy: str
-    """Who decides."""
-    missions: int
-    """Number of missions, the first ones of the family's training split."""
-    seed: int
-    """Seed of the missions."""
-    directories: tuple[Path, ...] = ()
-    """The user's own directories of configurations."""
-
-
-def write_dataset(request: DatasetRequest, on_mission: Callable[[], object]) -> tuple[str, int]:
+def write_dataset(
+    name: str, request: Request, size: tuple[float, float] | None, on_mission: Callable[[], object]
+) -> tuple[str, int]:
     """Run the missions and write the dataset; return its description and its number of decisions.
 
-    `on_mission` is called after each mission.
+    Args:
+        name: name of the dataset, as Minari has it: `group/name-v0`.
+        request: the family, one strategy, and the number of missions as `scenarios`.
+        size: torus of a family that draws from several [m].
+        on_mission: called after each mission.
 
     Raises:
         DocumentError: Minari is not installed, has such a dataset already, or does not take the name; or the missions
             need more memory or time than there is.
 
     """
+    [strategy], missions = request.strategies, request.scenarios or 1
     if find_spec("minari") is None:
         raise DocumentError("dataset: needs the extra 'minari', pip install 'clean-swarm[minari]'")
     import minari  # the extra is rarely installed
 
     try:
-        known = request.name in minari.list_local_datasets()
-        minari.dataset.minari_dataset.parse_dataset_id(request.name)
+        known = name in minari.list_local_datasets()
+        minari.dataset.minari_dataset.parse_dataset_id(name)
     except ValueError as error:
-        raise DocumentError(f"NAME: expected group/name-v0, got {request.name!r} ({error})") from error
+        raise DocumentError(f"NAME: expected group/name-v0, got {name!r} ({error})") from error
     if known:
-        raise DocumentError(f"NAME: expected a new dataset, {request.name!r} is there; `minari delete` removes it")
-    named = decider_named(request.strategy, request.directories)
-    settings: dict[str, Any] = {"family": request.family}
+        raise DocumentError(f"NAME: expected a new dataset, {name!r} is there; `minari delete` removes it")
+    named = decider_named(strategy, request.directories)
+    settings: dict[str, Any] = {"family": request.name}
     if named.mode != "option" or named.trained_with:
         settings |= {"action": {"mode": named.mode}, "observation": named.observation(()).model_dump(mode="json")}
-    if request.size is not None:
-        settings["size"] = request.size
+    if size is not None:
+        settings["size"] = size
     if request.directories:
         settings["directories"] = [str(directory.resolve()) for directory in request.directories]
     team = gymnasium.make(ENVIRONMENT, disable_env_checker=True, **settings)
     mission = team.unwrapped.batch.mission  # type: ignore[attr-defined]
-    check_needs(Workload(mission, request.missions), ALONE, "fewer --missions need less")
+    check_needs(Workload(mission, missions), ALONE, "fewer --missions need less")
     collector = minari.DataCollector(team, record_infos=True)
-    figures = [_mission(collector, request.seed + number, named, on_mission) for number in range(request.missions)]
+    figures = [_mission(collector, request.seed + number, named, on_mission) for number in range(missions)]
     text = _description(request, collector.unwrapped.batch, figures)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # it asks for an address and for an environment of evaluations
         collector.create_dataset(
-            dataset_id=request.name,
-            algorithm_name=request.strategy,
+            dataset_id=name,
+            algorithm_name=strategy,
             description=text,
             author="Clean Swarm",
             requirements=[f"clean-swarm=={version('clean-swarm')}"],
         )
-    return text, minari.load_dataset(request.name).total_steps
+    return text, minari.load_dataset(name).total_steps
 
 
 def _mission(env: Any, seed: int, named: NamedDecider, on_mission: Callable[[], object]) -> dict[str, float]:  # noqa: ANN401
@@ -115,7 +101,7 @@ def _in_space(actions: NDArray[Any], space: gymnasium.Space[Any]) -> Any:  # noq
     return {OPTION: options.ravel().astype(np.int64), CORRECTION: vectors.ravel().astype(np.float32)}
 
 
-def _description(request: DatasetRequest, batch: Any, figures: list[dict[str, float]]) -> str:  # noqa: ANN401  (a Batch)
+def _description(request: Request, batch: Any, figures: list[dict[str, float]]) -> str:  # noqa: ANN401  (a Batch)
     """Return what a user of the dataset has to know."""
     mean = {name: float(np.mean([mission[name] for mission in figures])) for name in figures[0]}
     options = "; ".join(f"{goal}: {', '.join(names)}" for goal, names in batch.options.items())
@@ -128,8 +114,8 @@ def _description(request: DatasetRequest, batch: Any, figures: list[dict[str, fl
         "both": f"`{OPTION}`, an option for each goal, and `{CORRECTION}`, a vector that is added. {options}",
     }[batch.action.mode]
     return f"""\
-Cleaning robots on a torus, {len(figures)} missions of the family {request.family}, seeds {request.seed} to {last}.
-Every {period:g} s {request.strategy} decides for each of {batch.robots} robots.
+Cleaning robots on a torus, {len(figures)} missions of the family {request.name}, seeds {request.seed} to {last}.
+Every {period:g} s {request.strategies[0]} decides for each of {batch.robots} robots.
 
 - Observations: robot after robot; of each {", ".join(batch.observer.names)}.
 - Actions: robot after robot {gives}.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
@@ -14,21 +14,19 @@ from rich.console import Console
 from rich.progress import TextColumn
 
 from clean_swarm_env.learning.batch import compile_missions
-from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
 from selector.documents.fields import MOST_LETTERS
-from train.cluster.bits import WorkerBits, noted_bits, noting
-from train.cluster.chosen import chosen_engine
-from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
+from train.cluster.bits import noted_bits, noting
+from train.knowledge_store import Memory, as_plain
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
-from train.running.command import command_words
+from train.request import Request
 from train.running.engine import WorkerLost
-from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
-from train.running.needs import ALONE, Machine, Workload, check_needs
+from train.running.exit_codes import FINISHED
+from train.running.needs import Workload, check_needs
 from train.running.progress import progress
 from train.running.provenance import versions
-from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
+from train.running.run_folder import COMMAND, LEARNED_BEFORE, RunFolder
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": (), "es": (), "design": ()}
 """Packages that a learner needs besides those of all runs."""
@@ -36,84 +34,42 @@ TASKS_ELSEWHERE = 16
 """Tasks that missions of members are cut into if workers elsewhere do them."""
 
 
-@dataclass(frozen=True)
-class TrainingRequest:
-    """The request of the user."""
-
-    learner: str
-    """One of `LEARNERS`."""
-    config: str
-    """Name of a training, or path to its YAML file."""
-    seed: int
-    output: Path | None
-    """Directory; one below results/ unless given."""
-    resume: bool
-    store: StoreRequest = NO_STORE
-    """The knowledge store."""
-    directories: tuple[Path, ...] = ()
-    """The user's own directories of configurations, searched before the shipped one."""
-    record: bool = False
-    """Whether the missions of validations are recorded."""
-    machine: Machine = ALONE
-    """What missions of members may use."""
-    bits: WorkerBits = field(default_factory=WorkerBits)
-    """The CPUs that take part elsewhere."""
-
-    @property
-    def directory(self) -> Path:
-        """Directory of the training."""
-        stem = Path(self.config).stem[:MOST_LETTERS]
-        return self.output or Path("results") / f"{stem}-{self.learner}-seed{self.seed}"
-
-    def command(self, *, resume: bool) -> str:
-        """Return the command of this training."""
-        words = command_words(
-            "train",
-            self.learner,
-            config=self.config,
-            seed=self.seed,
-            output=self.output,
-            store=self.store.shown,
-            learn=self.store.learn,
-            configs=self.directories,
-            force=self.machine.forced,
-            resume=resume,
-        )
-        return shlex.join(words)
-
-
-def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Training], console: Console) -> int:
+def run_training(learner: str, request: Request, made: Callable[[TrainingJob], Training], console: Console) -> int:
     """Do or continue a training; return the exit code.
 
     Args:
-        request: the request of the user.
+        learner: one of `LEARNERS`.
+        request: the request of the user, whose name is that of a training.
         made: function that makes the training.
         console: prints the figures of each checkpoint.
 
     """
-    config = load_training(request.config, request.learner, request.directories)
+    config = load_training(request.name, learner, request.directories)
     for task in config.tasks:
-        with within(f"{request.config}: tasks"):
+        with within(f"{request.name}: tasks"):
             largest = task.load(request.directories).largest
             check_needs(Workload(largest, task.worlds * request.machine.workers, task.worlds), request.machine)
     identity = {
-        "learner": request.learner,
+        "learner": learner,
         "seed": request.seed,
         "configuration": config.model_dump(mode="json"),
-        "versions": check_installed(request.learner),
+        "versions": check_installed(learner),
         "directories": [str(path.resolve()) for path in request.directories],
     }
     memory = _memory(request, config)
     known = {} if memory is None else {LEARNED_BEFORE: as_plain(memory.knowledge.learned)}
-    request.bits.add(noted_bits(request.directory))
-    folder = RunFolder(request.directory, {"identity": identity, **known}, resume=request.resume)
-    record = RecordSettings(Path(RECORDINGS)) if request.record else None
-    job = TrainingJob(config, request.seed, folder, directories=request.directories, record=record, memory=memory)
+    stem = f"{Path(request.name).stem[:MOST_LETTERS]}-{learner}-seed{request.seed}"
+    directory = request.output or Path("results") / stem
+    request.bits.add(noted_bits(directory))
+    manifest = {"identity": identity, **known, COMMAND: list(request.words)}
+    folder = RunFolder(directory, manifest, resume=request.resume)
+    job = TrainingJob(
+        config, request.seed, folder, directories=request.directories, record=request.record, memory=memory
+    )
     try:
         compile_missions()  # before the bar and the workers
-        engine = chosen_engine(request.machine, request.bits)
         bar = progress("decisions", TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions)
-        with noting(folder, request.bits), bar as update, engine.rounds() as done:
+        with noting(folder, request.bits), bar as update, request.engine.rounds() as done:
             parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
             training = made(replace(job, on_progress=lambda now: update(completed=now), parts=parts, done=done))
             update(completed=training.decisions)
@@ -124,18 +80,16 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         folder.discard()
         raise
     except (KeyboardInterrupt, WorkerLost) as end:
-        errors = Console(stderr=True, highlight=False, soft_wrap=True)
-        errors.print(f"{str(end) or 'interrupted'}; to go on:\n  {request.command(resume=True)}", markup=False)
-        return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
+        return request.ended(end, folder.path)
     finally:
         if memory is not None:
             memory.close()
-    exported = training.export(request.command(resume=False))
+    exported = training.export(shlex.join(folder.words))
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
     return FINISHED
 
 
-def _memory(request: TrainingRequest, config: TrainingConfig) -> Memory | None:
+def _memory(request: Request, config: TrainingConfig) -> Memory | None:
     """Return the memory of a training; StoreError if the store holds already what it would learn."""
     mission = config.tasks[0].load(request.directories).mission
     source = f"training {config.name}, seed {request.seed}"

@@ -1,31 +1,125 @@
-"""What `clean-swarm play` plays: a mission, a family, a goal, or a recording of an earlier play, by name or by path."""
+"""What `clean-swarm play` plays: a mission, a family, a task, or a recording of an earlier play, by name or by path."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.load import load_family, load_mission
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.config.tasks import task_names
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.file import SUFFIX
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.scenes import goals
+from selector.documents.errors import validated
+from selector.documents.fields import Closed
 from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown
-from train.deciders.named import FIXED
-from train.live.goals import PlayedGoal, goal_again
-from train.live.missions import PlayedMission, mission_again, with_room
-from train.live.session import Played
+from train.deciders.named import decider_named
+from train.evaluation.identity import DIGEST
+from train.running.provenance import fingerprints
 
 STRATEGY = "MaxScore"
 """The strategy of missions unless another one is named."""
+SPARE_ROBOTS, SPARE_ITEMS = 20, 40
+"""Robots and items that can be added by hand."""
+MOST_HEARING = 200
+"""Robots up to which each stores by itself what it receives, so that messages can get lost: it takes their square."""
 
 
-def chosen(name: str, number: int, seed: int, strategy: str | None, directories: tuple[Path, ...]) -> Played:
-    """Return what is played: scenario `number`, from 1 on, of a mission, family or goal, or a recording of a play.
+@dataclass(frozen=True)
+class PlayedMission:
+    """What is played: one scenario, who chooses the options, and what was done by hand when it was played before."""
+
+    name: str
+    scenario: Scenario
+    strategy: str
+    """As `decider_named` takes it."""
+    goal: str | None = None
+    """Goal that the strategy chooses options for; see `DecidedGoal`."""
+    directories: tuple[Path, ...] = ()
+    by_hand: Sequence[Change] = ()
+
+    @property
+    def member(self) -> str:
+        """The strategy without the digest of its file."""
+        return self.strategy.partition(DIGEST)[0]
+
+    @property
+    def robots(self) -> int:
+        """Number of robots at the start."""
+        return self.scenario.mission.robots.count
+
+    def described(self) -> dict[str, Any]:
+        """Return what the head of the recording says, from which `again` makes the play."""
+        told = _MissionPlay(
+            name=self.name,
+            start=self.scenario.start,
+            seed=self.scenario.seed,
+            goal=self.goal or "",
+            strategy=decider_named(self.member, self.directories).identity,
+            directories=tuple(str(path) for path in self.directories),
+            files=fingerprints(self.directories),
+        )
+        return told.model_dump(mode="json")
+
+
+class _MissionPlay(Closed):
+    """What the head of a recording says about the play, beside mission, scenario and seed."""
+
+    name: str
+    start: StartConfiguration
+    seed: int
+    goal: str
+    strategy: str
+    directories: tuple[str, ...]
+    files: dict[str, str]
+
+
+def again(recording: RecordedMission) -> PlayedMission:
+    """Return the play that a recording is of, with all that was done by hand.
+
+    Raises:
+        ConfigurationError: the recording is of something else or damaged, or files on which the course depends have
+            changed.
+
+    """
+    where = f"{recording.path}: head"
+    if not isinstance(recording.head["about"].get("play"), dict):
+        raise ConfigurationError(f"{recording.path}: expected a recording of `clean-swarm play`, got one of a mission")
+    told = validated(_MissionPlay, recording.head["about"]["play"], f"{where}: about.play")
+    mission = validated(MissionConfig, recording.head["mission"], f"{where}: mission")
+    directories = tuple(Path(name) for name in told.directories)
+    if fingerprints(directories) != told.files:
+        changed = "mechanisms, knowledge or robots have changed since it was played"
+        raise ConfigurationError(f"{recording.path}: {changed}")
+    scenario = Scenario(told.start.id, told.seed, mission, told.start)
+    return PlayedMission(told.name, scenario, told.strategy, told.goal or None, directories, recording.by_hand)
+
+
+def with_room(mission: MissionConfig) -> MissionConfig:
+    """Return the mission with messages that can get lost in small teams, and with room for what may be added by hand.
+
+    The measures of tasks other than cleaning are of all rows of a world, so nobody can be added there.
+    """
+    parts: dict[str, dict[str, Any]] = {
+        "delivery": {"own_contents": mission.own_contents or mission.rows <= MOST_HEARING}
+    }
+    if mission.cleans:
+        parts["robots"] = {"capacity": mission.rows + SPARE_ROBOTS}
+        parts["garbage"] = {"capacity": mission.item_rows + SPARE_ITEMS}
+    changed = {name: {**getattr(mission, name).model_dump(), **change} for name, change in parts.items()}
+    return validated(MissionConfig, {**mission.model_dump(), **changed}, "the mission with room for more", own=True)
+
+
+def chosen(name: str, number: int, seed: int, strategy: str | None, directories: tuple[Path, ...]) -> PlayedMission:
+    """Return what is played: scenario `number`, from 1 on, of a mission, family or task, or a recording of a play.
 
     Raises:
         ConfigurationError: there is nothing of this name, or it cannot be played.
@@ -35,32 +129,14 @@ def chosen(name: str, number: int, seed: int, strategy: str | None, directories:
         if strategy is not None:
             raise ConfigurationError("--strategy: expected none, because the recording says who chose")
         return again(RecordedMission(Path(name)))
-    if name in goals():
-        if strategy is not None and not strategy.startswith(f"{FIXED}:"):
-            raise ConfigurationError(f"--strategy: expected {FIXED}:OPTION for a goal, got {strategy!r}")
-        option = strategy and strategy.removeprefix(f"{FIXED}:")
-        return PlayedGoal(name, option, seed + number - 1, directories)
     scenario = _scenario(name, number, seed, directories)
     room = replace(scenario, mission=with_room(scenario.mission))
     return PlayedMission(Path(name).stem, room, strategy or STRATEGY, None, directories)
 
 
-def again(recording: RecordedMission) -> Played:
-    """Return the play that a recording is of, with all that was done by hand.
-
-    Raises:
-        ConfigurationError: the recording is of something else, or files on which the course depends have changed.
-
-    """
-    told = recording.head["about"].get("play")
-    if not isinstance(told, dict):
-        raise ConfigurationError(f"{recording.path}: expected a recording of `clean-swarm play`, got one of a mission")
-    return goal_again(recording) if "start" not in told else mission_again(recording)
-
-
 def playable(directories: tuple[Path, ...]) -> list[str]:
-    """Return the names of all missions, families and goals."""
-    return sorted({*files_of("missions", directories), *files_of("families", directories), *goals()})
+    """Return the names of all missions, families and tasks."""
+    return sorted({*files_of("missions", directories), *files_of("families", directories), *task_names()})
 
 
 def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) -> Scenario:
@@ -70,8 +146,10 @@ def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) 
         of_family = "mission" in read_mapping(path)
     elif name in missions or name in families:
         of_family = name not in missions
+    elif name in task_names():
+        of_family = False
     else:
-        raise ConfigurationError(f"play: {unknown('mission, family or goal', name, playable(directories))}")
+        raise ConfigurationError(f"play: {unknown('mission, family or task', name, playable(directories))}")
     if of_family:
         return load_family(name, directories).scenario(seed, number - 1, "test")
     mission = load_mission(name, directories)

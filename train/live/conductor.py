@@ -9,7 +9,7 @@ from concurrent.futures import Future
 from time import monotonic
 from typing import Any, Final
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.plain import plain, short
 from train.live.session import Session
 from train.live.stream import Stream

@@ -25,7 +25,8 @@ from time import monotonic, sleep
 from typing import Any, Final
 from urllib.parse import parse_qs
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
+from selector.documents.reading import json_value
 from train.live.conductor import Conductor
 
 HOST: Final = "127.0.0.1"
@@ -148,12 +149,12 @@ class _Handler(BaseHTTPRequestHandler):
             return
         body = self._body.read(length)
         try:
-            order = json.loads(body)
+            order = json_value(body.decode(errors="replace"), "order")
             if len(body) < length or not isinstance(order, Mapping):
                 raise ValueError("expected an object in JSON, as long as Content-Length says")
             self.server.conductor.order(order)
-        except (ValueError, RecursionError) as error:
-            self._refuse(HTTPStatus.BAD_REQUEST, str(error) or "expected an order in JSON")
+        except ValueError as error:
+            self._refuse(HTTPStatus.BAD_REQUEST, str(error))
         except TimeoutError:
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, "the session does not answer")
         else:

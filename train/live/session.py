@@ -1,74 +1,107 @@
-"""A run that goes step by step, is changed by hand, and is recorded so that it can run again."""
+"""A mission that goes step by step, is changed by hand, and is recorded so that it can run again."""
 
 from __future__ import annotations
 
 import time
-from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol, final
+from typing import Any
 
+import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.recording.by_hand import ByHand, Change
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.learning.actions import ActionConfig, Mode
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.recording.by_hand import AddRobot, ByHand, Change, FollowStrategy, HoldOption
 from clean_swarm_env.recording.file import end_of
-from clean_swarm_env.recording.reader import RecordedMission
-from selector.documents.errors import one_line
-from train.running.provenance import fingerprints
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission_end import RUNNING
+from selector.documents.errors import DocumentError, one_line
+from selector.documents.find import files_of
+from selector.strategies.registry import STRATEGIES
+from selforg.arrays import Ints
+from selforg.registry import unknown
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decider import Decider
+from train.deciders.named import FIXED, LEARNED, MACHINE, POLICY, decider_named
+from train.evaluation.identity import DIGEST
+from train.live.chosen import SPARE_ROBOTS, PlayedMission
 
+OFFERED = ("MaxScore", "Random", f"{FIXED}:Off")
+"""Strategies that a user may choose where they fit, besides policies and learned strategies."""
 _CHANGE: TypeAdapter[Change] = TypeAdapter(ByHand)
 
 
-class Played(Protocol):
-    """What is played."""
-
-    @property
-    def name(self) -> str:
-        """Name of the mission, the family or the goal."""
-
-    @property
-    def robots(self) -> int:
-        """Number of robots at the start."""
-
-    def open(self, output: Path, *, minds: bool) -> Session:
-        """Return the session, recorded in a file; one that exists is replaced."""
-
-
-class Session(ABC):
-    """One run that is played.
-
-    Subclasses implement `ticks`, `facts`, `strategies`, `present`, `close`, and what begins with an underscore.
+class Session:
+    """One mission that is played, in one world.
 
     Args:
-        beginning: the bytes with which the recording begins.
-        period: length of a control period [s].
-        by_hand: what was done by hand when this was played before.
+        play: what is played; its mission has room (`with_room`).
+        output: the recording; a file that exists is replaced.
+        minds: whether the networks of the robots are recorded, too.
 
     Attributes:
-        result: the figures of the run, None while it goes on.
+        batch: the world.
+        strategy: the strategy that chooses the options.
+        options: names of the options of the decided goal.
+        beginning: the bytes with which the recording begins.
+        period: length of a control period [s].
+        result: the figures of the mission, None while it goes on.
 
     """
 
-    def __init__(self, beginning: bytes, period: float, by_hand: Sequence[Change]) -> None:
-        self.beginning, self.period = beginning, period
+    def __init__(self, play: PlayedMission, output: Path, *, minds: bool = True) -> None:
+        scenarios = iter((play.scenario,))
+        about = {"experiment": play.name, "condition": play.member, "play": play.described()}
+        named = decider_named(play.member, play.directories)
+        mode: Mode = "velocity" if named.mode == "velocity" else "both"
+        settings = RecordSettings(output.parent, minds, about, output.name, thinking=mode == "both")
+        self.batch = Batch(
+            play.scenario.mission,
+            source=lambda _: next(scenarios, None),
+            begin_anew=False,
+            directories=play.directories,
+            record=settings,
+            observation=named.observation(play.scenario.mission.terms),
+            action=ActionConfig(mode=mode),
+        )
+        assert self.batch.recorder is not None
+        self._recorder, self._play = self.batch.recorder, play
+        self.worlds = self.batch.worlds
+        self._decided = DecidedGoal(self.batch, play.goal or named.meant_for or None)
+        self.goal, self.options = self._decided.problem.goal, self._decided.problem.options
+        self.strategy, self._decider = self._decided_by(play.strategy)
+        self._by_hand: Ints = np.full(self.batch.rows, -1)  # the option that each robot holds by hand, -1 for none
+        self._added = 0
+        self._observations = self.batch.reset()
+        self._decider.reset(self.worlds.rows_of(0), play.scenario.seed)
+        self._course = self._periods()
+        self.beginning, self.period = self._recorder.beginning, self.worlds.period
         self.result: Mapping[str, Any] | None = None
-        self._coming = list(by_hand)
+        self._coming = list(play.by_hand)
         self._made: list[dict[str, Any]] = []  # since the last frame
 
-    @final
+    @property
+    def ticks(self) -> int:
+        """Control periods that have been run."""
+        return int(self.worlds.ticks[0])
+
     def tick(self) -> bytes:
-        """Run one control period and return it as blocks of a recording; nothing once the run is over."""
+        """Run one control period and return it as blocks of a recording; nothing once the mission is over."""
         if self.result is not None:
             return b""
         while self._coming and self._coming[0].tick <= self.ticks:
             self._make(self._coming.pop(0))
-        frame = self._run_period({"by_hand": self._made, "made": time.time()})
+        next(self._course)
+        frame = self._recorder.latest({"by_hand": self._made, "made": time.time()})
         self._made = []
-        self.result = self._ended()
-        return frame if self.result is None else frame + end_of(self.result)
+        if self.batch.progress.outcome[0] == RUNNING:
+            return frame
+        self.result = self.batch.finished[0].result.as_mapping()
+        return frame + end_of(self.result)
 
-    @final
     def do(self, order: Mapping[str, Any]) -> None:
         """Make a change by hand before the next control period; `order` has the keys of a `Change` but its tick.
 
@@ -82,44 +115,93 @@ class Session(ABC):
             raise ValueError("the mission is over")
         self._make(change)
 
-    def _make(self, change: Change) -> None:
-        self._made.append(self._changed(change).model_dump())
-
-    @property
-    @abstractmethod
-    def ticks(self) -> int:
-        """Control periods that have been run."""
-
-    @abstractmethod
     def facts(self) -> dict[str, Any]:
-        """Return what the page shows beside the frames: `strategy`, and the share of messages that get lost, `loss`."""
+        """Return strategy and loss."""
+        loss = self.worlds.minds.reception.losses[0]
+        return {"strategy": self.strategy.partition(DIGEST)[0], "loss": float(loss)}
 
-    @abstractmethod
-    def strategies(self) -> list[str]:
-        """Return the strategies that fit, for the user to choose from."""
-
-    @abstractmethod
     def present(self) -> bytes:
-        """Return the world as it is now, before the next control period, as a block that is part of no recording."""
+        """Return the world as it is now."""
+        return self._recorder.present({"by_hand": self._made})
 
-    @abstractmethod
     def close(self) -> None:
         """End the recording."""
+        self.batch.close()
 
-    @abstractmethod
-    def _changed(self, change: Change) -> Change:
-        """Make a change, and return it as it is to be recorded; ValueError if it is impossible."""
+    def strategies(self) -> list[str]:
+        """Return the strategies that fit this mission, for the user to choose from."""
+        return self._fitting((*OFFERED, *self._filed()))
 
-    @abstractmethod
-    def _run_period(self, notes: Mapping[str, Any]) -> bytes:
-        """Run one control period, record it, and return it as a block with `notes`."""
+    def _fitting(self, members: Iterable[str]) -> list[str]:
+        """Return the strategy of the play and those of `members` that fit this mission, each once."""
+        fitting = []
+        for member in dict.fromkeys((self._play.member, *members)):
+            with suppress(DocumentError):
+                self._decided_by(member)
+                fitting.append(member)
+        return fitting
 
-    @abstractmethod
-    def _ended(self) -> Mapping[str, Any] | None:
-        """Return the figures of a run that is over, None while it goes on."""
+    def _filed(self) -> list[str]:
+        """Return the strategies of the files in the directories of configurations, by their names."""
+        folders = {POLICY: "policies", LEARNED: "strategies", MACHINE: "machines"}
+        return [f"{kind}:{name}" for kind in folders for name in files_of(folders[kind], self._play.directories)]
 
+    def _decided_by(self, text: str) -> tuple[str, Decider]:
+        """Return a strategy with the digest of its file, and its decider; `text` may have the digest of then."""
+        member = text.partition(DIGEST)[0]
+        named = decider_named(member, self._play.directories)
+        now, drives = named.identity, self.batch.action.mode == "velocity"
+        if drives is not (named.mode == "velocity"):
+            raise ConfigurationError(f"{member}: expected a strategy that {'drives' if drives else 'chooses options'}")
+        if DIGEST in text and now != text:
+            raise ConfigurationError(f"{member} is no longer what was played with; the play cannot be repeated")
+        teams = np.zeros(self.batch.rows, dtype=np.int64)
+        return now, named.build(self._decided.problem, teams)
 
-def check_files(recording: RecordedMission, directories: Sequence[Path], held: Mapping[str, str]) -> None:
-    """Raise ConfigurationError if files on which the course depends have changed since they were as `held`."""
-    if fingerprints(directories) != held:
-        raise ConfigurationError(f"{recording.path}: mechanisms, knowledge or robots have changed since it was played")
+    def _periods(self) -> Iterator[None]:
+        """Run the mission; yield after each control period."""
+        batch, progress = self.batch, self.batch.progress
+        while progress.outcome[0] == RUNNING:
+            actions, held = self._decided.decide(self._decider, self._observations), self._by_hand >= 0
+            if held.any():
+                actions[held, : self._decided.goals] = self._decided.actions(self._by_hand[held])
+            for _ in batch.ticks(actions):
+                yield
+            self._observations = batch.end_period().observations
+
+    def _make(self, change: Change) -> None:
+        """Make a change by hand; ValueError if it is impossible."""
+        if isinstance(change, AddRobot) and self._added == SPARE_ROBOTS:
+            raise ValueError(f"a robot more: expected at most {SPARE_ROBOTS} added by hand")
+        if isinstance(change, FollowStrategy):
+            change = self._follow(change)
+        elif isinstance(change, HoldOption):
+            self._hold(change)
+        else:
+            change.make(self.worlds)
+        self._added += isinstance(change, AddRobot)
+        self._made.append(change.model_dump())
+        self._recorder.note_by_hand(self._made[-1])
+
+    def _follow(self, change: FollowStrategy) -> FollowStrategy:
+        """Let a strategy choose; neither orders nor recordings name one by a path, or code of the user's own."""
+        fixed = (f"{FIXED}:{option}" for option in self.options)
+        known = (self._play.member, *STRATEGIES.names(), *fixed, *self._filed())
+        if change.strategy.partition(DIGEST)[0] not in known:
+            raise ConfigurationError(f"follow_strategy: {unknown('strategy', change.strategy, self._fitting(known))}")
+        self.strategy, self._decider = self._decided_by(change.strategy)
+        self._decider.reset(self.worlds.rows_of(0), self._play.scenario.seed)
+        self._by_hand[:] = -1
+        return change.model_copy(update={"strategy": self.strategy})
+
+    def _hold(self, change: HoldOption) -> None:
+        if self.batch.action.mode == "velocity":
+            raise ValueError(f"hold_option: {self._play.member} drives the robots; they hold no option")
+        if change.option and change.option not in self.options:
+            raise ValueError(unknown("option", change.option, self.options))
+        rows = np.array(change.robots or range(self.batch.rows))
+        if rows.max() >= self.batch.rows:
+            raise ValueError(f"robot {rows.max()}: expected a number below {self.batch.rows}")
+        self._by_hand[rows] = self.options.index(change.option) if change.option else -1
+        if change.option:
+            self.worlds.minds.coordinator_of(self.goal).hold(rows, self._by_hand[rows])

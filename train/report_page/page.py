@@ -11,7 +11,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import OPTION_COLOURS
 from clean_swarm_env.recording.reader import RecordedMission
 from train.report_page.course_charts import learning_curves, selection_by_situation, selection_over_time
@@ -35,6 +35,10 @@ PAGE = """<!DOCTYPE html>
 {body}
 </body></html>
 """
+NOT_CHECKED = (
+    "The manifest as it stands in the directory. Whether the runs are of this configuration is not checked here; "
+    "clean-swarm gather and --resume check it."
+)
 EXPLAINED = (
     "Dots are runs, boxes quartiles, large dots means with their 95 % intervals (Student, by the number of scenarios). "
     "The pointer on a mark shows its numbers."
@@ -56,7 +60,8 @@ def report_of_results(results: Sequence[HeldResults], links: Mapping[str, str]) 
     body = list(_evaluation(results, links) if results[0].records else _training(results))
     for held in results:
         content = escape(json.dumps(held.manifest, indent=2))
-        body.append(f"<details><summary>manifest of {escape(str(held.path))}</summary><pre>{content}</pre></details>")
+        head = f"<summary>manifest of {escape(str(held.path))}</summary>"
+        body.append(f"<details>{head}<p>{NOT_CHECKED}</p><pre>{content}</pre></details>")
     title = f"{'Evaluation' if results[0].records else 'Training'}: {', '.join(names)}"
     return PAGE.format(title=escape(title), style=_style(), body="\n".join(body))
 

@@ -1,12 +1,12 @@
 """The one seam through which tasks are spread: an engine does tasks, in processes of this machine or elsewhere."""
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import AbstractContextManager
 from typing import Protocol
 
 from train.running.runs import RunRecord, Work
 
-Round = Callable[[Sequence[Work]], Iterator[RunRecord]]
+Round = Callable[[Sequence[Work]], Generator[RunRecord, None, None]]
 """A function that does tasks, and yields each run when it is done, in any order."""
 
 MOST_DEATHS = 3
@@ -33,12 +33,6 @@ class WorkerLost(Exception):
         super().__init__(f"scenario {scenario}, condition {condition}{more}: its worker died {deaths} times")
 
 
-def in_turn(tasks: Sequence[Work]) -> Iterator[RunRecord]:
+def in_turn(tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:
     """Do tasks in this process."""
     return (record for task in tasks for record in task.each())
-
-
-def each_done(tasks: Sequence[Work], engine: Engine) -> Generator[RunRecord, None, None]:
-    """Yield each run when it is done, in any order; see `Engine.rounds`."""
-    with engine.rounds() as done:
-        yield from done(tasks)

@@ -13,12 +13,12 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import shown
 from selector.documents.reading import json_value, read_text
 from selector.documents.writing import writing_to
 from train.running.run_folder import RunFolder
-from train.running.runs import MEASURES, RUN_COLUMNS, RunKey, RunRecord
+from train.running.runs import MEASURES, RUN_COLUMNS, TAKEN, RunKey, RunRecord
 
 JOURNAL, RUNS = "runs.jsonl", "runs.csv"
 
@@ -121,7 +121,7 @@ def _data(cell: object) -> object:
 
 def _row(record: RunRecord) -> str:
     """Return the line of `runs.csv`, with the collisions at the first distance only."""
-    cells = {name: value for name, value in record.as_mapping().items() if name != MEASURES}
+    cells = {name: value for name, value in record.as_mapping().items() if name not in (MEASURES, TAKEN)}
     return _cells((*cells.values(), *record.result.measures.values()))
 
 

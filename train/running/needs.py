@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from shutil import disk_usage
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.types import ConfigurationError
 from train.running.estimate import FILE_COSTS, PER_NUMBER, PROCESS, needs_of
 
 LONGEST = 7 * 86_400.0

@@ -5,7 +5,7 @@ import os
 import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
@@ -65,7 +65,7 @@ class _Workers:
         self._processes: dict[Connection, BaseProcess] = {}
         self._busy: dict[Connection, _Attempt] = {}
 
-    def round(self, tasks: Sequence[Work]) -> Iterator[RunRecord]:
+    def round(self, tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:
         """Do the tasks and yield their runs, also those that are done when it is interrupted or a task is given up."""
         if min(self._most, len(tasks)) <= 1 and not self._processes:
             yield from in_turn(tasks)

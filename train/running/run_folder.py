@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.reading import read_json
 from selector.documents.writing import remove_parts, write_whole
 from selector.knowledge import learned_from
@@ -29,7 +29,7 @@ RECORDINGS = "recordings"
 LEARNED_BEFORE = "learned"
 """Key of the manifest for what was known at the beginning."""
 COMMAND = "command"
-"""Key of the manifest for the words of the command, without its directory."""
+"""Key of the manifest for the command as it was typed."""
 ASKED = "asked"
 """Key of the manifest for what the identity does not say of the runs that were asked for."""
 WORKERS = "workers"
@@ -53,6 +53,7 @@ class RunFolder:
 
     Attributes:
         learned: goal -> option -> what was known of it from a knowledge store at the beginning.
+        words: the command as it was typed at the beginning, for people.
 
     Raises:
         ConfigurationError: the directory has other files, or the same results without `resume`.
@@ -63,13 +64,15 @@ class RunFolder:
         self.path = path
         content: Json = json.loads(json.dumps(manifest, allow_nan=False))  # as it is read later, with lists for tuples
         identity, self.learned = content["identity"], content.get(LEARNED_BEFORE, {})
+        self.words: list[str] = content.get(COMMAND, [])
         if path.exists() and not path.is_dir():
             raise ConfigurationError(f"{path}: expected a directory for the results, got a file")
         if path.exists():
             remove_parts(path)
         if path.exists() and any(entry.name not in (SHARE_FOLDERS, RECORDINGS) for entry in path.iterdir()):
             held = self._claimed(identity, growing, resume=resume)
-            self.learned = held.get(LEARNED_BEFORE, {})
+            self.learned, words = held.get(LEARNED_BEFORE, {}), held.get(COMMAND, [])
+            self.words = list(map(str, words)) if isinstance(words, list) else []
             if not growing:
                 return
             identity[growing] = {**held["identity"][growing], **identity[growing]}

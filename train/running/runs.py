@@ -4,11 +4,11 @@ import json
 import os
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
@@ -49,6 +49,8 @@ class RunRecord:
     result: MissionResult
     wall_s: float
     """Time that the run took [s]."""
+    taken: Mapping[str, Annotated[int, Field(ge=0)]] = field(default_factory=dict, kw_only=True)
+    """How often a team that looked ahead took each alternative; nothing for others."""
 
     @property
     def key(self) -> RunKey:
@@ -56,15 +58,16 @@ class RunRecord:
         return self.scenario, self.condition
 
     def as_mapping(self) -> dict[str, Any]:
-        """Return the record as a mapping with the keys `RUN_COLUMNS`, and `MEASURES` where the task has some."""
+        """Return the record as a mapping with the keys `RUN_COLUMNS`, and `FURTHER` where there is something."""
         result = asdict(self.result)
-        measures = {MEASURES: own} if (own := result.pop(MEASURES)) else {}
-        return {**{name: getattr(self, name) for name in NAMING}, **result, "wall_s": self.wall_s, **measures}
+        further = {MEASURES: result.pop(MEASURES), TAKEN: self.taken}
+        own = {name: getattr(self, name) for name in NAMING}
+        return {**own, **result, "wall_s": self.wall_s, **{name: value for name, value in further.items() if value}}
 
     @classmethod
     def of_mapping(cls, given: Mapping[str, Any]) -> "RunRecord":
         """Return the record of a mapping by `as_mapping`; ValueError for anything else."""
-        if set(given) - {MEASURES} != set(RUN_COLUMNS):
+        if set(given) - set(FURTHER) != set(RUN_COLUMNS):
             raise ValueError(f"expected the keys {', '.join(RUN_COLUMNS)}")
         for name, value in given.items():
             for number in value if isinstance(value, list | tuple) else [value]:
@@ -114,15 +117,18 @@ NAMING = ("experiment", "scenario", "seed", "condition")
 """Columns that identify a run."""
 MEASURES = "measures"
 """Key of the measures of a task in `runs.jsonl`; in `runs.csv` each has a column of its own name."""
-_RESULT_COLUMNS = tuple(field.name for field in fields(MissionResult) if field.name != MEASURES)
+TAKEN = "taken"
+"""Key of what a run has taken."""
+FURTHER = (MEASURES, TAKEN)
+_RESULT_COLUMNS = tuple(column.name for column in fields(MissionResult) if column.name != MEASURES)
 _RECORD = TypeAdapter(RunRecord)
 RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
 """Columns of `runs.csv`, before those of measures."""
 
 
-def under(disturbance: str, condition: str) -> str:
-    """Return the name under which the runs of a condition are kept that have a disturbance."""
-    return f"{disturbance} - {condition}"
+def under(variant: str, condition: str) -> str:
+    """Return the name under which the runs of a condition are kept in a variant of a family; "" is the family."""
+    return f"{variant} - {condition}" if variant else condition
 
 
 class Work(Protocol):

@@ -1,4 +1,4 @@
-"""The study behind `clean-swarm configure`: one option, all its numbers and flags."""
+"""The study behind `clean-swarm study configure`: one option, all its numbers and flags."""
 
 from collections.abc import Mapping
 from pathlib import Path

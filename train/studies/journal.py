@@ -12,7 +12,7 @@ from collections import defaultdict
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import shown
 from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text

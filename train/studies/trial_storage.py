@@ -12,7 +12,7 @@ from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, TrialState, create_trial
 
 from selector.documents.errors import DocumentError, within
-from selector.store.connection import parsed, public_url
+from selector.store.connection import parsed
 from selector.store.errors import reported
 from train.studies.missions import COST, FIGURES
 from train.studies.proposals import distributions
@@ -23,11 +23,6 @@ JOURNAL_SCHEME = "journal:"
 """Begins the URL of a journal file, which processes on several machines may append to (network drives)."""
 FEWEST = 4
 """Least number of trials from which importances are computed."""
-
-
-def shown_url(url: str) -> str:
-    """Return the URL of a storage without its password."""
-    return url if url.startswith(JOURNAL_SCHEME) else public_url(url)
 
 
 class TrialStorage:

@@ -10,8 +10,8 @@ from pettingzoo.test.render_test import render_test
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from clean_swarm_env import clean_swarm_v0
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.reward import RewardConfig
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 

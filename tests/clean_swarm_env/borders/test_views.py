@@ -12,7 +12,7 @@ from gymnasium.wrappers import RecordVideo
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.drawing.pixels import pixels_of
-from clean_swarm_env.drawing.scene_picture import scene_canvas
+from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.wrappers import RecordMission
 
 SHORT = {"base": "table1", "time_limit": 5.0}
@@ -44,9 +44,9 @@ def test_a_list_has_twenty_pictures_for_each_second_of_the_mission():
     assert np.array_equal(single.render(), pictures[-1])
 
 
-@pytest.mark.parametrize("settings", [{"mission": SHORT}, {"goal": "Foraging", "robots": 5}], ids=["mission", "goal"])
-def test_pictures_change_no_course(settings):
-    plain, drawn = CleanSwarmTeam(**settings), CleanSwarmTeam(**settings, render_mode="rgb_array_list")
+@pytest.mark.parametrize("mission", [SHORT, {"task": "Foraging", "robots": {"count": 5}}], ids=["cleaning", "task"])
+def test_pictures_change_no_course(mission):
+    plain, drawn = CleanSwarmTeam(mission), CleanSwarmTeam(mission, render_mode="rgb_array_list")
     for env in (plain, drawn):
         env.reset(seed=3)
     for _ in range(4):
@@ -56,14 +56,14 @@ def test_pictures_change_no_course(settings):
 
 
 @pytest.mark.parametrize("ground", ["torus", "open"])
-def test_goals_have_pictures_of_equal_size_with_all_robots_inside(ground):
-    env = CleanSwarmTeam(goal="FormationControl", ground=ground, seconds=8.0, render_mode="rgb_array_list")
+def test_tasks_have_pictures_of_equal_size_with_all_robots_inside(ground):
+    mission = {"task": "FormationControl", "world": {"ground": ground}, "time_limit": 8.0}
+    env = CleanSwarmTeam(mission, render_mode="rgb_array_list")
     env.reset(seed=1)
     over = False
     while not over:
         over = env.step(np.zeros(env.action_space.shape, dtype=np.int64))[3]
-        play = env.unwrapped.batch.play
-        canvas = scene_canvas(play.scene, play.team, 0)
+        canvas = canvas_of(env.unwrapped.batch.worlds, 0)
         assert ((canvas.positions >= 0.0) & (canvas.positions <= canvas.width)).all()
     pictures = env.render()
     assert len(pictures) == 1 + 20 * 8
@@ -71,14 +71,13 @@ def test_goals_have_pictures_of_equal_size_with_all_robots_inside(ground):
     assert sum(np.any(first != second) for first, second in pairwise(pictures)) > 100
 
 
-def test_pictures_of_goals_show_places_trails_and_cargo():
-    env = clean_swarm_v0.parallel_env(goal="Foraging", render_mode="rgb_array")
+def test_pictures_of_a_task_show_places_trails_and_cargo():
+    env = clean_swarm_v0.parallel_env({"task": "Foraging"}, render_mode="rgb_array")
     env.reset(seed=1)
     loaded = []
     while env.agents:
         env.step(dict.fromkeys(env.agents, 0))
-        play = env.unwrapped._batch.play
-        canvas = scene_canvas(play.scene, play.team, 0)
+        canvas = canvas_of(env.unwrapped._batch.worlds, 0)
         loaded.append(int(canvas.cargo.sum()))
         if len(canvas.pheromones):
             break
@@ -91,7 +90,7 @@ def test_pictures_of_goals_show_places_trails_and_cargo():
     "make",
     [
         lambda: CleanSwarmTeam(SHORT, render_mode="human"),
-        lambda: clean_swarm_v0.parallel_env(goal="ReachGoal", seconds=5.0, render_mode="human"),
+        lambda: clean_swarm_v0.parallel_env({"task": "ReachGoal", "time_limit": 5.0}, render_mode="human"),
         lambda: clean_swarm_v0.parallel_env(SHORT, render_mode="human"),
         lambda: clean_swarm_v0.raw_env(SHORT, render_mode="human"),
     ],

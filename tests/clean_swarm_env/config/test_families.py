@@ -5,11 +5,11 @@ import zlib
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import SPLITS, FamilyConfig, place_of, seed_of
 from clean_swarm_env.config.frames import check_frame, grouped
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import for_start, nearest_distance
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.mission import run_mission
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import DocumentError

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_experiment, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import Places, for_start, load_starts, nearest_distance, random_start, run_seed
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import shown
 
 

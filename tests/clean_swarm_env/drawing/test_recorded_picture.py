@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.recorded_picture import RecordedCourse
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.learning.given import mission_from

@@ -1,14 +1,19 @@
 """The canvas of a world has the robots, items and pheromones of the world."""
 
 import numpy as np
+import pytest
 
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING
 from clean_swarm_env.drawing.world_picture import canvas_of
-from clean_swarm_env.world.garbage import LYING, NOTHING
+from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.world.mission import Course, MissionRun
 from tests.clean_swarm_env.courses import mission, worlds_at_start
+from tests.clean_swarm_env.recording.shepherding import with_shepherding
 
 
-def test_the_scene_shows_robots_items_cargo_and_the_trail_of_its_own_world():
+def test_the_picture_shows_robots_items_cargo_and_the_trail_of_its_own_world():
     worlds = worlds_at_start(mission(), [1, 2])
     loads = set()
     for _ in range(400):
@@ -27,3 +32,31 @@ def test_the_scene_shows_robots_items_cargo_and_the_trail_of_its_own_world():
     assert canvas.pheromone_diffusions.max() == 1.0
     assert 0.3 < canvas.pheromone_diffusions.min() < 0.95  # evaporated once at least, and not yet gone
     assert ((canvas.pheromones >= 0.0) & (canvas.pheromones < 11.0)).all()
+
+
+@pytest.mark.parametrize("task", ["FormationControl", "CircleFormation"])
+def test_of_open_land_the_part_is_shown_that_robots_have_reached(task):
+    config = MissionConfig.model_validate({"task": task})
+    worlds = Course(MissionRun(config, random_start(config, 1, 0), 2, {})).worlds
+    near = canvas_of(worlds, 0)
+    assert near.width == near.height == max(config.world.width, config.world.height)
+    side, middle = near.width, worlds.floor.ground.centre
+    for beyond, steps in ((0.0, 1), (4.0, 2), (40.0, 9)):  # the edge of the land is 2 m away, a step is 5 m
+        worlds.physics.positions[0] = middle + np.array([0.5 * side + beyond, 0.0])
+        canvas = canvas_of(worlds, 0)
+        assert canvas.width == canvas.height == side + 10.0 * steps
+        assert ((canvas.positions >= 0.0) & (canvas.positions <= canvas.width)).all()
+        assert np.allclose(canvas.positions[0], 0.5 * canvas.width + np.array([0.5 * side + beyond, 0.0]))
+
+
+def test_the_picture_of_a_task_shows_what_moves_and_the_measures(monkeypatch):
+    with_shepherding(monkeypatch)
+    config = MissionConfig.model_validate({"task": "Shepherding"})
+    course = Course(MissionRun(config, random_start(config, 1, 0), 2, {}))
+    for _ in range(20):
+        course.tick()
+    canvas, sheep = canvas_of(course.worlds, 0), course.worlds.task.state.places[0]
+    assert [area.name for area in canvas.areas] == ["ring", *["sheep"] * 4]
+    assert [(area.x, area.y) for area in canvas.areas[1:]] == [tuple(place) for place in sheep.tolist()]
+    assert canvas.state.startswith("sheep in the ring ")
+    assert (canvas.width, canvas.height, canvas.cargo.tolist()) == (8.0, 6.0, [SEARCHING] * 6)

@@ -7,8 +7,8 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.phases import PHASES
-from clean_swarm_env.world.cleaning_robot import GOAL
-from clean_swarm_env.world.garbage import NOTHING
+from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.world.cleaning.garbage import NOTHING
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 

@@ -11,7 +11,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.learning.phases import PHASES
-from clean_swarm_env.world.garbage import LYING, NOTHING
+from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
 RANGES = (1.0, 1.5, 2.5)

@@ -7,7 +7,7 @@ import yaml
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import AVOIDINGS, PICKINGS
 from clean_swarm_env.learning.reward import RewardConfig
-from clean_swarm_env.world.cleaning_robot import GOAL
+from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
 from tests.clean_swarm_env.courses import mission
 from tests.paths import ROOT
 

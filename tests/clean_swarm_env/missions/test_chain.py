@@ -9,8 +9,8 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.progress import PICKINGS, RECYCLINGS, MissionProgress
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
-from clean_swarm_env.world.cleaning_robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN, coordinators_of
-from clean_swarm_env.world.garbage import LYING, NOTHING
+from clean_swarm_env.world.cleaning.cleaning_robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN, coordinators_of
+from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError

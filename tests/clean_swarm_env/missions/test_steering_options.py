@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.world.cleaning_robot import GOAL, coordinators_of
+from clean_swarm_env.world.cleaning.cleaning_robot import GOAL, coordinators_of
 from clean_swarm_env.world.explaining import _coordinated
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library

@@ -12,8 +12,8 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance, random_start
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.physics.cells import nearest_of_kind
-from clean_swarm_env.world.cleaning_robot import coordinators_of
-from clean_swarm_env.world.garbage import DONE
+from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
+from clean_swarm_env.world.cleaning.garbage import DONE
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge

@@ -6,7 +6,7 @@ from pydantic import TypeAdapter
 
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.by_hand import ByHand, Change
-from clean_swarm_env.world.garbage import ABSENT, CARRIED, LYING
+from clean_swarm_env.world.cleaning.garbage import ABSENT, CARRIED, LYING
 from clean_swarm_env.world.mission import Course, MissionRun
 from tests.clean_swarm_env.courses import mission
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording import taking
 from clean_swarm_env.recording.channels import LARGEST_WHOLE, Channel, unpacked_frames
 from clean_swarm_env.recording.file import MAGIC, RecordingFile, blocks_of

@@ -4,14 +4,16 @@ import re
 
 import numpy as np
 
+from clean_swarm_env.config.delivery import DeliveryConfig
 from clean_swarm_env.config.load import load_mission
-from clean_swarm_env.config.mission import DeliveryConfig
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.world import ConsequencesConfig
 from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionRun
+from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.paths import ROOT
 
 PAGE = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
@@ -36,12 +38,16 @@ def test_the_examples_read_what_was_recorded(tmp_path, monkeypatch, capsys):
         np.testing.assert_array_equal(names["channels"][name], values, name)
 
 
-def test_all_channels_are_on_the_page_as_they_are(tmp_path):
+def test_all_channels_are_on_the_page_as_they_are(tmp_path, monkeypatch):
+    with_shepherding(monkeypatch)
     changes = {"delivery": DeliveryConfig(loss=0.5), "consequences": ConsequencesConfig(stop=5.0)}
     mission = load_mission("table1").model_copy(update={"time_limit": 1.0, **changes})
-    run = MissionRun(mission, random_start(mission, 1, 0), 2, {})
-    record_mission(run, RecordSettings(tmp_path, minds=True, name="run"), {})
-    recording = RecordedMission(tmp_path / "run.swarm")
+    other = MissionConfig.model_validate({"task": "Shepherding", "time_limit": 1.0})
+    channels = {}
+    for each in (mission, other):
+        run = MissionRun(each, random_start(each, 1, 0), 2, {})
+        record_mission(run, RecordSettings(tmp_path, minds=True, name=each.name), {})
+        channels |= RecordedMission(tmp_path / f"{each.name}.swarm").channels
     rows = PAGE.split("<!-- begin: channels -->\n")[1].split("<!-- end: channels -->")[0].splitlines()[2:]
     cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
     told = {name: (unit, about) for names, _, unit, about in cells for name in re.findall(r"`([^`]+)`", names)}
@@ -49,6 +55,6 @@ def test_all_channels_are_on_the_page_as_they_are(tmp_path):
         re.sub(r"^(held|opinion)/.*", r"\1/GOAL", re.sub(r"^(?!held|opinion).*/(\w+)$", r"NETWORK/\1", name)): (
             channel.unit, channel.about
         )
-        for name, channel in recording.channels.items()
+        for name, channel in channels.items()
     }  # fmt: skip
     assert told == coded

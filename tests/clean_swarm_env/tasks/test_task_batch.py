@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env import clean_swarm_v0
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.interface import key_of
 from clean_swarm_env.tasks import TASKS

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.tasks import find_task, task_names, task_stories
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState, Things
 from selector.knowledge import load_knowledge

@@ -6,7 +6,7 @@ import pytest
 from clean_swarm_env.config.load import with_changes
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING
+from clean_swarm_env.world.cleaning.garbage import CARRIED, LYING, NOTHING
 from clean_swarm_env.world.mission import run_mission
 from selector.strategies.registry import StrategySpec
 from selforg.gradients.queries import Filter, Queries
@@ -258,8 +258,8 @@ def test_robots_join_at_random_places_without_touching_anybody():
     ],
 )
 def test_impossible_events_are_named(event, message, tmp_path):
-    from clean_swarm_env.config.errors import ConfigurationError
     from clean_swarm_env.config.load import load_mission
+    from clean_swarm_env.config.types import ConfigurationError
 
     path = tmp_path / "own.yaml"
     path.write_text(f"events: [{ {'at': 3.0, **event} }]".replace("'", ""))

@@ -9,8 +9,8 @@ import pytest
 
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.cleaning_robot import GOAL
-from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.world.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
 from tests.clean_swarm_env.courses import (
     CROWD,
     begin,

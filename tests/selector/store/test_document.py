@@ -78,7 +78,7 @@ def test_mistakes_name_file_and_key_in_one_line(content, message):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("s.json", '{"format": ', r"s\.json: line 1: Expecting value"),
+        ("s.json", '{"format": ', r"s\.json: line 1: expected JSON, got the end"),
         ("s.json", "[]", r"s\.json: expected a mapping of keys, got list"),
         ("s.json", '{"a": 1, "a": 2}', r"s\.json: key 'a' twice"),
         ("s.yaml", "format: [1]]", r"s\.yaml: line 1"),

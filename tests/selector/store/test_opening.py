@@ -104,7 +104,7 @@ def test_a_database_of_something_else_is_left_alone(tmp_path):
         ("DROP TABLE clean_swarm_learned", "no such table: clean_swarm_learned"),
         (
             "INSERT INTO clean_swarm_expert VALUES ('G', 'a', 0, 'A', 1.0, '{', 'me', 0)",
-            r"is corrupt: clean_swarm_expert: G\.a\.parameters: line 1: Expecting",
+            r"is corrupt: clean_swarm_expert: G\.a\.parameters: line 1: expected JSON",
         ),
         ("INSERT INTO clean_swarm_expert VALUES ('G', 'a', 0, 'A', 'high', '{}', 'me', 0)", "is corrupt: .*score"),
     ],

@@ -150,7 +150,7 @@ def _experiment(path: Path, **changes: object) -> Path:
         (["--starts", "none.json"], "none.json: cannot be read (No such file or directory)"),
         (
             ["--starts", "broken.json"],
-            "broken.json: line 1: Expecting property name enclosed in double quotes; expected JSON",
+            "broken.json: line 1: expected JSON, got ",
         ),
         (["--starts", "x", "--scenarios", "3"], "--scenarios and --starts: expected one of them, got both"),
         (["--output", "taken"], "taken: holds other files"),

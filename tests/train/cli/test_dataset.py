@@ -1,4 +1,4 @@
-"""`clean-swarm dataset`: what is refused in one line, and what a dataset holds where Minari is installed."""
+"""`clean-swarm learn dataset`: what is refused in one line, and what a dataset holds where Minari is installed."""
 
 from importlib.util import find_spec
 
@@ -27,20 +27,20 @@ def empty(tmp_path, monkeypatch):
     ],
 )
 def test_what_does_not_fit_is_refused(words, message, capsys):
-    assert run("dataset", "swarm/odd-v0", *words) == 2
+    assert run("learn", "dataset", "swarm/odd-v0", *words) == 2
     assert message in capsys.readouterr().err
 
 
 @pytest.mark.skipif(find_spec("minari") is not None, reason="Minari is installed")
 def test_without_minari_the_command_names_the_extra(capsys):
-    assert run("dataset", "swarm/rule-v0") == 2
+    assert run("learn", "dataset", "swarm/rule-v0") == 2
     assert "dataset: needs the extra 'minari', pip install 'clean-swarm[minari]'" in capsys.readouterr().err
 
 
 @needs_minari
 def test_missions_that_this_machine_is_too_small_for_are_refused(capsys, monkeypatch):
     monkeypatch.setattr(needs, "memory_of_machine", lambda: 1e6)
-    assert run("dataset", "swarm/rule-v0", "--strategy", "fsm:rule") == 2
+    assert run("learn", "dataset", "swarm/rule-v0", "--strategy", "fsm:rule") == 2
     error = capsys.readouterr().err
     assert "10 missions, 1 at a time, of up to 5 robots" in error
     assert error.endswith("; fewer --missions need less\n")
@@ -51,7 +51,7 @@ def test_missions_that_this_machine_is_too_small_for_are_refused(capsys, monkeyp
 def test_a_minari_dataset_has_every_decision_and_says_what_it_holds(capsys):
     import minari
 
-    words = ("dataset", "swarm/rule-v0", "--strategy", "fsm:rule", "--missions", 2, "--seed", 3)
+    words = ("learn", "dataset", "swarm/rule-v0", "--strategy", "fsm:rule", "--missions", 2, "--seed", 3)
     assert run(*words) == 0
     assert "2 missions, " in capsys.readouterr().out
     dataset = minari.load_dataset("swarm/rule-v0")
@@ -69,5 +69,5 @@ def test_a_minari_dataset_has_every_decision_and_says_what_it_holds(capsys):
     assert dataset.recover_environment().unwrapped.batch.options == batch.options
     assert run(*words) == 2
     assert "expected a new dataset, 'swarm/rule-v0' is there" in capsys.readouterr().err
-    assert run("dataset", "no name!") == 2
+    assert run("learn", "dataset", "no name!") == 2
     assert "NAME: expected group/name-v0, got 'no name!'" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""`clean-swarm draw` as a user meets it."""
+"""`clean-swarm look draw` as a user meets it."""
 
 import pytest
 from matplotlib.patches import FancyArrowPatch
@@ -25,21 +25,21 @@ def told(capsys, monkeypatch, tmp_path):
 
 
 def test_the_default_is_a_file_of_the_robots_name(told, tmp_path):
-    assert told("draw", "cleaning") == (0, "1 network in cleaning.svg\n", "")
+    assert told("look", "draw", "cleaning") == (0, "1 network in cleaning.svg\n", "")
     assert (tmp_path / "cleaning.svg").read_bytes().startswith(STARTS[".svg"])
 
 
 @pytest.mark.parametrize("suffix", STARTS)
 def test_the_ending_chooses_the_format_and_equal_networks_give_equal_files(told, tmp_path, suffix):
     for name in ("a", "b"):
-        assert told("draw", "Spacing", "--output", name + suffix)[0] == 0
+        assert told("look", "draw", "Spacing", "--output", name + suffix)[0] == 0
     first = (tmp_path / f"a{suffix}").read_bytes()
     assert first.startswith(STARTS[suffix])
     assert first == (tmp_path / f"b{suffix}").read_bytes()
 
 
 def test_a_machine_is_drawn_with_its_states_options_and_ways(told, tmp_path):
-    assert told("draw", "rule") == (0, "4 states in rule.svg\n", "")
+    assert told("look", "draw", "rule") == (0, "4 states in rule.svg\n", "")
     figure = draw_machine(load_machine("rule"))
     texts = {text.get_text() for text in figure.axes[0].texts}
     assert {"free far", "RepulsionFernandez-\nview1.5", "3: carrying_near > 0.5", "4: free_far > 0.5\nstays"} <= texts
@@ -51,8 +51,8 @@ def test_a_path_and_a_directory_of_ones_own_are_found(told, tmp_path):
     (tmp_path / "my" / "mechanisms").mkdir(parents=True)
     shy = tmp_path / "my" / "mechanisms" / "Shy.yaml"
     shy.write_text("mechanisms: {shy: {type: AvoidAll}}\nbehaviours: {Flee: {action: {type: Move, mechanism: shy}}}\n")
-    assert told("draw", "Shy", "--configs", "my", "--output", "shy.png")[0] == 0
-    assert told("draw", shy)[1] == "1 network in Shy.svg\n"
+    assert told("look", "draw", "Shy", "--configs", "my", "--output", "shy.png")[0] == 0
+    assert told("look", "draw", shy)[1] == "1 network in Shy.svg\n"
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_a_path_and_a_directory_of_ones_own_are_found(told, tmp_path):
     ],
 )
 def test_bad_input_is_one_line_and_code_2(told, tmp_path, words, said):
-    code, out, err = told("draw", *words)
+    code, out, err = told("look", "draw", *words)
     assert (code, out) == (2, "")
     assert said in err
     assert err.count("\n") == 1

@@ -1,4 +1,4 @@
-"""`clean-swarm knowledge` as a user meets it: what it prints, where it looks, and errors of one line."""
+"""`clean-swarm learn knowledge` as a user meets it: what it prints, where it looks, and errors of one line."""
 
 import io
 import subprocess
@@ -21,7 +21,7 @@ def run(monkeypatch, capsys, tmp_path):
     monkeypatch.delenv(stores.VARIABLE, raising=False)
 
     def call(*words: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["clean-swarm", "knowledge", *map(str, words)])
+        monkeypatch.setattr(sys, "argv", ["clean-swarm", "learn", "knowledge", *map(str, words)])
         with pytest.raises(SystemExit) as ended:
             cli.main()
         out, err = capsys.readouterr()

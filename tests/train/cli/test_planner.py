@@ -2,7 +2,7 @@
 
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from tests.train.records import experiment
 from train.evaluation.experiment import check_mission
 

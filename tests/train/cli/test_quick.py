@@ -29,11 +29,11 @@ def told(*words):
 REGISTERED = """
 import json
 from clean_swarm_env.learning.observation.config import TERMS
-from clean_swarm_env.scenes import goals
+from clean_swarm_env.config.tasks import task_names
 from selector.strategies.registry import STRATEGIES
 from selforg.mechanisms import MECHANISMS
 names = {"strategies": STRATEGIES.names(), "mechanisms": MECHANISMS.names()}
-print(json.dumps(names | {"goals": sorted(goals()), "terms": sorted(TERMS.names())}))
+print(json.dumps(names | {"goals": sorted(task_names()), "terms": sorted(TERMS.names())}))
 """
 """What we ship, in a process in which no test registers anything."""
 MISTAKES = [
@@ -47,8 +47,8 @@ MISTAKES = [
     ("train ppo --config exploring-pp", "did you mean 'exploring-ppo'"),
     ("train es --config ess", "did you mean 'es'"),
     ("tune keep-aprt", "did you mean 'keep-apart'"),
-    ("configure ORCA --family crowdde", "did you mean 'crowded'"),
-    ("headroom crowdde", "did you mean 'crowded'"),
+    ("study configure ORCA --family crowdde", "did you mean 'crowded'"),
+    ("study headroom crowdde", "did you mean 'crowded'"),
 ]
 
 

@@ -65,10 +65,13 @@ def test_a_run_becomes_a_video_of_thirty_seconds_unless_a_speed_is_given(recorde
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("picture", "RUN", "a.png", "--time", 1), "run.swarm: expected at most 8 numbers, for the memory, got more"),
+        (
+            ("look", "picture", "RUN", "a.png", "--time", 1),
+            "run.swarm: expected at most 8 numbers, for the memory, got more",
+        ),
         (("video", "RUN", "a.webp"), "run.swarm: expected at most 8 numbers, for the memory, got more"),
         (("replay", "RUN", "--html", "a.html"), "a.html: a page of "),
-        (("export", "RUN", "--output", "a.mcap"), "a.mcap: "),
+        (("look", "export", "RUN", "--output", "a.mcap"), "a.mcap: "),
     ],
 )
 def test_what_this_machine_is_too_small_for_is_refused_before_it_begins(
@@ -127,7 +130,7 @@ def test_without_opencv_its_videos_are_one_line(recorded, tmp_path, capsys):
 @pytest.mark.parametrize("suffix", ["svg", "png", "webp"])
 def test_a_picture_is_the_moment_that_was_asked_for(recorded, tmp_path, suffix):
     output = tmp_path / f"out.{suffix}"
-    assert run("picture", recorded, output, "--time", 2.5, "--size", 300) == 0
+    assert run("look", "picture", recorded, output, "--time", 2.5, "--size", 300) == 0
     if suffix == "svg":
         assert "2.5 s" in "".join(ElementTree.parse(output).getroot().itertext())
     else:
@@ -138,10 +141,13 @@ def test_a_picture_is_the_moment_that_was_asked_for(recorded, tmp_path, suffix):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("picture", "RUN", "a.jpeg", "--time", 1), "a.jpeg: expected a name that ends with .svg, .png, .webp"),
-        (("picture", "RUN", "a.svg", "--time", 6), "--time: expected seconds from 0 to 5.8, got 6"),
-        (("picture", "RUN", "a.svg", "--time", "nan"), "--time: expected seconds from 0 to 5.8, got nan"),
-        (("picture", "RUN", "a.svg", "--time", 1, "--size", 9999), "--size: expected a whole number of at most 4000"),
+        (("look", "picture", "RUN", "a.jpeg", "--time", 1), "a.jpeg: expected a name that ends with .svg, .png, .webp"),
+        (("look", "picture", "RUN", "a.svg", "--time", 6), "--time: expected seconds from 0 to 5.8, got 6"),
+        (("look", "picture", "RUN", "a.svg", "--time", "nan"), "--time: expected seconds from 0 to 5.8, got nan"),
+        (
+            ("look", "picture", "RUN", "a.svg", "--time", 1, "--size", 9999),
+            "--size: expected a whole number of at most 4000",
+        ),
         (("video", "RUN", "a.avi"), "a.avi: expected a name that ends with .webp, .gif, .webm, .mp4"),
         (("video", "RUN", "a.webp", "--from", 3, "--to", 2), "--to: expected at least --from, 3, got 2"),
         (("video", "RUN", "a.webp", "--speed", 0), "--speed: expected a positive number up to 1000, got 0"),
@@ -174,6 +180,6 @@ def test_a_truncated_recording_is_shown_as_far_as_it_goes(tmp_path, capsys):
     path = tmp_path / "run.swarm"
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) * 3 // 4])
-    assert run("picture", path, tmp_path / "a.png", "--time", 10) == 0
-    assert run("picture", path, tmp_path / "a.png", "--time", 119) == 2
+    assert run("look", "picture", path, tmp_path / "a.png", "--time", 10) == 0
+    assert run("look", "picture", path, tmp_path / "a.png", "--time", 119) == 2
     assert "--time: expected seconds from 0 to" in capsys.readouterr().err

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from tests.paths import ROOT
 from train.cluster.bits import WorkerBits, noted_bits, own_bits
 

@@ -53,6 +53,6 @@ def test_dask_knows_the_settings():
 
 
 def test_warm_compiles_and_says_where(capsys):
-    assert "clean-swarm warm " in PAGE
-    assert run("warm") == 0
+    assert "clean-swarm machine warm " in PAGE
+    assert run("machine", "warm") == 0
     assert re.fullmatch(r"compiled code: \d+ MB in \S+, [\d.]+ CPU s\n", capsys.readouterr().out)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from tests.train.cluster.loopback import ENVIRONMENT, QUIET, loopback_cluster, until
 from tests.train.learning.trainings import written
 from train.cluster import dask_engine

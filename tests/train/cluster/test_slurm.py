@@ -68,7 +68,7 @@ def kill(folder: Path, words: bytes) -> None:
 
 
 def test_a_job_array_gives_what_one_command_gives_after_scancel_and_kill(cluster, tmp_path, given):
-    printed = fake(cluster, tmp_path, "script", "slurm", "--shares", "3", *WORDS, "--output", "array", **given)
+    printed = fake(cluster, tmp_path, "machine", "slurm", "--shares", "3", *WORDS, "--output", "array", **given)
     (tmp_path / "array.sh").write_text(printed.replace("-m clean_swarm_env", "-m tests.train.fake_mission"))
     job = cluster.do("sbatch", "--parsable", "array.sh", folder=tmp_path, **given).strip()
     shares = [tmp_path / "array" / "shares" / f"{number}-of-3" for number in (1, 2)]

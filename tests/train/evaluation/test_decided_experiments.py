@@ -5,13 +5,14 @@ import json
 import pytest
 import yaml
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
 from tests.train.commands import run
-from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
+from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.trial_task import experiment_tasks
+from train.request import Request
 
 ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient}\n"
 
@@ -89,7 +90,7 @@ def test_a_strategy_by_its_text_is_that_strategy(folder):
 def test_what_does_not_fit_is_one_line(folder, condition, message):
     path = written(folder, {"name": "x", **condition})
     with pytest.raises((ConfigurationError, DocumentError)) as told:
-        ExperimentEvaluation(ExperimentRequest(str(path), 0))
+        ExperimentEvaluation(Request(str(path)))
     assert message in str(told.value)
     assert "\n" not in str(told.value)
 
@@ -111,7 +112,20 @@ def test_a_manifest_whose_deciders_are_not_those_of_its_conditions_is_refused(fo
     manifest["identity"]["deciders"] = held
     (folder / "done" / "manifest.json").write_text(json.dumps(manifest))
     assert run("explain", "done", "--robot", 1, "--time", 20) == 2
-    assert "manifest.json: identity.deciders: expected those of machine, got " in capsys.readouterr().err
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert "identity: deciders: expected" in error or "condition 'machine' is no longer what" in error
+
+
+def test_a_condition_is_explained_though_another_one_names_code(folder, capsys):
+    path = written(folder, MACHINE)
+    assert run("evaluate", path, "--workers", 1, "--output", "done") == 0
+    manifest = json.loads((folder / "done" / "manifest.json").read_text())
+    stranger = {"name": "stranger", "strategy": {"name": "canary:Own"}}
+    manifest["identity"]["configuration"]["conditions"].append(stranger)
+    (folder / "done" / "manifest.json").write_text(json.dumps(manifest))
+    assert run("explain", "done", "--robot", 1, "--time", 2) == 0
+    assert run("explain", "done", "--robot", 1, "--time", 2, "--condition", "stranger") == 2
+    assert "only a file asks to import canary:Own" in capsys.readouterr().err
 
 
 def test_a_bandit_that_does_not_learn_is_named(folder, capsys):

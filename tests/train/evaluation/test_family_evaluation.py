@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import yaml
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.frames import grouped
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
 from selector.strategies.learned_file import description_of, save_strategy

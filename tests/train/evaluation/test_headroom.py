@@ -1,106 +1,114 @@
 """The headroom of a family: the search finds what is planted, and is judged on other scenarios."""
 
-from dataclasses import replace
+from pathlib import Path
 
-import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
-from tests.train.commands import run
+from tests.train.commands import run, told
 from tests.train.records import record
 from train.evaluation.choosing import headroom
 from train.evaluation.choosing.headroom import (
     RULE_FOUND,
     SINGLE,
-    HeadroomRequest,
-    RuleSearch,
-    headroom_of,
-    headroom_table,
+    HeadroomEvaluation,
+    RuleTask,
+    Searched,
     scenario_kinds,
 )
+from train.request import Request
 
 SITUATIONS = ("free_far", "free_near", "carrying_far", "carrying_near")
 
 
-def request(**changes):
-    family = load_family("random-bumpers")
-    family = family.model_copy(update={"mission": family.mission.model_copy(update={"time_limit": 30.0})})
-    return replace(HeadroomRequest(family, SITUATIONS, 0, searched=2, judged=4), **changes)
+def evaluation_of(situations=SITUATIONS, scenarios=4, searched=2, name="random-bumpers", family=None, **more):
+    return HeadroomEvaluation(Request(name, scenarios=scenarios, **more), Searched(situations, searched), family)
 
 
-def results_of(excesses, completed=True):
-    return [record(cost_s=float(excess), completed=completed).result for excess in excesses]
+def played(evaluation, excess):
+    """Return the records of all runs that the search asks for; `excess`: task, place -> excess cost [s]."""
+    done, rounds = {}, []
+    while tasks := evaluation.tasks(done):
+        rounds.append(tasks)
+        for task in tasks:
+            for place, key in zip(task.places, task.keys, strict=True):
+                done[key] = record(*key, cost_s=float(excess(task, place)))
+    return done, rounds
 
 
-def test_the_search_finds_the_planted_rule(monkeypatch):
-    planted = np.array([2, 0, 1, 3])
-    search = RuleSearch(request())
-
-    def results(self, scenarios, rules):
-        return results_of(10.0 + (rules != planted).sum(axis=1) + (rules[:, 0] == 5))
-
-    monkeypatch.setattr(RuleSearch, "results", results)
-    assert search.single() in planted
-    assert search.rule().tolist() == planted.tolist()
-    assert search.missions <= 2 * (7 + 3 * 4 * 7)
+def rows_of(evaluation, done):
+    [grid] = evaluation.publication(list(done.values())).grids
+    return {row.label: [cell for group in row.groups for cell in group] for row in grid.rows}, grid.notes
 
 
-def test_what_was_found_is_judged_on_test_scenarios(monkeypatch):
-    splits, trials = [], headroom.run_trials
+def test_the_search_finds_the_planted_rule_and_judges_it_on_test_scenarios():
+    planted, evaluation = (2, 0, 1, 3), evaluation_of()
 
-    def noted(scenarios, maker, settings):
-        splits.append({scenario.id.partition("-")[0] for scenario in scenarios})
-        return trials(scenarios, maker, settings)
+    def excess(task, place):
+        if not isinstance(task, RuleTask):
+            return 99.0
+        rule = task.rules[place]
+        return 10.0 + sum(own != best for own, best in zip(rule, planted, strict=True)) + (rule[0] == 5)
 
-    monkeypatch.setattr(headroom, "run_trials", noted)
-    monkeypatch.setattr(headroom, "MOST_ROUNDS", 1)
-    found = headroom_of(request())
-    assert splits[-4:] == [{"test"}] * 4
-    assert set().union(*splits[:-4]) == {"train"}
-    assert set(found.excesses) == {SINGLE, RULE_FOUND, "fixed:Off", "Random"}
-    assert [claim.against for claim in found.claims] == [SINGLE] * 3
-    assert found.excesses[RULE_FOUND] / found.excesses[SINGLE] == pytest.approx(found.claims[0].ratio)
-    assert "4 scenarios: no statement; " in headroom_table(found, "random-bumpers").notes[-1]
+    done, rounds = played(evaluation, excess)
+    searches, judged = rounds[:-1], rounds[-1]
+    assert {task.split for tasks in searches for task in tasks} == {"train"}
+    assert {task.split for task in judged} == {"test"}
+    assert [task.condition for task in judged] == [SINGLE, RULE_FOUND, "fixed:Off", "Random"]
+    rows, notes = rows_of(evaluation, done)
+    assert rows[SINGLE][1:3] == ["13.0", "1"]
+    assert rows[RULE_FOUND][1:3] == ["10.0", "0.769"]
+    found = ", ".join(f"{name} {evaluation.options[k]}" for name, k in zip(SITUATIONS, planted, strict=True))
+    assert f"best choices: {found}" in notes
+    assert "4 scenarios: no statement; " in notes[-1]
+    assert len(done) - 4 * 4 <= 2 * (7 + 3 * 4 * 7)
 
 
-def test_the_best_choice_for_each_kind_of_scenario_is_found_and_judged(monkeypatch):
-    family = load_family("clustered")
-    asked = HeadroomRequest(family, (), 0, searched=8, judged=12, goal="AvoidCollision+ExplorationPatrol")
+def test_the_best_choice_for_each_kind_of_scenario_is_found_and_judged():
+    goal = "AvoidCollision+ExplorationPatrol"
+    evaluation = evaluation_of((), 12, 8, "clustered", goal=goal)
     planted = {"spots 0 stations 2": "ORCA+Patrol", "spots 1 stations 2": "PredictiveSteering+Finds"}
-    options = RuleSearch(asked).problem.options
 
-    def results(self, scenarios, rules):
-        wanted = [options.index(planted[kind]) for kind in scenario_kinds(scenarios)]
-        return results_of([10.0 + abs(option - best) for (option,), best in zip(rules, wanted, strict=True)])
+    def excess(task, place):
+        if not isinstance(task, RuleTask):
+            return 99.0
+        [kind] = scenario_kinds([task.scenario_of(place)])
+        return 10.0 + abs(task.rules[place][0] - evaluation.options.index(planted[kind]))
 
-    def lost(self, scenarios, member):
-        return results_of(np.full(len(scenarios), 99.0), completed=False)
+    done, _ = played(evaluation, excess)
+    rows, notes = rows_of(evaluation, done)
+    assert float(rows[RULE_FOUND][1]) == 10.0 < float(rows[SINGLE][1])
+    assert rows["fixed:Off"][1] == rows["Random"][1] == "99.0"
+    assert f"{8 * len(evaluation.options)} missions of search" in notes
+    assert "best choices: " + ", ".join(f"{kind} {option}" for kind, option in planted.items()) in notes
 
-    monkeypatch.setattr(RuleSearch, "results", results)
-    monkeypatch.setattr(RuleSearch, "results_of", lost)
-    found = headroom_of(asked)
-    assert found.rule == planted
-    assert found.excesses[RULE_FOUND] == 10.0 < found.excesses[SINGLE]
-    assert found.excesses["fixed:Off"] == found.excesses["Random"] == 99.0
-    assert found.missions == 8 * len(options)
-    left = {row.label: row.groups[0][0] for row in headroom_table(found, family.name).rows}
-    assert left == {SINGLE: "0%", RULE_FOUND: "0%", "fixed:Off": "100%", "Random": "100%"}
-    told = "spots 0 stations 2 ORCA+Patrol, spots 1 stations 2 PredictiveSteering+Finds"
-    assert told in str(headroom_table(found, family.name))
+
+def test_a_search_that_was_cut_off_goes_on_to_the_same_results(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(headroom, "MOST_ROUNDS", 1)
+    family = load_family("random-bumpers")
+    family = family.model_copy(update={"mission": family.mission.model_copy(update={"time_limit": 5.0})})
+    monkeypatch.setattr("train.evaluation.family.load_family", lambda *_: family)
+    words = ["study", "headroom", "random-bumpers", "--searched", 2, "--judged", 2, "--workers", 1, "--output"]
+    for name in ("whole", "cut"):
+        assert told(capsys, *words, tmp_path / name)[0] == 0
+    journal: Path = tmp_path / "cut" / "runs.jsonl"
+    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[::5]))
+    assert told(capsys, *words, tmp_path / "cut", "--resume")[0] == 0
+    whole, cut = ((tmp_path / name / "table.md").read_text() for name in ("whole", "cut"))
+    assert whole == cut
 
 
 def test_unknown_situations_are_one_line(capsys):
-    assert run("headroom", "random", "--situations", "free_far,asleep") == 2
+    assert run("study", "headroom", "random", "--situations", "free_far,asleep") == 2
     assert "--situations: unknown component 'asleep'" in capsys.readouterr().err
-    with pytest.raises(DocumentError):
-        RuleSearch(request(situations=("asleep",)))
 
 
 def test_situations_may_come_from_the_terms_of_a_mission():
-    asked = request(situations=("finds_none", "finds_apart"))
+    situations = ("finds_none", "finds_apart")
     with pytest.raises(DocumentError, match="--situations: unknown component 'finds_none'"):
-        RuleSearch(asked)
-    mission = asked.family.mission.model_copy(update={"terms": ("finds",)})
-    seeing = asked.family.model_copy(update={"mission": mission})
-    assert "finds_apart" in RuleSearch(replace(asked, family=seeing)).problem.features
+        evaluation_of(situations)
+    family = load_family("random-bumpers")
+    mission = family.mission.model_copy(update={"terms": ("finds",)})
+    seeing = evaluation_of(situations, family=family.model_copy(update={"mission": mission}))
+    assert "finds_apart" in seeing.problem.features

@@ -9,7 +9,7 @@ from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
 from tests.paths import TRAINED
 from train.deciders.named import decider_named
-from train.evaluation.entrants import entrants_of, never_taken, with_baselines
+from train.evaluation.entrants import entrants_of, remarks_on, with_baselines
 from train.learning.config import load_training
 from train.learning.curriculum import Curriculum
 from train.running.trials import run_trials
@@ -62,9 +62,10 @@ def test_more_options_change_no_mission_of_the_others(option):
 
 def test_options_that_a_strategy_was_trained_without_are_named():
     options = [option.name for option in load_knowledge("avoidance").options(GOAL)]
-    missing = never_taken(entrants_of([*LEARNED, "fixed", "fsm:rule", "Random"], options), options, OWN)
-    assert missing == dict.fromkeys(LEARNED, options[len(SIX) :])
-    assert never_taken(entrants_of(LEARNED, options), options[: len(SIX)], OWN) == {}
+    told = remarks_on(entrants_of([*LEARNED, "fixed", "fsm:rule", "Random"], options), options, OWN)
+    missing = ", ".join(options[len(SIX) :])
+    assert told == [f"{name}: never takes {missing}, which it was trained without" for name in LEARNED]
+    assert remarks_on(entrants_of(LEARNED, options), options[: len(SIX)], OWN) == []
 
 
 def test_off_and_random_come_beside_once():

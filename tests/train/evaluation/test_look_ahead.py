@@ -4,46 +4,61 @@ import numpy as np
 import pytest
 import yaml
 
-from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.actions import ActionConfig
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selector.strategies.policy_file import save_policy
 from tests.selector.strategies.policies import exported, untrained
 from train import cli
 from train.deciders.named import decider_named
-from train.evaluation.choosing.look_ahead import LookAheadRequest, LookingTeam, look_ahead_table
+from train.evaluation.choosing.look_ahead import LookAheadEvaluation, LookingAhead, LookingTeam
+from train.request import Request
+from train.running.runs import RunRecord
 from train.running.trials import TrialSettings, run_trials
 
 GOOD = {"configuration": "PredictiveSteering"}
 BAD = {"name": "Far", "configuration": "RepulsionFernandez", "parameters": {"view_distance": 2.0}}
 
 
-def request(tmp_path, *options, **changes):
+LOOKING = {"base": "PredictiveSteering", "copies": 2, "hold": 5.0, "horizon": 200.0}
+
+
+def evaluation_of(tmp_path, *options, **changes):
     """Look ahead on missions of a library with these options."""
     (tmp_path / "knowledge").mkdir(exist_ok=True)
     goals = {"AvoidCollision": [{"score": 1.0, **option} for option in options]}
     (tmp_path / "knowledge" / "few.yaml").write_text(yaml.safe_dump({"goals": goals}))
-    family = load_family("random").with_knowledge("few")
-    settings = {"base": "PredictiveSteering", "scenarios": 2, "copies": 2, "hold": 5.0, "horizon": 200.0} | changes
-    return LookAheadRequest(family, seed=1, directories=(tmp_path,), **settings)
+    request = Request("random", seed=1, scenarios=2, knowledge="few", directories=(tmp_path,))
+    return LookAheadEvaluation(request, LookingAhead(**{**LOOKING, **changes}))
+
+
+def team_of(base, **times):
+    """Return a team that looks ahead from a policy, and its scenario."""
+    looking = LookingAhead(base=base, copies=1, **times)
+    asked = Request("clustered", seed=1, scenarios=1, goal="ExplorationPatrol")
+    task = LookAheadEvaluation(asked, looking).tasks({})[0]
+    scenario = task.scenario_of(task.places[0])
+    return LookingTeam(task, scenario, 0), scenario
 
 
 def test_with_one_option_the_mission_is_that_of_the_option(tmp_path):
-    asked = request(tmp_path, GOOD, hold=20.0, horizon=3.0)
-    scenario = asked.family.scenario(1, 0, "test")
-    team = LookingTeam(asked, scenario, 0)
+    task = evaluation_of(tmp_path, GOOD, hold=20.0, horizon=3.0).tasks({})[0]
+    scenario = task.scenario_of(task.places[0])
 
     def decider(problem, teams):
         return decider_named("fixed:PredictiveSteering", (tmp_path,)).build(problem, teams)
 
     (alone,) = run_trials([scenario], decider, TrialSettings(directories=(tmp_path,)))
-    assert team.result() == alone
-    assert team.taken.total() == -(-alone.duration_s // 20.0)
+    [record] = task.run()
+    assert record.result == alone
+    assert sum(record.taken.values()) == -(-alone.duration_s // 20.0)
+    assert RunRecord.of_mapping(record.as_mapping()) == record
 
 
 def test_an_option_that_costs_much_is_not_taken(tmp_path):
-    grid = look_ahead_table(request(tmp_path, BAD, GOOD, hold=15.0))
+    evaluation = evaluation_of(tmp_path, BAD, GOOD, hold=15.0)
+    records = [record for task in evaluation.tasks({}) for record in task.run()]
+    [grid] = evaluation.publication(records).grids
     excess = {row.label: float(row.groups[1][0]) for row in grid.rows}
     assert excess["look-ahead"] < 0.5 * excess["fixed:Far"]
     assert excess["look-ahead"] < 1.5 * excess["fixed:PredictiveSteering"]
@@ -66,11 +81,7 @@ def correcting(directory):
 @pytest.mark.parametrize("corrects", [False, True])
 def test_a_policy_is_followed_where_no_option_is_better(corrects, tmp_path):
     policy = correcting(tmp_path) if corrects else "policy:exploring-ppo"
-    asked = LookAheadRequest(
-        load_family("clustered"), policy, 1, 1, 1, hold=60.0, horizon=60.0, goal="ExplorationPatrol"
-    )
-    scenario = asked.family.scenario(1, 0, "test")
-    team = LookingTeam(asked, scenario, 0)
+    team, scenario = team_of(policy, hold=60.0, horizon=60.0)
     assert team.alternatives[-1] == policy
     team._best = lambda state, observations: len(team.alternatives) - 1
 
@@ -78,17 +89,14 @@ def test_a_policy_is_followed_where_no_option_is_better(corrects, tmp_path):
         return decider_named(policy).build(problem, teams)
 
     named = decider_named(policy)
-    seen, action = named.observation(asked.family.mission.terms), ActionConfig(mode=named.mode)
+    seen, action = named.observation(scenario.mission.terms), ActionConfig(mode=named.mode)
     (alone,) = run_trials([scenario], decider, TrialSettings("ExplorationPatrol", observation=seen, action=action))
     assert team.result() == alone
     assert team.taken.keys() == {policy}
 
 
 def test_an_option_that_is_tried_takes_the_place_of_that_of_the_policy_but_not_of_its_corrections(tmp_path):
-    asked = LookAheadRequest(
-        load_family("clustered"), correcting(tmp_path), 1, 1, 1, hold=1.0, horizon=1.0, goal="ExplorationPatrol"
-    )
-    team = LookingTeam(asked, asked.family.scenario(1, 0, "test"), 0)
+    team, _ = team_of(correcting(tmp_path), hold=1.0, horizon=1.0)
     seen, options = team._batch.reset(), np.arange(team._batch.rows) % len(team.alternatives)
     followed, tried = (
         team._base.actions(np.full_like(options, team._base.number), seen),
@@ -111,22 +119,21 @@ def test_an_option_that_is_tried_takes_the_place_of_that_of_the_policy_but_not_o
 )
 def test_a_base_that_does_not_exist_is_one_line(tmp_path, base, line):
     exported(tmp_path / "policies" / "steers", "AvoidCollision", (), ("idle",), vector=True)
-    asked = request(tmp_path, GOOD, base=base)
-    with pytest.raises(ConfigurationError, match=line):
-        LookingTeam(asked, asked.family.scenario(1, 0, "test"), 0)
+    with pytest.raises(DocumentError, match=line):
+        evaluation_of(tmp_path, GOOD, base=base)
 
 
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("--hold", "0"), "--hold: expected more than 0 s and at most 1e+06 s, got 0"),
-        (("--horizon", "nan"), "--horizon: expected more than 0 s"),
-        (("--copies", "0"), "--copies: expected"),
+        (("--hold", "0"), "look-ahead: hold: expected"),
+        (("--horizon", "nan"), "look-ahead: horizon: expected"),
+        (("--copies", "0"), "look-ahead: copies: expected"),
         (("--scenarios", "1"), "--scenarios: expected"),
     ],
 )
 def test_numbers_out_of_bounds_are_one_line(monkeypatch, capsys, words, line):
-    monkeypatch.setattr("sys.argv", ["clean-swarm", "look-ahead", "random", "--base", "Off", *words])
+    monkeypatch.setattr("sys.argv", ["clean-swarm", "study", "look-ahead", "random", "--base", "Off", *words])
     with pytest.raises(SystemExit) as ended:
         cli.main()
     assert ended.value.code == 2

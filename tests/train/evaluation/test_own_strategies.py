@@ -18,9 +18,10 @@ from tests.paths import TRAINED
 from tests.selector.strategies.policies import untrained
 from train.deciders.models import LOADERS
 from train.deciders.named import decider_named
-from train.evaluation.entrants import entrants_of, unlearned
-from train.evaluation.family import FamilyEvaluation, FamilyRequest
-from train.evaluation.repeat_trial import trial_steps
+from train.evaluation.entrants import UNTAUGHT, entrants_of, remarks_on
+from train.evaluation.family import FamilyEvaluation
+from train.evaluation.repeat import steps_of
+from train.request import Request
 
 PROBLEM = Problem("AvoidCollision", ("Fernandez", "Gradient"), np.array([1.0, 0.5]), ("near", "far"))
 TEAMS = np.zeros(3, dtype=np.int64)
@@ -77,13 +78,14 @@ def test_mistakes_are_one_line(folder, member, message):
 
 def test_a_family_without_the_options_of_a_policy_is_one_line():
     with pytest.raises(DocumentError, match="--strategy policy:general: policy: options: ") as told:
-        FamilyEvaluation(FamilyRequest("table1", ("policy:general",), 0, 1, "cleaning", directories=(TRAINED,)))
+        FamilyEvaluation(Request("table1", ("policy:general",), 0, 1, "cleaning", directories=(TRAINED,)))
     assert "\n" not in str(told.value)
 
 
 def test_strategies_that_have_learned_nothing_are_named():
     given = ("fixed", "fsm:rule", "UCB1", "mine=GaussianThompson", "Random", "learned:rules", "policy:general")
-    assert unlearned(entrants_of(given, PROBLEM.options), (TRAINED,)) == ["UCB1", "mine"]
+    told = remarks_on(entrants_of(given, PROBLEM.options), (), (TRAINED,))
+    assert told == [f"UCB1: {UNTAUGHT}", f"mine: {UNTAUGHT}"]
 
 
 @pytest.fixture
@@ -95,9 +97,9 @@ def ahead(folder, monkeypatch):
 
 
 def test_a_model_that_steers_has_the_missions_of_an_environment_with_vectors(ahead):
-    request = FamilyRequest("table1", (ahead,), 3, scenarios=2)
+    request = Request("table1", (ahead,), 3, scenarios=2)
     evaluation = FamilyEvaluation(request)
-    (task,) = (task for task in evaluation.tasks(()) if task.member == ahead)
+    (task,) = (task for task in evaluation.tasks({}) if task.member == ahead)
     for number, record in enumerate(task.run()):
         scenario = evaluation.family.scenario(3, number, "test")
         env = parallel_env(scenario.mission, action={"mode": "velocity"})
@@ -107,7 +109,7 @@ def test_a_model_that_steers_has_the_missions_of_an_environment_with_vectors(ahe
         last = infos["robot_0"]
         assert (record.result.garbage_done, record.result.completed) == (last["garbage_done"], last["completed"])
         assert record.result.duration_s == last["duration_s"]
-    assert sum(1 for _ in trial_steps(task)) == task.run()[0].result.ticks
+    assert sum(1 for _ in steps_of(task)) == task.run()[0].result.ticks
 
 
 def constant(folder, batch, options, vector):
@@ -130,8 +132,8 @@ def test_a_policy_that_steers_corrects_or_both_is_evaluated_as_what_it_gives(fol
     Path("ahead.const").write_text("0.75 0.125")  # the same in float32
     steering = constant(folder, driven, (), [0.75, 0.125])
     still, moved = (constant(folder, plain, options, vector) for vector in ([0.0, 0.0], [0.3, 0.0]))
-    request = FamilyRequest("table1", (ahead, steering, f"fixed:{options[1]}", still, moved), 3, scenarios=2)
-    tasks = FamilyEvaluation(request).tasks(())[:5]
+    request = Request("table1", (ahead, steering, f"fixed:{options[1]}", still, moved), 3, scenarios=2)
+    tasks = FamilyEvaluation(request).tasks({})[:5]
     assert [task.named.mode for task in tasks] == ["velocity", "velocity", "option", "both", "both"]
     runs = [[record.result for record in task.run()] for task in tasks]
     assert runs[0] == runs[1]
@@ -152,11 +154,11 @@ def test_strategies_see_the_terms_of_a_mission(folder):
     }
     (folder / "finder.yaml").write_text(yaml.safe_dump(machine))
     given = {"goal": "ExplorationPatrol", "scenarios": 1}
-    evaluation = FamilyEvaluation(FamilyRequest("clustered", ("fsm:finder.yaml",), 3, **given))
-    (task,) = (task for task in evaluation.tasks(()) if task.member == "fsm:finder.yaml")
+    evaluation = FamilyEvaluation(Request("clustered", ("fsm:finder.yaml",), 3, **given))
+    (task,) = (task for task in evaluation.tasks({}) if task.member == "fsm:finder.yaml")
     (record,) = task.run()
     assert record.result.completed
-    assert sum(1 for _ in trial_steps(task)) == record.result.ticks
+    assert sum(1 for _ in steps_of(task)) == record.result.ticks
     family = load_family("clustered")
 
     def seeing(*terms):
@@ -164,10 +166,10 @@ def test_strategies_see_the_terms_of_a_mission(folder):
 
     blind = seeing()
     with pytest.raises(DocumentError, match="unknown component 'finds_together'"):
-        FamilyEvaluation(FamilyRequest("clustered", ("fsm:finder.yaml",), 3, **given), blind)
+        FamilyEvaluation(Request("clustered", ("fsm:finder.yaml",), 3, **given), blind)
     odd = seeing("fines")
     with pytest.raises(DocumentError, match=r"observation: .*unknown term 'fines'.*did you mean 'finds'"):
-        FamilyEvaluation(FamilyRequest("clustered", ("fixed",), 3, **given), odd)
+        FamilyEvaluation(Request("clustered", ("fixed",), 3, **given), odd)
 
 
 @pytest.mark.parametrize(
@@ -180,15 +182,15 @@ def test_strategies_see_the_terms_of_a_mission(folder):
 def test_a_model_that_steers_must_give_vectors(ahead, text, message):
     Path("ahead.const").write_text(text)
     with pytest.raises(DocumentError, match=message):
-        FamilyEvaluation(FamilyRequest("table1", (ahead,), 3, scenarios=2))
+        FamilyEvaluation(Request("table1", (ahead,), 3, scenarios=2))
 
 
 def test_a_model_that_drives_has_to_be_there(folder):
     with pytest.raises(DocumentError, match=r"velocity:ahead.md: ahead.md: no such file"):
-        FamilyEvaluation(FamilyRequest("table1", ("velocity:ahead.md",), 3, scenarios=2))
+        FamilyEvaluation(Request("table1", ("velocity:ahead.md",), 3, scenarios=2))
     Path("ahead.md").touch()
     with pytest.raises(DocumentError, match=r"ahead.md: expected a file that ends in \.zip, "):
-        FamilyEvaluation(FamilyRequest("table1", ("velocity:ahead.md",), 3, scenarios=2))
+        FamilyEvaluation(Request("table1", ("velocity:ahead.md",), 3, scenarios=2))
 
 
 def models(folder):

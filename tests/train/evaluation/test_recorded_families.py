@@ -94,7 +94,7 @@ def test_runs_that_do_not_exist_or_have_changed_give_one_line(results, tmp_path,
     (tmp_path / "runs.jsonl").write_text((results / "runs.jsonl").read_text())
     manifest["identity"]["strategies"]["policy:general"] = ["policy:general sha256:0"]
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
-    code, _, err = told("explain", tmp_path, *words)
+    code, _, err = told("explain", tmp_path, *words, "--condition", "policy:general")
     assert code == 2
-    assert "policy:general is no longer what the evaluation ran with; its runs cannot be repeated" in err
+    assert "condition 'policy:general' is no longer what the evaluation ran with; its runs cannot be repeated" in err
     assert len(err.splitlines()) == 1

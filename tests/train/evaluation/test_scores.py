@@ -69,13 +69,13 @@ def run(monkeypatch, capsys, tmp_path):
 
 def test_force_scores_what_the_machine_is_too_small_for(run, monkeypatch):
     monkeypatch.setattr(needs, "LONGEST", 0.0)
-    code, _, err = run("score", "rooms", "--store", "s.sqlite")
+    code, _, err = run("study", "score", "rooms", "--store", "s.sqlite")
     assert code == 2
     assert "--force starts them anyway" in err
-    monkeypatch.setattr(pipeline, "evaluate", lambda evaluation, execution: asked.append(evaluation) or 0)
+    monkeypatch.setattr(pipeline, "evaluate", lambda evaluation, console: asked.append(evaluation) or 0)
     asked = []
-    assert run("score", "rooms", "--store", "s.sqlite", "--force")[0] == 0
-    assert all("--force" in evaluation.words for evaluation in asked)
+    assert run("study", "score", "rooms", "--store", "s.sqlite", "--force")[0] == 0
+    assert all("--force" in evaluation.request.words for evaluation in asked)
     assert asked
 
 
@@ -247,7 +247,7 @@ def test_a_bandit_of_an_experiment_learns_and_its_missions_can_be_repeated(run, 
 
 
 def test_scores_of_a_family_are_determined_with_counts_and_spreads(run, tmp_path):
-    words = ("score", "rooms", "--store", "s.sqlite", "--scenarios", 2, "--workers", 1)
+    words = ("study", "score", "rooms", "--store", "s.sqlite", "--scenarios", 2, "--workers", 1)
     code, out, err = run(*words, "--output", "r")
     assert code == 0, err
     cost = {}
@@ -269,7 +269,7 @@ def test_scores_of_a_family_are_determined_with_counts_and_spreads(run, tmp_path
 def test_every_goal_of_a_family_is_scored(run, tmp_path):
     two = ROOMS | {"name": "two", "mission": {"base": "cleaning-patrol", "time_limit": 5.0}}
     (tmp_path / "my/families/two.yaml").write_text(yaml.safe_dump(two))
-    words = ("score", "two", "--store", "s.sqlite", "--scenarios", 1, "--workers", 1)
+    words = ("study", "score", "two", "--store", "s.sqlite", "--scenarios", 1, "--workers", 1)
     code, _, err = run(*words)
     assert code == 0, err
     store = KnowledgeStore("s.sqlite", create=False)
@@ -301,14 +301,14 @@ def test_missions_that_learn_are_recorded_and_explained_with_the_option_chosen(r
 
 
 def test_scores_of_an_experiment_are_those_of_all_its_options(run, fake_missions):
-    code, out, err = run("score", "chosen", "--store", "s.sqlite", "--scenarios", 6, "--workers", 1)
+    code, out, err = run("study", "score", "chosen", "--store", "s.sqlite", "--scenarios", 6, "--workers", 1)
     assert code == 0, err
     assert {name: count for name, (count, _) in held(context="mission hall").items()} == {NEAR: 6, GRADIENT: 6, FAR: 6}
     assert f"AvoidCollision - {GRADIENT}" in out
 
 
 def test_scores_of_a_goal_decide_what_serves_it(run):
-    code, out, err = run("score", "ReachGoal", "--store", "s.sqlite", "--runs", ENOUGH)
+    code, out, err = run("study", "score", "ReachGoal", "--store", "s.sqlite", "--runs", ENOUGH)
     assert code == 0, err
     assert "ReachGoal - ChemotaxisGe" in out
     code, out, _ = run("run", "ReachGoal", "--runs", 2, "--json")
@@ -327,17 +327,17 @@ def test_scores_of_a_goal_decide_what_serves_it(run):
 
 
 def test_unknown_names_are_one_line(run):
-    code, _, err = run("score", "Nothing", "--store", "s.sqlite")
+    code, _, err = run("study", "score", "Nothing", "--store", "s.sqlite")
     assert code == 2
     assert err.startswith("error: unknown family, experiment or goal 'Nothing' (known: ")
-    code, _, err = run("score", "chosen", "--store", "s.sqlite", "--knowledge", "library")
+    code, _, err = run("study", "score", "chosen", "--store", "s.sqlite", "--knowledge", "library")
     assert code == 2
     assert "--knowledge: expected a family or a goal" in err
 
 
 def test_learned_scores_become_expert_knowledge_that_a_mission_names(run, tmp_path):
     tell("s.sqlite", {FAR: [0.1] * ENOUGH, GRADIENT: [0.2], NEAR: [0.7, 0.9] * ENOUGH})
-    words = ("knowledge", "export", "my/knowledge/learned.yaml", "--store", "s.sqlite")
+    words = ("learn", "knowledge", "export", "my/knowledge/learned.yaml", "--store", "s.sqlite")
     code, _, err = run(*words, "--context", "mission hut", configs=False)
     assert code == 2
     assert "unknown context 'mission hut' (known: mission rooms" in err

@@ -90,7 +90,7 @@ def test_what_cannot_be_gathered_is_one_line(run, tmp_path):
         assert (code, err.count("\n")) == (2, 1)
         assert expected in err
 
-    refused("shares/shares/2-of-3: no such share; expected the results of `clean-swarm evaluate table1")
+    refused("shares/shares/2-of-3: no such share; expected the results of `clean-swarm evaluate --scenarios 7")
     run(*EXPERIMENT, "--seed", 1, *share, "2/3")
     refused("shares/shares/2-of-3: holds other results: configuration.starts differ")
     folder = tmp_path / "shares" / "shares"
@@ -116,9 +116,9 @@ def test_what_cannot_be_gathered_is_one_line(run, tmp_path):
             ("evaluate", "--output", "r", "--share", "1/2", "--store", "s", "--learn", "--workers", 1),
             "--share: expected no --learn",
         ),
-        (("score", "crowded", "--store", "s", "--share", "1/2"), "--share: expected --output"),
+        (("study", "score", "crowded", "--store", "s", "--share", "1/2"), "--share: expected --output"),
         (
-            ("score", "ReachGoal", "--store", "s", "--output", "r", "--share", "1/2"),
+            ("study", "score", "ReachGoal", "--store", "s", "--output", "r", "--share", "1/2"),
             "--share and --on: expected missions, got the scene of ReachGoal, one batch",
         ),
         (
@@ -126,8 +126,11 @@ def test_what_cannot_be_gathered_is_one_line(run, tmp_path):
             "--on: expected no --learn, where missions learn in turn",
         ),
         (("gather", "nothing"), "nothing/shares: expected shares of one number, got none"),
-        (("script", "slurm", "train", "ppo", "--output", "r"), "script: expected evaluate or score, got train"),
-        (("script", "slurm", "evaluate", "crowded"), "script: expected a command with --output"),
+        (
+            ("machine", "slurm", "train", "ppo", "--output", "r"),
+            "machine slurm: expected evaluate or study score or study look-ahead or study periods, got train ppo",
+        ),
+        (("machine", "slurm", "evaluate", "crowded"), "machine slurm: expected a command with --output"),
     ],
 )
 def test_bad_input_is_one_line(run, words, expected):
@@ -137,10 +140,10 @@ def test_bad_input_is_one_line(run, words, expected):
 
 
 def test_shares_of_scores_reach_the_store_once_when_they_are_gathered(run, tmp_path):
-    words = ("score", "table1", "--store", "s.sqlite", "--scenarios", 2, "--workers", 1)
+    words = ("study", "score", "table1", "--store", "s.sqlite", "--scenarios", 2, "--workers", 1)
     for number in (1, 2):
         assert run(*words, "--output", "shares", "--share", f"{number}/2")[0] == 0
-    assert "learned" not in run("knowledge", "list", "--store", "s.sqlite")[1]
+    assert "learned" not in run("learn", "knowledge", "list", "--store", "s.sqlite")[1]
     code, out, err = run("gather", "shares")
     assert (code, "known now" in out) == (0, False)
     assert "the scores reach no store" in err
@@ -148,8 +151,10 @@ def test_shares_of_scores_reach_the_store_once_when_they_are_gathered(run, tmp_p
         code, out, err = run("gather", "shares", "--store", "s.sqlite")
         assert code == 0, err
         assert "known now" in out
-    assert run("score", *words[1:], "--output", "whole", "--store", "t.sqlite")[0] == 0
-    listed = [run("knowledge", "list", "--store", name)[1].splitlines()[1:] for name in ("s.sqlite", "t.sqlite")]
+    assert run(*words, "--output", "whole", "--store", "t.sqlite")[0] == 0
+    listed = [
+        run("learn", "knowledge", "list", "--store", name)[1].splitlines()[1:] for name in ("s.sqlite", "t.sqlite")
+    ]
     gathered, whole = ([re.sub(r"\d\d:\d\d:\d\d", "", line) for line in lines] for lines in listed)
     assert gathered == whole
     assert results(tmp_path / "shares") == results(tmp_path / "whole")
@@ -157,7 +162,7 @@ def test_shares_of_scores_reach_the_store_once_when_they_are_gathered(run, tmp_p
 
 def test_shares_that_begin_with_what_a_store_knows_are_one_run(run, tmp_path):
     table1 = SHIPPED / "experiments" / "table1.yaml"
-    assert run("score", table1, "--store", "s.sqlite", "--scenarios", 1, "--workers", 1)[0] == 0
+    assert run("study", "score", table1, "--store", "s.sqlite", "--scenarios", 1, "--workers", 1)[0] == 0
     given = (*EXPERIMENT, "--store", "s.sqlite", "--output")
     for number in (1, 2):
         assert run(*given, "shares", "--share", f"{number}/2")[0] == 0
@@ -217,7 +222,7 @@ def test_the_job_array_of_a_family_gives_what_two_workers_give(tmp_path):
         return done.stdout
 
     program = (sys.executable, "-m", "clean_swarm_env")
-    text = do(*program, "script", "slurm", "--shares", "3", "--sbatch=--time=5", *words, "--output", "array")
+    text = do(*program, "machine", "slurm", "--shares", "3", "--sbatch=--time=5", *words, "--output", "array")
     assert text.startswith("#!/bin/sh\n#SBATCH --job-name=clean-swarm\n#SBATCH --array=1-3\n")
     assert "\n#SBATCH --time=5\n" in text
     (tmp_path / "array.sh").write_text(text)

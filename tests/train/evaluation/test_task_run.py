@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.tasks import find_task
+from clean_swarm_env.config.types import ConfigurationError
 from docs.figures import write_original
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge

@@ -13,7 +13,8 @@ from selector.documents.find import files_of
 from train.cli.app import app
 from train.deciders.models import ModelDecider, TrainedOn, remembered, write_names
 from train.deciders.named import decider_named
-from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.evaluation.family import FamilyEvaluation
+from train.request import Request
 
 pytest.importorskip("stable_baselines3", reason="needs the extra 'train'")
 
@@ -43,7 +44,7 @@ def made(path, algorithm=PPO, **settings):
 def task(request):
     """Return the first task of the model of a request, cut short."""
     evaluation = FamilyEvaluation(request)
-    (own,) = (task for task in evaluation.tasks(()) if task.member.startswith("policy:"))
+    (own,) = (task for task in evaluation.tasks({}) if task.member.startswith("policy:"))
     return own.__class__(**{**vars_of(own), "time_limit": 3.0})
 
 
@@ -62,7 +63,7 @@ def test_a_model_of_any_mission_and_family_is_evaluated(kind, name, tmp_path):
     """The mission `table1` has other knowledge than the family of this name."""
     knowledge = "cleaning" if (kind, name) == ("mission", "table1") else None
     made(tmp_path / "model.zip", **settings_of(kind, name))
-    own = task(FamilyRequest(name, (f"policy:{tmp_path / 'model.zip'}",), 0, 1, knowledge))
+    own = task(Request(name, (f"policy:{tmp_path / 'model.zip'}",), 0, 1, knowledge))
     (record,) = own.run()
     assert record.result.duration_s <= 3.0
     assert own.settings.goal == "+".join(Batch(**settings_of(kind, name)).options)
@@ -75,7 +76,7 @@ def test_models_that_steer_or_correct_are_evaluated(mode, algorithm, tmp_path):
         envs = made(path, algorithm, mission=name, action={"mode": mode})
         assert decider_named(f"policy:{path}").mode == mode
         assert len(remembered(path).options) == (goals if mode == "both" else 0)
-        (record,) = task(FamilyRequest(name, (f"policy:{path}",), 0, 1)).run()
+        (record,) = task(Request(name, (f"policy:{path}",), 0, 1)).run()
         assert record.result.duration_s <= 3.0
         assert envs.action_space.shape == ((2 + (mode == "both") * sum(envs.unwrapped.batches[0].choices.counts)),)
 
@@ -100,7 +101,7 @@ def test_options_and_observations_go_by_their_names(tmp_path):
     path, batch = tmp_path / "m.zip", Batch("table1", knowledge="avoidance")
     batch.reset([1])
     (goal,), names = batch.options, envs.observation_space.names
-    evaluation = FamilyEvaluation(FamilyRequest("table1", (f"policy:{path}",), 0, 1, knowledge="avoidance"))
+    evaluation = FamilyEvaluation(Request("table1", (f"policy:{path}",), 0, 1, knowledge="avoidance"))
     problem = evaluation_problem(batch)
     decider, model = ModelDecider(path, problem, "option"), PPO.load(path, device="cpu")
     columns = [batch.observer.names.index(name) for name in names]
@@ -124,14 +125,14 @@ def test_a_mismatch_names_what_is_missing(tmp_path):
     member = f"policy:{tmp_path / 'm.zip'}"
     assert decider_named(member).goal == "ExplorationPatrol+AvoidCollision"
     with pytest.raises(DocumentError, match=r"m\.zip: .*ExplorationPatrol") as told:
-        FamilyEvaluation(FamilyRequest("crowded", (member,), 0, 1))
+        FamilyEvaluation(Request("crowded", (member,), 0, 1))
     assert "\n" not in str(told.value)
     made(tmp_path / "n.zip", mission="table1", knowledge="avoidance")
     with pytest.raises(DocumentError, match=r"n\.zip: options: knows .*ORCA.*, which does not exist here"):
-        FamilyEvaluation(FamilyRequest("table1", (f"policy:{tmp_path / 'n.zip'}",), 0, 1, knowledge="repulsion"))
+        FamilyEvaluation(Request("table1", (f"policy:{tmp_path / 'n.zip'}",), 0, 1, knowledge="repulsion"))
     made(tmp_path / "o.zip", mission="exploring", observation={"terms": ["yards", "finds"]})
     with pytest.raises(DocumentError, match=r"o\.zip: observations: knows .*, which does not exist here"):
-        FamilyEvaluation(FamilyRequest("clustered", (f"policy:{tmp_path / 'o.zip'}",), 0, 1))
+        FamilyEvaluation(Request("clustered", (f"policy:{tmp_path / 'o.zip'}",), 0, 1))
 
 
 def test_names_are_read_without_running_anything_and_damage_has_none(tmp_path):
@@ -162,7 +163,7 @@ def test_names_beside_a_module_of_torch_make_it_an_entrant_of_several_goals_and_
     known = remembered(path)
     assert (known.mode, known.observations) == ("both", envs.observation_space.names)
     assert known.options == dict(envs.batches[0].options)
-    (record,) = task(FamilyRequest("exploring", (f"policy:{path}",), 0, 1)).run()
+    (record,) = task(Request("exploring", (f"policy:{path}",), 0, 1)).run()
     assert record.result.duration_s <= 3.0
     seen = np.zeros((3, width), np.float32)
     from train.deciders.decided_goal import DecidedGoal

@@ -12,10 +12,11 @@ from selector.documents.find import find_file
 from selector.strategies.policy_file import find_policy
 from tests.paths import TRAINED
 from tests.train.learning.trainings import written
-from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.evaluation.family import FamilyEvaluation
 from train.learning import session
 from train.learning.bandit import BanditTraining
 from train.learning.config import load_training
+from train.request import Request
 
 FAMILY = {
     "name": "small",
@@ -44,8 +45,8 @@ def own(tmp_path):
 def test_a_training_of_ones_own_is_done_and_says_once_that_it_compiles(own, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(warm_up, "folder_for", lambda file: tmp_path / "nothing compiled")
     monkeypatch.setattr(warm_up, "_checked", [])
-    request = session.TrainingRequest("bandit", "mine", 1, tmp_path / "t", False, directories=(own,))
-    assert session.run_training(request, BanditTraining, Console(quiet=True)) == session.FINISHED
+    request = Request("mine", seed=1, output=tmp_path / "t", directories=(own,))
+    assert session.run_training("bandit", request, BanditTraining, Console(quiet=True)) == session.FINISHED
     assert capsys.readouterr().err.count(warm_up.COMPILING) == 1
     assert (tmp_path / "t" / "strategy.safetensors").is_file()
     with pytest.raises(DocumentError, match="unknown training 'mine'"):
@@ -53,7 +54,7 @@ def test_a_training_of_ones_own_is_done_and_says_once_that_it_compiles(own, tmp_
 
 
 def test_policies_and_strategies_of_ones_own_take_part(own):
-    request = FamilyRequest("small", ("policy:mine", "learned:mine"), 0, 1, directories=(own,))
+    request = Request("small", ("policy:mine", "learned:mine"), 0, 1, directories=(own,))
     evaluation = FamilyEvaluation(request)
     kept = evaluation.manifest["identity"]["strategies"]
     own_and_others = ["policy:mine", "learned:mine", "fixed:Off", "Random"]
@@ -61,12 +62,12 @@ def test_policies_and_strategies_of_ones_own_take_part(own):
     records = [record for task in evaluation.tasks(set()) for record in task.run()]
     assert [record.condition for record in records] == own_and_others
     with pytest.raises(DocumentError, match="unknown family 'small'"):
-        FamilyEvaluation(FamilyRequest("small", ("policy:mine",), 0, 1))
+        FamilyEvaluation(Request("small", ("policy:mine",), 0, 1))
 
 
 def test_a_training_whose_configuration_is_wrong_leaves_no_directory(own, tmp_path):
     written(own / "training", "bandit", bandit={"strategy": {"name": "UCB1"}, "context": ["weather"]})
-    request = session.TrainingRequest("bandit", "bandit", 1, tmp_path / "t", False, directories=(own,))
+    request = Request("bandit", seed=1, output=tmp_path / "t", directories=(own,))
     with pytest.raises(DocumentError, match="weather"):
-        session.run_training(request, BanditTraining, Console(quiet=True))
+        session.run_training("bandit", request, BanditTraining, Console(quiet=True))
     assert not (tmp_path / "t").exists()

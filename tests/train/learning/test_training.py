@@ -20,6 +20,7 @@ from train.learning import session
 from train.learning.by_rewards import Credit
 from train.learning.config import load_training
 from train.learning.curriculum import VALIDATION_SEED, Curriculum
+from train.request import Request
 
 pytest.importorskip("stable_baselines3")
 
@@ -61,9 +62,9 @@ def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
 
 def test_what_is_not_installed_is_named_with_what_installs_it(tmp_path, monkeypatch):
     monkeypatch.setitem(session.LEARNER_PACKAGES, "ppo", ("torch", "no-such-package"))
-    request = session.TrainingRequest("ppo", "exploring-ppo", 1, tmp_path / "t", resume=False)
+    request = Request("exploring-ppo", seed=1, output=tmp_path / "t")
     with pytest.raises(DocumentError, match=r"training by ppo needs no-such-package, .*'.\[train\]'"):
-        session.run_training(request, pytest.fail, Console())
+        session.run_training("ppo", request, pytest.fail, Console())
     assert not (tmp_path / "t").exists()
 
 

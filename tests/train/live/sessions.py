@@ -12,8 +12,8 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from train.live.chosen import PlayedMission, with_room
 from train.live.conductor import Conductor
-from train.live.missions import PlayedMission, with_room
 from train.live.server import LiveServer
 from train.live.session import Session
 from train.replay.page_file import live_page

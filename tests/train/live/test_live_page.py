@@ -9,8 +9,8 @@ import pytest
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.live.sessions import SMALL, play_of, served
 from train.live.chosen import chosen
-from train.live.missions import MissionSession
 from train.live.server import LiveServer
+from train.live.session import Session
 
 pytestmark = pytest.mark.page
 FRAMES = "() => replay.page.run.frames"
@@ -31,7 +31,7 @@ SET_LOSS = (
 
 @pytest.fixture
 def session(tmp_path):
-    return MissionSession(play_of(SMALL), tmp_path / "run.swarm")
+    return Session(play_of(SMALL), tmp_path / "run.swarm")
 
 
 @pytest.fixture
@@ -208,7 +208,7 @@ def test_a_server_that_goes_is_told_and_what_came_stays(session, opened, tmp_pat
     assert page.text_content("#now") == "0.0 s"
     page.click("#play")
     until(page, "() => document.querySelector('#said').textContent.startsWith('The server does not answer')")
-    with served(MissionSession(play_of(SMALL), tmp_path / "other.swarm"), port=port):
+    with served(Session(play_of(SMALL), tmp_path / "other.swarm"), port=port):
         until(page, "() => document.querySelector('#said').textContent.startsWith('This session is over')")
         assert page.evaluate(FRAMES) == 1
 
@@ -217,8 +217,8 @@ def test_after_the_end_the_same_mission_or_another_one_begins(tmp_path, opened):
     paths = (tmp_path / f"{number}.swarm" for number in count())
     short = play_of({**SMALL, "time_limit": 2.0})
     sessions = {
-        "": lambda: MissionSession(short, next(paths)),
-        "ReachGoal": lambda: chosen("ReachGoal", 1, 0, None, ()).open(next(paths), minds=False),
+        "": lambda: Session(short, next(paths)),
+        "ReachGoal": lambda: Session(chosen("ReachGoal", 1, 0, None, ()), next(paths), minds=False),
     }
     with served(sessions[""](), others=sessions) as server:
         page, other = opened(server), opened(server)
@@ -247,7 +247,7 @@ def test_the_world_is_there_before_the_first_step(session, opened):
         assert page.evaluate("replay.page.shown[0].view.rows") == list(range(6))
         assert page.evaluate(FRAMES) == session.ticks == 0
         step(page)
-        assert page.text_content("#now") == "0.2 s"
+        until(page, "() => document.querySelector('#now').textContent === '0.2 s'")  # drawn after it has come
 
 
 def test_titles_follow_the_strategy(session, opened):
@@ -273,7 +273,7 @@ def test_the_page_is_shown_in_no_frame_of_another_page(session, watched):
 
 def test_frames_are_on_the_screen_as_they_are_made(tmp_path, opened):
     """It takes 50 ms on an idle machine; the wide bound, for a busy one, still finds a page that only polls."""
-    session = MissionSession(play_of({**SMALL, "garbage": {"count": 8, "respawn": 5.0}}), tmp_path / "long.swarm")
+    session = Session(play_of({**SMALL, "garbage": {"count": 8, "respawn": 5.0}}), tmp_path / "long.swarm")
     with served(session, playing=True) as server:
         page = opened(server)
         until(page, "() => replay.page.lags.length >= 200")
@@ -290,8 +290,8 @@ def test_walls_are_named_among_the_layers(session, opened):
 
 
 def test_a_period_that_fails_is_said_and_the_same_again_can_be_opened(session, opened, tmp_path, monkeypatch):
-    monkeypatch.setattr(session, "_run_period", lambda notes: 1 / 0)
-    others = {"": lambda: MissionSession(play_of(SMALL), tmp_path / "again.swarm")}
+    monkeypatch.setattr(session, "_course", (1 / 0 for _ in range(1)))
+    others = {"": lambda: Session(play_of(SMALL), tmp_path / "again.swarm")}
     with served(session, others=others) as server:
         page = opened(server)
         page.click("#step")

@@ -18,10 +18,10 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from clean_swarm_env.recording.by_hand import AddItem, FollowStrategy
 from clean_swarm_env.recording.file import blocks_in
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, frames_from
-from clean_swarm_env.world.garbage import CARRIED, LYING
+from clean_swarm_env.world.cleaning.garbage import CARRIED, LYING
 from tests.train.live.sessions import SMALL, asked, ordered, play_of, served
 from train.live.chosen import again, chosen
-from train.live.missions import MissionSession
+from train.live.session import Session
 
 MEANT = {
     **dict.fromkeys(("play", "pause", "step"), ()),
@@ -71,7 +71,7 @@ class Orders(RuleBasedStateMachine):
 
     def opened(self):
         self.paths.append(Path(self.folder.name) / f"{len(self.paths)}.swarm")
-        return MissionSession(play_of(SMALL), self.paths[-1], minds=False)
+        return Session(play_of(SMALL), self.paths[-1], minds=False)
 
     @property
     def session(self):
@@ -116,9 +116,7 @@ class Orders(RuleBasedStateMachine):
         self.give({"do": "step"})  # what was done after the last frame is in the recording, too
         self.serving.__exit__(None, None, None)
         state, ticks = self.session.worlds.get_state(), self.session.ticks
-        second = MissionSession(
-            again(RecordedMission(self.paths[-1])), Path(self.folder.name) / "again.swarm", minds=False
-        )
+        second = Session(again(RecordedMission(self.paths[-1])), Path(self.folder.name) / "again.swarm", minds=False)
         while second.ticks < ticks:
             second.tick()
         second.close()
@@ -137,7 +135,7 @@ def test_an_order_that_fails_ends_no_session(tmp_path, monkeypatch):
         raise ZeroDivisionError("what\nwas not thought of")
 
     monkeypatch.setattr(AddItem, "make", fail)
-    session = MissionSession(play_of(SMALL), tmp_path / "run.swarm")
+    session = Session(play_of(SMALL), tmp_path / "run.swarm")
     with served(session) as server:
         said = ordered(server, do="add_item", x=1.0, y=1.0)
         assert said == "the order failed: ZeroDivisionError: what was not thought of"
@@ -151,15 +149,15 @@ def test_a_tick_that_fails_ends_its_mission_and_no_more(tmp_path, playing):
     paths = (tmp_path / f"{number}.swarm" for number in count())
 
     def opened():
-        return MissionSession(play_of(SMALL), next(paths), minds=False)
+        return Session(play_of(SMALL), next(paths), minds=False)
 
-    def fail(notes):
-        if session.ticks < 3:
-            return run_period(notes)
+    def fail(course):
+        for _ in range(3):
+            yield next(course)
         raise ZeroDivisionError("what\nwas not thought of")
 
     session = opened()
-    run_period, session._run_period = session._run_period, fail
+    session._course = fail(session._course)
     said = "the mission failed: ZeroDivisionError: what was not thought of"
     with served(session, playing=playing, others={"": opened}) as server:
         if not playing:
@@ -177,7 +175,7 @@ def test_a_tick_that_fails_ends_its_mission_and_no_more(tmp_path, playing):
 
 
 def test_a_slow_session_hears_orders(tmp_path):
-    session = MissionSession(play_of(SMALL), tmp_path / "run.swarm")
+    session = Session(play_of(SMALL), tmp_path / "run.swarm")
     with served(session, speed=0.01, playing=True) as server:
         assert "speed: expected a number from 0.01 to 1000" in ordered(server, do="speed", speed=1e-12)
         assert ordered(server, do="speed", speed=1000) == ""
@@ -204,7 +202,7 @@ def test_orders_take_no_names_of_code_or_of_files(tmp_path, monkeypatch, name):
     (tmp_path / "mine.zip").write_bytes(b"")
     monkeypatch.chdir(tmp_path)
     by_hand = (FollowStrategy(do="follow_strategy", tick=0, strategy=name),)
-    session = MissionSession(replace(play_of(SMALL), by_hand=by_hand), tmp_path / "run.swarm")
+    session = Session(replace(play_of(SMALL), by_hand=by_hand), tmp_path / "run.swarm")
     for act in (lambda: session.do({"do": "follow_strategy", "strategy": name}), session.tick):
         with pytest.raises(ValueError, match="follow_strategy: unknown strategy"):
             act()
@@ -213,7 +211,7 @@ def test_orders_take_no_names_of_code_or_of_files(tmp_path, monkeypatch, name):
 
 
 def test_the_strategy_of_the_command_line_can_be_chosen_again(tmp_path):
-    session = MissionSession(play_of(SMALL, "UCB1:prior=2"), tmp_path / "run.swarm")
+    session = Session(play_of(SMALL, "UCB1:prior=2"), tmp_path / "run.swarm")
     for name in ("Random", "UCB1:prior=2", f"fixed:{session.options[0]}"):
         session.do({"do": "follow_strategy", "strategy": name})
     session.close()
@@ -226,11 +224,13 @@ def test_another_mission_and_the_same_again_are_opened_by_order(tmp_path):
         "ReachGoal": lambda: chosen("ReachGoal", 1, 0, None, ()),
         "gone": lambda: 1 / 0,
     }
-    sessions = {name: partial(lambda kind: kind().open(next(paths), minds=False), kind) for name, kind in kinds.items()}
+    sessions = {
+        name: partial(lambda kind: Session(kind(), next(paths), minds=False), kind) for name, kind in kinds.items()
+    }
     with served(sessions[""](), others=sessions) as server:
         assert ordered(server, do="step") == ""
         assert ordered(server, do="open", name="ReachGoal") == ""
-        assert server.conductor.stream.state["strategy"].startswith("fixed:")
+        assert server.conductor.stream.state["strategy"] == "MaxScore"
         assert "expected one of" in ordered(server, do="open", name="./mine.yaml")
         assert "ZeroDivisionError" in ordered(server, do="open", name="gone")
         assert ordered(server, do="step") == ""

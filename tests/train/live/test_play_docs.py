@@ -8,7 +8,7 @@ import pytest
 from clean_swarm_env.recording.by_hand import ByHand
 from tests.paths import ROOT
 from tests.train.live.sessions import SMALL, play_of, served
-from train.live.missions import MissionSession
+from train.live.session import Session
 
 PAGE = (ROOT / "docs" / "play.md").read_text(encoding="utf-8")
 
@@ -17,7 +17,7 @@ def test_the_example_follows_a_session(tmp_path):
     (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
     names: dict = {}
     exec(code, names)
-    with served(MissionSession(play_of(SMALL), tmp_path / "run.swarm")) as server:
+    with served(Session(play_of(SMALL), tmp_path / "run.swarm")) as server:
         frames = names["follow"](server.address)
         names["order"](server.address, do="put_robot", robot=2, x=1.0, y=3.0)
         names["order"](server.address, do="step")

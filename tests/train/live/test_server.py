@@ -17,12 +17,12 @@ from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, fra
 from tests.paths import ROOT
 from tests.train.commands import run
 from tests.train.live.sessions import SMALL, asked, ordered, play_of, served
-from train.live.missions import MissionSession
+from train.live.session import Session
 
 
 @pytest.fixture
 def session(tmp_path):
-    return MissionSession(play_of(SMALL), tmp_path / "run.swarm")
+    return Session(play_of(SMALL), tmp_path / "run.swarm")
 
 
 def test_requests_without_the_token_are_refused(session):
@@ -61,7 +61,7 @@ def test_a_port_in_use_is_one_line(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (("crowdet",), "play: unknown mission, family or goal 'crowdet'"),
+        (("crowdet",), "play: unknown mission, family or task 'crowdet'"),
         (("table1", "--speed", "0"), "speed: expected a number from 0.01 to 1000"),
         (("table1", "--strategy", "policy:none"), "none"),
         (("table1", "--port", "70000"), "--port: expected a whole number of at most 65535, got 70000"),
@@ -121,7 +121,7 @@ def test_programs_read_the_stream_as_it_comes(session):
 def test_a_reader_that_sleeps_slows_nobody_and_misses_nothing(tmp_path):
     """One client does not read while the run goes on to its end, long after the buffers of its connection are full."""
     changes = {**SMALL, "garbage": {"count": 8, "respawn": 5.0}, "time_limit": 100.0}
-    session = MissionSession(play_of(changes), tmp_path / "a.swarm")
+    session = Session(play_of(changes), tmp_path / "a.swarm")
     room = 8192
     with served(session, speed=1000.0) as server, socket.socket() as sleeping:
         server.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, room)

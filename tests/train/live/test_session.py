@@ -4,11 +4,11 @@ import json
 
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.live.sessions import SMALL, play_of
-from train.live.chosen import again
-from train.live.missions import MissionSession, PlayedMission
+from train.live.chosen import PlayedMission, again
+from train.live.session import Session
 
 BY_HAND = {
     0: [{"do": "set_loss", "loss": 0.3}],
@@ -23,7 +23,7 @@ BY_HAND = {
 }
 
 
-def played(session: MissionSession, ticks: int = 60, by_hand=BY_HAND) -> bytes:
+def played(session: Session, ticks: int = 60, by_hand=BY_HAND) -> bytes:
     """Run a session; return the state at its end."""
     for tick in range(ticks):
         for order in by_hand.get(tick, ()):
@@ -37,7 +37,7 @@ def played(session: MissionSession, ticks: int = 60, by_hand=BY_HAND) -> bytes:
 @pytest.fixture(scope="module")
 def first(tmp_path_factory):
     path = tmp_path_factory.mktemp("session") / "first.swarm"
-    return played(MissionSession(play_of(SMALL), path)), RecordedMission(path)
+    return played(Session(play_of(SMALL), path)), RecordedMission(path)
 
 
 def test_the_recording_says_what_was_done_by_hand(first):
@@ -53,7 +53,7 @@ def test_it_changed_the_course_from_then_on(first, tmp_path):
     assert recording["held/AvoidCollision"][31:40, 2].tolist() == [3] * 9
     assert recording["present"][15, 6] == 1
     assert recording["working"][[31, 40], [0, 1]].tolist() == [0, 0]
-    played(MissionSession(play_of(SMALL), tmp_path / "other.swarm"), by_hand={})
+    played(Session(play_of(SMALL), tmp_path / "other.swarm"), by_hand={})
     other = RecordedMission(tmp_path / "other.swarm")
     assert (other["x"][:7] == recording["x"][:7]).all()
     assert (other["x"][8:] != recording["x"][8:]).any(axis=1).all()
@@ -61,7 +61,7 @@ def test_it_changed_the_course_from_then_on(first, tmp_path):
 
 def test_it_runs_again_with_the_same_bits(first, tmp_path):
     state, recording = first
-    session = MissionSession(again(recording), tmp_path / "second.swarm")
+    session = Session(again(recording), tmp_path / "second.swarm")
     assert played(session, by_hand={}) == state
     second = RecordedMission(tmp_path / "second.swarm")
     assert second.checksums() == recording.checksums()
@@ -73,13 +73,13 @@ def test_a_play_goes_on_by_hand_after_what_was_done_before(first, tmp_path):
     recording = first[1]
     order = {"do": "put_robot", "robot": 3, "x": 2.0, "y": 8.0}
     third, fourth = tmp_path / "third.swarm", tmp_path / "fourth.swarm"
-    state = played(MissionSession(again(recording), third), 80, {70: [order]})
+    state = played(Session(again(recording), third), 80, {70: [order]})
     assert RecordedMission(third).by_hand[-1].tick == 70
-    assert played(MissionSession(again(RecordedMission(third)), fourth), 80, {}) == state
+    assert played(Session(again(RecordedMission(third)), fourth), 80, {}) == state
 
 
 def test_the_stream_is_the_recording(tmp_path):
-    session = MissionSession(play_of(SMALL), tmp_path / "file.swarm")
+    session = Session(play_of(SMALL), tmp_path / "file.swarm")
     (tmp_path / "stream.swarm").write_bytes(
         session.beginning
         + b"".join(session.tick() for _ in range(30) if not session.do({"do": "set_loss", "loss": 0.2}))
@@ -92,7 +92,7 @@ def test_the_stream_is_the_recording(tmp_path):
 
 
 def test_a_mission_that_is_over_has_a_result_and_takes_no_changes(tmp_path):
-    session = MissionSession(play_of({**SMALL, "time_limit": 2.0}), tmp_path / "over.swarm")
+    session = Session(play_of({**SMALL, "time_limit": 2.0}), tmp_path / "over.swarm")
     while session.result is None:
         last = session.tick()
     assert b"DONE" in last
@@ -117,7 +117,7 @@ def test_a_mission_that_is_over_has_a_result_and_takes_no_changes(tmp_path):
     ],
 )
 def test_an_odd_order_is_one_line(tmp_path, order, expected):
-    session = MissionSession(play_of(SMALL), tmp_path / "odd.swarm")
+    session = Session(play_of(SMALL), tmp_path / "odd.swarm")
     before = session.worlds.get_state()
     with pytest.raises(ValueError, match=expected) as error:
         session.do(order)
@@ -128,17 +128,17 @@ def test_an_odd_order_is_one_line(tmp_path, order, expected):
 
 def test_a_policy_plays_for_the_goal_that_it_was_trained_for(tmp_path):
     changes = {**SMALL, "knowledge": "exploring", "network": {"robot": "cleaning-patrol"}, "terms": ["finds"]}
-    session = MissionSession(play_of(changes, "policy:exploring-ppo"), tmp_path / "policy.swarm")
+    session = Session(play_of(changes, "policy:exploring-ppo"), tmp_path / "policy.swarm")
     assert session.goal == "ExplorationPatrol"
     session.tick()
     session.close()
 
 
 def test_strategies_are_those_that_fit(tmp_path):
-    session = MissionSession(play_of(SMALL), tmp_path / "fit.swarm")
+    session = Session(play_of(SMALL), tmp_path / "fit.swarm")
     assert {"MaxScore", "Random", "fixed:Off", "fsm:rule"} <= set(session.strategies())
     session.close()
-    session = MissionSession(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
+    session = Session(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
     assert session.strategies() == ["MaxScore", "Random"]
     session.close()
 
@@ -155,4 +155,4 @@ def test_a_play_whose_files_have_changed_is_refused(first, tmp_path):
     recording.head.update(described)
     changed = PlayedMission(**{**vars(again(recording)), "strategy": "fsm:rule sha256:0"})
     with pytest.raises(ConfigurationError, match="fsm:rule is no longer what was played with"):
-        MissionSession(changed, tmp_path / "changed.swarm")
+        Session(changed, tmp_path / "changed.swarm")

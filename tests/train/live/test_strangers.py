@@ -9,14 +9,14 @@ import pytest
 
 from tests.train.live.sessions import SMALL, asked, ordered, play_of, served
 from train.live import server as live_server
-from train.live.missions import MissionSession
+from train.live.session import Session
 
 ORDER = b'{"do": "step"}'
 
 
 @pytest.fixture(scope="module")
 def serving(tmp_path_factory):
-    with served(MissionSession(play_of(SMALL), tmp_path_factory.mktemp("strangers") / "run.swarm")) as running:
+    with served(Session(play_of(SMALL), tmp_path_factory.mktemp("strangers") / "run.swarm")) as running:
         yield running
 
 

@@ -43,7 +43,7 @@ def test_every_channel_is_a_column_with_its_place(recording):
 
 def test_parquet_holds_the_tables(recording, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
-    assert run("export", recording.path, "--output", tmp_path / "tables") == 0
+    assert run("look", "export", recording.path, "--output", tmp_path / "tables") == 0
     tables = tables_of(recording)
     assert {path.stem for path in (tmp_path / "tables").iterdir()} == set(tables)
     for title, columns in tables.items():
@@ -56,7 +56,7 @@ def test_parquet_holds_the_tables(recording, tmp_path):
 
 def test_mcap_holds_the_frames(recording, tmp_path):
     reading = pytest.importorskip("mcap.reader")
-    assert run("export", recording.path, "--output", tmp_path / "run.mcap") == 0
+    assert run("look", "export", recording.path, "--output", tmp_path / "run.mcap") == 0
     with (tmp_path / "run.mcap").open("rb") as file:
         messages = list(reading.make_reader(file).iter_messages(topics=["/robot"]))
     assert len(messages) == recording.frames
@@ -66,7 +66,7 @@ def test_mcap_holds_the_frames(recording, tmp_path):
 
 
 def test_what_exists_is_not_replaced(recording, tmp_path, capsys):
-    assert run("export", recording.path, "--output", tmp_path) == 2
+    assert run("look", "export", recording.path, "--output", tmp_path) == 2
     assert "exists already; expected a new file or directory" in capsys.readouterr().err
 
 
@@ -85,6 +85,6 @@ def test_a_recording_is_written_stretch_by_stretch(tmp_path):
     held = sum(values.nbytes for columns in whole.values() for values in columns.values())
     del whole, parts
     tracemalloc.start()
-    assert run("export", path, "--output", tmp_path / "long") == 0
+    assert run("look", "export", path, "--output", tmp_path / "long") == 0
     assert tracemalloc.get_traced_memory()[1] < held
     tracemalloc.stop()

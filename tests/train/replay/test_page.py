@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 import yaml
 
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.scene_recording import SceneRecorder
-from clean_swarm_env.scenes import Setting, find
-from clean_swarm_env.scenes.served import ServedTeam, expertise
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission import MissionRun
+from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.paths import TRAINED
 from tests.train.commands import run
 from train.replay.page_file import write_page
@@ -298,25 +301,53 @@ def test_the_field_is_highest_where_robots_have_just_been(opened):
     )
 
 
-def test_the_page_of_a_scene_shows_what_lies_there_and_the_minds(watched, tmp_path):
-    scene = find("Foraging")(Setting(12, 20.0, "torus"), (3,))
-    scene.start(lambda made: ServedTeam(made, expertise("Foraging"), explained=True))
-    recorder = SceneRecorder(scene, "Foraging", tmp_path, (3,))
-    while not scene.over:
-        scene.advance()
-        recorder.record()
-    recorder.close()
-    write_page([RecordedMission(recorder.paths[0])], tmp_path / "scene.html")
+def page_of_task(watched, task, seconds, folder, at):
+    """Open the page of a recorded mission of a task; return the page and what the browser said."""
+    mission = MissionConfig.model_validate({"task": task, "time_limit": seconds})
+    run = MissionRun(mission, random_start(mission, 3, 0), 3, {})
+    record_mission(run, RecordSettings(folder, minds=True, name="task"), {})
+    recording = RecordedMission(folder / "task.swarm")
+    write_page([recording], folder / "task.html")
     page, said, _ = watched()
-    page.goto((tmp_path / "scene.html").as_uri() + "#t=10&robot=4")
+    page.goto((folder / "task.html").as_uri() + at)
     page.wait_for_selector("body[data-ready]")
-    assert "keeps running" in page.text_content("#panel")
-    pixel = page.evaluate(
+    return page, said, recording
+
+
+def colour_of(page, place):
+    """Return red, green and blue where a thing is drawn; `place` returns [x, y] on the canvas."""
+    return page.evaluate(
         "(() => { const { run, view } = replay.page.shown[0];"
-        " const nest = run.head.things.find((thing) => thing.channel === 'nest');"
-        " const [x, y] = view.place(nest.x, nest.y);"
-        " return [...view.canvas.getContext('2d').getImageData(x, y + 12, 1, 1).data]; })()"
+        f" const [x, y] = {place};"
+        " return [...view.canvas.getContext('2d').getImageData(x, y, 1, 1).data]; })()"
+    )[:3]
+
+
+def test_the_page_of_a_task_shows_its_things_its_measures_and_the_minds(watched, tmp_path):
+    page, said, recording = page_of_task(watched, "Foraging", 20.0, tmp_path, "#t=10&robot=4")
+    assert "keeps running" in page.text_content("#panel")
+    assert "items dumped" not in page.text_content("#runs").lower()
+    red, green, blue = colour_of(
+        page,
+        "(([x, y]) => [x, y - 7])(view.place(...(({ x, y }) => [x, y])"
+        "(run.head.things.find((thing) => thing.channel === 'food'))))",
     )
-    red, green, blue, _ = pixel
     assert green > max(red + 20, blue)
+    page.keyboard.press("End")
+    (value,) = recording.result["measures"].values()
+    assert f"items brought per minute {value:.3g}" in page.text_content("figcaption")
+    assert said == []
+
+
+def test_things_that_move_are_drawn_where_they_are(watched, tmp_path, monkeypatch):
+    with_shepherding(monkeypatch)
+    page, said, recording = page_of_task(watched, "Shepherding", 12.0, tmp_path, "#t=12&robot=1")
+    x, y = (recording[name][-1] for name in ("thing_x", "thing_y"))
+    assert np.hypot(x - recording["thing_x"][0], y - recording["thing_y"][0]).max() > 0.5
+    drawn = page.evaluate(
+        "(() => { const { run, view } = replay.page.shown[0];"
+        " return run.head.things.map((thing) => view.placeOf(thing, run.frames - 1, 0)); })()"
+    )
+    assert np.allclose(drawn[0], [4.0, 3.0])
+    assert np.allclose(drawn[1:], np.stack([x, y], axis=1))
     assert said == []

@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from tests.train.records import record
 from train.running.finished_runs import Results, natural_order
 from train.running.run_folder import RunFolder

@@ -2,9 +2,9 @@
 
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
 from train.evaluation.repeat import record_run

@@ -17,7 +17,7 @@ import yaml
 
 from tests.paths import ROOT
 from tests.train.records import record
-from train.running.engine import WorkerLost, each_done
+from train.running.engine import WorkerLost
 from train.running.processes import Processes
 from train.running.runs import RunKey, RunRecord
 
@@ -60,6 +60,11 @@ class Some:
             if number == 2 and self.then == "wait":
                 time.sleep(600.0)
             yield record(str(number), self.name)
+
+
+def each_done(tasks, engine):
+    with engine.rounds() as done:
+        yield from done(tasks)
 
 
 def keys(runs) -> set[tuple[str, str]]:

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.running.run_folder import RunFolder, default_directory
 
 MANIFEST = {"identity": {"experiment": "x", "seed": 3, "configuration": {"mission": {"name": "m"}, "starts": [1, 2]}}}

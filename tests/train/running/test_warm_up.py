@@ -19,7 +19,7 @@ from train.evaluation import pipeline
 from train.evaluation.base import Asked, Evaluation
 from train.reports.text_table import flat
 from train.reports.write_report import Publication
-from train.running.processes import Processes
+from train.request import Request
 from train.running.runs import RunTask
 from train.running.warm_up import compile_first
 
@@ -53,9 +53,10 @@ def test_the_beginning_of_a_run_compiles_and_says_so(task, limits, capsys):
 class OneRun(Evaluation):
     """One run."""
 
-    stem, manifest, words, asked = "one", {"identity": {"one": 1}}, ["clean-swarm", "evaluate"], Asked()
+    stem, manifest, asked = "one", {"identity": {"one": 1}}, Asked()
 
-    def __init__(self, task):
+    def __init__(self, task, **settings):
+        super().__init__(Request("one", **settings))
         self.task = task
 
     def tasks(self, done):
@@ -79,18 +80,17 @@ def test_an_evaluation_compiles_in_one_process_before_the_workers_start(
     task, limits, compiled, expected, monkeypatch, tmp_path, capsys
 ):
     monkeypatch.setattr(pipeline, "compiled_before", lambda: compiled)
-    execution = pipeline.Execution(Processes(1), tmp_path / "r", False, pipeline.Console())
-    assert pipeline.evaluate(OneRun(task), execution) == pipeline.FINISHED
+    evaluation = OneRun(task, output=tmp_path / "r")
+    assert pipeline.evaluate(evaluation, pipeline.Console()) == pipeline.FINISHED
     assert limits == expected
     assert (LINE in capsys.readouterr().err) is not compiled
 
 
 def test_nothing_is_compiled_for_an_evaluation_that_is_done(task, limits, monkeypatch, tmp_path):
-    execution = pipeline.Execution(Processes(1), tmp_path / "r", True, pipeline.Console())
-    pipeline.evaluate(OneRun(task), execution)
+    pipeline.evaluate(OneRun(task, output=tmp_path / "r", resume=True), pipeline.Console())
     limits.clear()
     monkeypatch.setattr(pipeline, "compiled_before", lambda: False)
-    pipeline.evaluate(OneRun(task), execution)
+    pipeline.evaluate(OneRun(task, output=tmp_path / "r", resume=True), pipeline.Console())
     assert limits == []
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.running.run_folder import RunFolder
 from train.studies.journal import MISSIONS, MissionJournal
 

@@ -11,7 +11,7 @@ pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
 import optuna
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore
@@ -19,19 +19,26 @@ from tests.train.commands import run
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.cluster.bits import WorkerBits
 from train.knowledge_store import StoreRequest
+from train.request import Request
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.needs import Machine
 from train.running.run_folder import WORKERS, RunFolder, read_manifest
 from train.studies.config import load_study
-from train.studies.study import StudyRequest, run_study
+from train.studies.study import run_study
 
 CONSOLE = Console(quiet=True)
 SAME = ("trials.csv", "summary.json", "table.md", "knowledge/planted.yaml", "figure.png")
 
 
 def request_of(configs, output, **more):
-    study = load_study("planted", [configs]).model_copy(update=more.pop("study", {}))
-    return StudyRequest(study, ("tune", "planted"), 3, output, directories=(configs,), **more)
+    words = ("clean-swarm", "tune", "planted", "--seed", "3")
+    return Request("planted", seed=3, output=output, directories=(configs,), words=words, **more)
+
+
+def studied(request, make, storage=None, **changes):
+    """Do the planted study with some changes; return the exit code."""
+    study = load_study("planted", request.directories).model_copy(update=changes)
+    return run_study(study, request, CONSOLE, storage, make)
 
 
 def contents(folder):
@@ -42,13 +49,13 @@ def contents(folder):
 def whole(configs, tmp_path_factory):
     """The directory of a study that nothing disturbed."""
     folder = tmp_path_factory.mktemp("whole") / "results"
-    assert run_study(request_of(configs, folder), CONSOLE, synthetic) == FINISHED
+    assert studied(request_of(configs, folder), synthetic) == FINISHED
     return folder
 
 
 def test_four_workers_come_to_the_same(configs, tmp_path, whole):
     request = request_of(configs, tmp_path / "four", machine=Machine(4))
-    assert run_study(request, CONSOLE, synthetic) == FINISHED
+    assert studied(request, synthetic) == FINISHED
     assert contents(tmp_path / "four") == contents(whole)
 
 
@@ -57,7 +64,7 @@ def test_one_command_at_a_time_writes_a_study(configs, tmp_path, whole):
     shutil.copytree(whole, folder)
     held = RunFolder(folder, {"identity": read_manifest(folder)["identity"]}, resume=True)
     with held.alone(), pytest.raises(ConfigurationError, match="another command writes these results now"):
-        run_study(request_of(configs, folder, resume=True), CONSOLE, synthetic)
+        studied(request_of(configs, folder, resume=True), synthetic)
 
 
 def test_a_study_keeps_which_cpus_took_part(configs, tmp_path, whole):
@@ -68,7 +75,7 @@ def test_a_study_keeps_which_cpus_took_part(configs, tmp_path, whole):
     def resumed(*, mixed):
         bits = WorkerBits(mixed=mixed)
         bits.add({"b": "other CPU"})
-        return run_study(request_of(configs, folder, resume=True, bits=bits), CONSOLE, synthetic)
+        return studied(request_of(configs, folder, resume=True, bits=bits), synthetic)
 
     with pytest.raises(ConfigurationError, match=r"missions end differently than on .*; --any-bits takes them"):
         resumed(mixed=False)
@@ -93,10 +100,10 @@ def test_an_interrupted_study_goes_on_where_it_was(configs, tmp_path, whole, cap
         stops.discard(candidate.name)
         return kind(stage, candidate.name, regret(candidate.goals["AvoidCollision"][0]), numbers, str(log))
 
-    assert run_study(request_of(configs, folder), CONSOLE, make) == INTERRUPTED
+    assert studied(request_of(configs, folder), make) == INTERRUPTED
     assert "to go on:\n  clean-swarm tune planted --seed 3" in capsys.readouterr().err
-    assert run_study(request_of(configs, folder, resume=True), CONSOLE, make) == INTERRUPTED
-    assert run_study(request_of(configs, folder, resume=True), CONSOLE, make) == FINISHED
+    assert studied(request_of(configs, folder, resume=True), make) == INTERRUPTED
+    assert studied(request_of(configs, folder, resume=True), make) == FINISHED
     assert contents(folder) == contents(whole)
     missions = log.read_text().splitlines()
     assert len(missions) - len(set(missions)) == 2 * 6  # of ten missions of each stopped task four were kept
@@ -111,7 +118,7 @@ def test_a_killed_study_goes_on_where_it_was(configs, tmp_path, whole, share):
     journal.write_text(kept[: int(share * len(kept))])  # as a kill leaves it, in the middle of a line
     for name in (*SAME, "trials.sqlite"):
         (killed / name).unlink()
-    assert run_study(request_of(configs, killed, resume=True), CONSOLE, synthetic) == FINISHED
+    assert studied(request_of(configs, killed, resume=True), synthetic) == FINISHED
     assert contents(killed) == contents(whole)
     assert sorted(journal.read_text().splitlines()) == sorted(kept.splitlines())
 
@@ -121,7 +128,7 @@ def test_the_result_is_knowledge_with_scores_and_their_source(configs, tmp_path,
     shutil.copytree(whole, folder)
     for _ in range(2):  # nothing counts twice
         request = request_of(configs, folder, resume=True, store=StoreRequest(str(store), learn=True))
-        assert run_study(request, CONSOLE, synthetic) == FINISHED
+        assert studied(request, synthetic) == FINISHED
     known = load_knowledge("planted", [folder])
     assert [option.name for option in known.options("AvoidCollision")] == ["planted", "Near", "Off"]
     assert known.rewards("AvoidCollision")[0].tolist() == [40.0] * 3
@@ -139,7 +146,7 @@ def test_a_result_that_beats_neither_off_nor_random_search_is_marked(configs, tm
     def flat(stage, candidate, numbers):
         return SyntheticTask(stage, candidate.name, 0.0, numbers)
 
-    assert run_study(request_of(configs, tmp_path / "flat"), CONSOLE, flat) == FINISHED
+    assert studied(request_of(configs, tmp_path / "flat"), flat) == FINISHED
     assert "NOT SHOWN TO BEAT Off AND random search" in load_text(tmp_path / "flat")
     (result,) = json.loads((tmp_path / "flat" / "summary.json").read_text())["results"]
     assert result["not_shown_to_beat"] == ["Off", "random search"]
@@ -147,7 +154,7 @@ def test_a_result_that_beats_neither_off_nor_random_search_is_marked(configs, tm
     def good(stage, candidate, numbers):
         return SyntheticTask(stage, candidate.name, 0.0 if "TPE" in candidate.name else 0.5, numbers)
 
-    assert run_study(request_of(configs, tmp_path / "good"), CONSOLE, good) == FINISHED
+    assert studied(request_of(configs, tmp_path / "good"), good) == FINISHED
     assert "NOT SHOWN" not in load_text(tmp_path / "good")
 
 
@@ -159,8 +166,7 @@ def load_text(folder):
 def test_optuna_reads_the_trials_from_the_storage(configs, tmp_path, scheme):
     url = f"{scheme}{tmp_path / 'trials.storage'}"
     for number in range(2):  # the second study finds its own trials there
-        request = request_of(configs, tmp_path / f"run{number}", storage=url)
-        assert run_study(request, CONSOLE, synthetic) == FINISHED
+        assert studied(request_of(configs, tmp_path / f"run{number}"), synthetic, url) == FINISHED
     storage = (
         url
         if scheme == "sqlite:///"
@@ -169,9 +175,8 @@ def test_optuna_reads_the_trials_from_the_storage(configs, tmp_path, scheme):
     study = optuna.load_study(study_name="planted TPE 3", storage=storage)
     assert [trial.user_attrs["name"] for trial in study.trials] == [f"TPE-{k}" for k in range(1, 13)]
     assert set(study.best_params) == {f"parameters.{x}" for x in ("view_distance", "presence_threshold", "full_length")}
-    other = request_of(configs, tmp_path / "other", storage=url, study={"batch": 5})
     with pytest.raises(DocumentError, match="holds another trial"):
-        run_study(other, CONSOLE, synthetic)
+        studied(request_of(configs, tmp_path / "other"), synthetic, url, batch=5)
 
 
 @pytest.mark.parametrize(
@@ -180,8 +185,8 @@ def test_optuna_reads_the_trials_from_the_storage(configs, tmp_path, scheme):
         (("tune", "nothing"), "unknown study 'nothing'"),
         (("tune", "planted", "--storage", "mongo://x/y"), "unknown database 'mongo'"),
         (("tune", "planted", "--storage", "journal:/nowhere/at/all"), "--storage journal:/nowhere/at/all: "),
-        (("configure", "Far", "--family", "small"), "no goal has the option 'Far'"),
-        (("configure", "Near", "--family", "small", "--method", "luck"), "method: expected 'random'"),
+        (("study", "configure", "Far", "--family", "small"), "no goal has the option 'Far'"),
+        (("study", "configure", "Near", "--family", "small", "--method", "luck"), "method: expected 'random'"),
     ],
 )
 def test_mistakes_are_one_line(configs, tmp_path, capsys, words, message):
@@ -194,14 +199,11 @@ def test_mistakes_are_one_line(configs, tmp_path, capsys, words, message):
 def test_missions_of_the_world_give_an_option_its_costs(configs, tmp_path):
     changes = ("--trials", "4", "--method", "random", "--workers", "1")
     folder = tmp_path / "real"
-    assert run("configure", "Near", "--family", "small", "--configs", configs, *changes, "--output", folder) == 0
+    assert (
+        run("study", "configure", "Near", "--family", "small", "--configs", configs, *changes, "--output", folder) == 0
+    )
     summary = json.loads((folder / "summary.json").read_text())
     off = next(one for one in summary["yardsticks"] if one["name"] == "Off")
     assert off["figures"]["avoiding"]["mean"] == 0.0
     assert 0.0 < off["figures"]["cost_s"]["mean"] <= 200.0
     assert load_knowledge("Near-small", [folder]).options("AvoidCollision")[0].name == "Near-small"
-
-
-def test_the_command_to_go_on_shows_no_password(configs, tmp_path):
-    request = request_of(configs, tmp_path, storage="postgresql://me:secret@host/trials")
-    assert "secret" not in " ".join(request.words)

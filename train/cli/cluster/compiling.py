@@ -4,12 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.warm_up import one_process
 from selforg.compiler.cache import cache_directory
-from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
-from train.evaluation.family import FamilyEvaluation, FamilyRequest
-from train.evaluation.task_run import TaskRunRequest, run_task, tasks_to_run
+from train.evaluation.experiment import ExperimentEvaluation
+from train.evaluation.family import FamilyEvaluation
+from train.evaluation.task_run import TaskRun, run_task, tasks_to_run
+from train.request import Request
 from train.running.runs import Task
 
 EXPERIMENT, FAMILY = "table1", "crowded"
@@ -38,14 +39,16 @@ def compile_everything() -> CompiledCode:
     """
     directory, began = cache_directory(), process_time()
     if directory is None:
-        raise ConfigurationError("warm: no directory can be written or has room; NUMBA_CACHE_DIR names another one")
+        raise ConfigurationError(
+            "machine warm: no directory can be written or has room; NUMBA_CACHE_DIR names another one"
+        )
     with one_process():
-        batches = FamilyEvaluation(FamilyRequest(FAMILY, ("fixed", "fsm:rule"), seed=0, scenarios=1)).tasks(())
-        single = ExperimentEvaluation(ExperimentRequest(EXPERIMENT, seed=0, scenarios=1)).tasks(())
+        batches = FamilyEvaluation(Request(FAMILY, ("fixed", "fsm:rule"), scenarios=1)).tasks({})
+        single = ExperimentEvaluation(Request(EXPERIMENT, scenarios=1)).tasks({})
         tasks: list[Task] = [*batches, *single]
         for mission in tasks:
             mission.beginning().run()
         for task in tasks_to_run():
-            run_task(TaskRunRequest(task, runs=2, seconds=TASK_SECONDS))
+            run_task(TaskRun(task, scenarios=2, seconds=TASK_SECONDS))
     size = sum(path.stat().st_size for path in directory.rglob("*") if path.is_file())
     return CompiledCode(directory, size, process_time() - began)

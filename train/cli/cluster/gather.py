@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from train.cli.options import AnyBits, error_console, wide_console
+from train.cli.options import MAY_NAME_CODE, AnyBits, error_console, wide_console
 
 
 def gather_command(
-    directory: Annotated[Path, typer.Argument(help="The --output of the shares.", metavar="DIR")],
+    directory: Annotated[Path, typer.Argument(help=f"The --output of the shares; {MAY_NAME_CODE}.", metavar="DIR")],
     store: Annotated[
         str | None, typer.Option(help="Knowledge store, by URL or path, that gets the scores of shares of `score`.")
     ] = None,
@@ -20,13 +20,21 @@ def gather_command(
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.gathering import first_share
     from train.evaluation.held import held_evaluation
-    from train.running.processes import Processes
+    from train.knowledge_store import StoreRequest
+    from train.request import Request
+    from train.running.needs import Machine
 
     share, folder = first_share(directory)
-    evaluation = held_evaluation(folder, store)
+    request = Request(
+        str(directory),
+        output=directory,
+        resume=True,
+        share=share,
+        store=StoreRequest(store),
+        machine=Machine(forced=True),
+        bits=WorkerBits(mixed=any_bits),
+    )
+    evaluation = held_evaluation(request, folder)
     if evaluation.scored and store is None:
         error_console().print("the scores reach no store; `gather --store URL` gives them to one", markup=False)
-    execution = pipeline.Execution(
-        Processes(1), directory, True, wide_console(), share=share, bits=WorkerBits(mixed=any_bits)
-    )
-    raise typer.Exit(pipeline.evaluate(evaluation, execution))
+    raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))

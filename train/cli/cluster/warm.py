@@ -1,4 +1,4 @@
-"""`clean-swarm warm`: compile everything before many commands start."""
+"""`clean-swarm machine warm`: compile everything before many commands start."""
 
 import typer
 

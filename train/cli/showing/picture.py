@@ -1,4 +1,4 @@
-"""`clean-swarm picture`: a moment of a run as a file."""
+"""`clean-swarm look picture`: a moment of a run as a file."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
@@ -8,15 +8,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import check_whole
+from clean_swarm_env.config.types import ConfigurationError
+from train.cli.options import MAY_NAME_CODE, check_whole
 from train.cli.repeat import ConditionOption, ScenarioOption, repeating
 
 if TYPE_CHECKING:
     from clean_swarm_env.drawing.recorded_picture import RecordedCourse
 
 LEAST_SIZE, MOST_SIZE = 200, 4000
-ShownRun = Annotated[Path, typer.Argument(help="A recording, or a directory of results.", metavar="RUN")]
+ShownRun = Annotated[
+    Path, typer.Argument(help=f"A recording, or a directory of results; {MAY_NAME_CODE}.", metavar="RUN")
+]
 PictureSize = Annotated[int, typer.Option(help="Longer side of the world [pixels].")]
 
 

@@ -6,7 +6,7 @@ from urllib.parse import quote
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 
 
 def report_command(

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 from rich.progress import track
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import check_whole, error_console
 from train.cli.repeat import ConditionOption, ScenarioOption
 from train.cli.showing.picture import LEAST_SIZE, MOST_SIZE, PictureSize, ShownRun, check_times, course_of

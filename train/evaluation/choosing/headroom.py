@@ -6,33 +6,30 @@ search does not count. The search begins with the best single option. For situat
 after the other, and keeps what lowers the mean excess cost, until a whole round changes nothing. For kinds it takes the
 best option of each.
 
-Shapes: S situations, 1 without any; O options, Q rules, T scenarios of the search, K scenarios of the test.
+Shapes: S situations, 1 without any; O options, Q rules, T scenarios of the search.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.families import FamilyConfig, Scenario
-from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.world.mission import MissionResult
+from clean_swarm_env.config.families import SPLITS, FamilyConfig, Scenario, Split, place_of, scenario_name
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
-from train.analysis.claims import Claim, claims_of
-from train.analysis.family_report import unfinished
-from train.analysis.spread import too_few
-from train.analysis.statistics import share_cell
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.decider import columns_of
-from train.deciders.named import decider_named
+from train.deciders.decider import Decider, columns_of
 from train.deciders.rules import TeamRuleDecider
-from train.evaluation.entrants import with_baselines
-from train.reports.text_table import Grid, flat, interval_cell
-from train.running.trials import TrialSettings, run_trials
+from train.evaluation.base import Done
+from train.evaluation.choosing.excesses import ExcessComparison
+from train.evaluation.family import FamilyEvaluation
+from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
+from train.reports.write_report import Publication
+from train.request import Request
+from train.running.runs import RunRecord
+from train.running.trials import TrialSettings
 
 SINGLE, RULE_FOUND = "best single choice", "best choice for each case"
 MOST_ROUNDS = 5
@@ -40,159 +37,165 @@ MOST_ROUNDS = 5
 
 
 @dataclass(frozen=True)
-class HeadroomRequest:
-    """The request of the user."""
+class Searched:
+    """What a search of headroom goes by."""
 
-    family: FamilyConfig
-    situations: tuple[str, ...]
+    situations: tuple[str, ...] = ()
     """Components of the observation, of which the largest tells the situation of a robot; empty: kinds of scenarios."""
-    seed: int
-    searched: int
+    scenarios: int = 16
     """T."""
-    judged: int
-    """K."""
-    goal: str | None = None
-    directories: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True)
-class Headroom:
-    """What the search found."""
+class RuleTask(TrialTask):
+    """Scenarios on which each team follows one rule."""
 
-    single: str
-    """The best single option."""
-    rule: dict[str, str]
-    """Situation or kind -> option."""
-    missions: int
-    """Missions of the search."""
-    claims: tuple[Claim, ...]
-    """The rule found, Off and Random beside the best single choice, on the scenarios of the test."""
-    excesses: dict[str, float]
-    """Mean excess of each on the scenarios of the test [s]."""
-    unfinished: dict[str, float | None]
-    """Share of the missions of each that were not completed."""
-
-
-class RuleSearch:
-    """Costs of rules on the same scenarios; each rule is run once."""
-
-    def __init__(self, request: HeadroomRequest) -> None:
-        first = request.family.scenario(0, 0, "train").mission
-        batch = Batch(first, directories=request.directories)
-        self.problem = DecidedGoal(batch, request.goal).problem
-        columns_of(self.problem, request.situations, "--situations")
-        self._request = request
-        self._scenarios = [request.family.scenario(request.seed, k, "train") for k in range(request.searched)]
-        self._settings = TrialSettings(request.goal, directories=request.directories)
-        self._known: dict[tuple[int, ...], Floats] = {}
+    situations: tuple[str, ...] = ()
+    """See `Searched`."""
+    rules: Mapping[tuple[int, int], Sequence[int]] = field(default_factory=dict)
+    """Place of a scenario -> its rule (S,): the number of an option for each situation."""
 
     @property
-    def missions(self) -> int:
-        """Missions run so far."""
-        return len(self._known) * self._request.searched
+    def settings(self) -> TrialSettings:
+        """What robots see and give."""
+        return TrialSettings(self.goal, TASK_SCENARIOS, directories=self.directories, record=self.record)
 
-    def single(self) -> int:
-        """Return the best single option."""
-        return int(self._means(self._singles).argmin())
+    def decider(self, problem: Problem, teams: Ints) -> Decider:
+        """Return the decider by the rules."""
+        seeds = [self.scenario_of(place).seed for place in self.places]
+        rules = np.array([self.rules[place] for place in self.places])
+        return TeamRuleDecider(problem, self.situations, len(teams), seeds, rules)
 
-    def of_kinds(self) -> dict[str, int]:
-        """Return the best single option for each kind of scenario."""
-        excesses, kinds = self._excesses(self._singles), np.array(scenario_kinds(self._scenarios))
-        return {kind: int(excesses[:, kinds == kind].mean(axis=1).argmin()) for kind in np.unique(kinds).tolist()}
 
-    def rule(self) -> Ints:
-        """Return the best rule (S,)."""
-        count, options = len(self._request.situations), len(self.problem.options)
-        rule = np.full(count, self.single())
-        for _ in range(MOST_ROUNDS):
-            before = rule.copy()
-            for situation in range(count):
-                tried = np.tile(rule, (options, 1))
-                tried[:, situation] = np.arange(options)
-                rule = tried[self._means(tried).argmin()]
-            if np.array_equal(rule, before):
-                break
-        return rule
+class Lacking(Exception):
+    """A search needs runs that are not done."""
 
-    def results(self, scenarios: Sequence[Scenario], rules: Ints) -> list[MissionResult]:
-        """Return the results (T,) of teams that follow `rules` (T, S) on scenarios (T,)."""
-        seeds = [scenario.seed for scenario in scenarios]
+    def __init__(self, tasks: list[TrialTask]) -> None:
+        super().__init__(f"{len(tasks)} tasks are not done")
+        self.tasks = tasks
 
-        def decider(problem: Problem, teams: Ints) -> TeamRuleDecider:
-            return TeamRuleDecider(problem, self._request.situations, len(teams), seeds, rules)
 
-        return run_trials(scenarios, decider, self._settings)
+class HeadroomEvaluation(FamilyEvaluation):
+    """The search for the best rule and the best single option of a family, and the runs that judge them.
 
-    def results_of(self, scenarios: Sequence[Scenario], member: str) -> list[MissionResult]:
-        """Return the results (T,) of an entrant."""
-        return run_trials(scenarios, decider_named(member, self._request.directories).build, self._settings)
+    Args:
+        request: the request; its scenarios judge what is found.
+        searched: what the search goes by.
+        family: the family, unless it is the one that the request names.
+
+    """
+
+    growing = ""
+
+    def __init__(self, request: Request, searched: Searched, family: FamilyConfig | None = None) -> None:
+        self._searched = searched
+        super().__init__(request, family)
+        columns_of(self.problem, searched.situations, "--situations")
+        self.stem += "-headroom"
+
+    def settings(self) -> Mapping[str, Any]:
+        """Return what the search goes by."""
+        return {"headroom": {"situations": list(self._searched.situations), "scenarios": self._searched.scenarios}}
+
+    def tasks(self, done: Done) -> list[TrialTask]:
+        """Return the tasks that the search needs next; once it is over, those that judge what was found."""
+        try:
+            single, rules = self._single(done), self._judged(done)
+        except Lacking as lacking:
+            return lacking.tasks
+        alone = np.full_like(rules, single)
+        return [
+            *self._rule_tasks(self.scenarios, SINGLE, alone, done),
+            *self._rule_tasks(self.scenarios, RULE_FOUND, rules, done),
+            *super().tasks(done),
+        ]
+
+    def publication(self, records: Sequence[RunRecord]) -> Publication:
+        """Return the costs of the rule found, Off and Random beside those of the best single choice."""
+        done = {record.key: record for record in records}
+        labels = [SINGLE, RULE_FOUND, *(entrant.label for entrant in self.entrants)]
+        results = {label: [[done[name, label].result for name in self.scenarios]] for label in labels}
+        compared = ExcessComparison(self.family, results, dict.fromkeys(labels, SINGLE))
+        ratio = compared.ratio(RULE_FOUND)
+        ends = "" if ratio.ci95 is None else " [{:.1%}, {:.1%}]".format(*(1.0 - end for end in reversed(ratio.ci95)))
+        cases = self._cases(done)
+        notes = (
+            f"headroom {1.0 - (np.inf if ratio.ratio is None else ratio.ratio):.1%}{ends} of the excess",
+            f"{sum(name.startswith('train') for name, _ in done)} missions of search",
+            f"best single choice: {self.options[self._single(done)]}",
+            "best choices: " + ", ".join(f"{case} {self.options[option]}" for case, option in cases.items()),
+        )
+        return compared.publication("headroom", "ratio to the best single choice", notes)
 
     @property
     def _singles(self) -> Ints:
         """The rules (O, S) of one option each."""
-        return np.repeat(np.arange(len(self.problem.options))[:, None], max(len(self._request.situations), 1), axis=1)
+        return np.repeat(np.arange(len(self.options))[:, None], max(len(self._searched.situations), 1), axis=1)
 
-    def _means(self, rules: Ints) -> Floats:
-        """Return the mean excess (Q,) of `rules` (Q, S)."""
-        means: Floats = self._excesses(rules).mean(axis=1)
-        return means
+    def _single(self, done: Done) -> int:
+        """Return the best single option."""
+        return int(self._excesses(self._singles, done).mean(axis=1).argmin())
 
-    def _excesses(self, rules: Ints) -> Floats:
-        """Return the excess costs (Q, T) of `rules` (Q, S) on the scenarios of the search."""
-        keys = [tuple(rule.tolist()) for rule in rules]
-        new = list(dict.fromkeys(key for key in keys if key not in self._known))
-        if new:
-            count = self._request.searched
-            found = _excess(self.results(self._scenarios * len(new), np.repeat(np.array(new), count, axis=0)))
-            self._known |= dict(zip(new, found.reshape(-1, count), strict=True))
-        return np.stack([self._known[key] for key in keys])
+    def _cases(self, done: Done) -> dict[str, int]:
+        """Return the best option for each case."""
+        situations = self._searched.situations
+        if situations:
+            return dict(zip(situations, self._rule(done).tolist(), strict=True))
+        excesses, kinds = self._excesses(self._singles, done), np.array(scenario_kinds(self._scenarios("train")))
+        return {kind: int(excesses[:, kinds == kind].mean(axis=1).argmin()) for kind in np.unique(kinds).tolist()}
 
+    def _rule(self, done: Done) -> Ints:
+        """Return the best rule (S,) for situations."""
+        rule = np.full(len(self._searched.situations), self._single(done))
+        for _ in range(MOST_ROUNDS):
+            before = rule.copy()
+            for situation in range(len(rule)):
+                tried = np.tile(rule, (len(self.options), 1))
+                tried[:, situation] = np.arange(len(self.options))
+                rule = tried[self._excesses(tried, done).mean(axis=1).argmin()]
+            if np.array_equal(rule, before):
+                break
+        return rule
 
-def headroom_of(request: HeadroomRequest) -> Headroom:
-    """Search for the best rule and the best single option of a family, and judge them on other scenarios."""
-    search = RuleSearch(request)
-    scenarios = [request.family.scenario(request.seed, k, "test") for k in range(request.judged)]
-    single, options = search.single(), search.problem.options
-    if request.situations:
-        rule = search.rule()
-        rules, named = np.tile(rule, (len(scenarios), 1)), dict(zip(request.situations, rule.tolist(), strict=True))
-    else:
-        named = search.of_kinds()
-        rules = np.array([[named.get(kind, single)] for kind in scenario_kinds(scenarios)])
-    results = {
-        SINGLE: search.results(scenarios, np.full_like(rules, single)),
-        RULE_FOUND: search.results(scenarios, rules),
-    }
-    for member in (entrant.label for entrant in with_baselines((), options, request.family.mission)):
-        results[member] = search.results_of(scenarios, member)
-    tables = {label: _excess(own)[None, :, None] for label, own in results.items()}
-    others = [label for label in results if label != SINGLE]
-    claims = claims_of({request.family.name: tables}, others, {request.family.name: SINGLE})
-    means = {label: float(own.mean()) for label, own in tables.items()}
-    left = {label: unfinished(scenarios[0].mission, own) for label, own in results.items()}
-    named_options = {name: options[option] for name, option in named.items()}
-    return Headroom(options[single], named_options, search.missions, tuple(claims), means, left)
+    def _judged(self, done: Done) -> Ints:
+        """Return the rules (K, S) that are judged, one for each test scenario."""
+        cases = self._cases(done)
+        if self._searched.situations:
+            return np.tile(np.array(list(cases.values())), (len(self.scenarios), 1))
+        single = self._single(done)
+        return np.array([[cases.get(kind, single)] for kind in scenario_kinds(self._scenarios("test"))])
 
+    def _excesses(self, rules: Ints, done: Done) -> Floats:
+        """Return the excess costs (Q, T) of `rules` (Q, S) on the scenarios of the search; Lacking for a new rule."""
+        names = [scenario_name("train", k) for k in range(self._searched.scenarios)]
+        conditions = [" / ".join(self.options[option] for option in rule) for rule in rules]
+        tasks = [
+            task
+            for condition, rule in dict(zip(conditions, rules, strict=True)).items()
+            for task in self._rule_tasks(names, condition, np.tile(rule, (len(names), 1)), done)
+        ]
+        if tasks:
+            raise Lacking(tasks)
+        found = [[done[name, condition] for name in names] for condition in conditions]
+        return np.array([[record.result.excess_s for record in row if record is not None] for row in found])
 
-def headroom_table(found: Headroom, family: str) -> Grid:
-    """Return what was found as a table."""
-    told = {claim.strategy: claim for claim in found.claims}
-    rows = []
-    for label, excess in found.excesses.items():
-        ratio = (f"{told[label].ratio:.3f}", interval_cell(told[label].ci95)) if label in told else ("1.000", "")
-        rows.append((label, share_cell(found.unfinished[label]), f"{excess:.1f}", *ratio))
-    low, high = (1.0 - bound for bound in reversed(told[RULE_FOUND].ci95))
-    notes = (
-        f"headroom {1.0 - told[RULE_FOUND].ratio:.1%} [{low:.1%}, {high:.1%}] of the excess",
-        f"{found.missions} missions of search",
-        f"best single choice: {found.single}",
-        "best choices: " + ", ".join(f"{name} {option}" for name, option in found.rule.items()),
-        *too_few([claim.of for claim in found.claims]),
-    )
-    grid = flat(
-        f"{family}: headroom", "strategy", ("unfinished", "excess s", "ratio to the best single choice", "95 %"), rows
-    )
-    return replace(grid, notes=notes)
+    def _rule_tasks(self, names: Sequence[str], condition: str, rules: Ints, done: Done) -> list[TrialTask]:
+        """Return the tasks of the scenarios `names` (K,) that are not done, on which teams follow `rules` (K, S)."""
+        rule_of = {
+            name: rule for name, rule in zip(names, rules.tolist(), strict=True) if (name, condition) not in done
+        }
+        left, split, found = list(rule_of), SPLITS[not names[0].startswith(SPLITS[0])], list[TrialTask]()
+        for first in range(0, len(left), TASK_SCENARIOS):
+            part = left[first : first + TASK_SCENARIOS]
+            given = {place_of(name): rule_of[name] for name in part}
+            settings = {**vars(self.task(part, condition, "")), "split": split}
+            found.append(RuleTask(**settings, situations=self._searched.situations, rules=given))
+        return found
+
+    def _scenarios(self, split: Split) -> list[Scenario]:
+        """Return the scenarios of the search, or those that judge."""
+        count = self._searched.scenarios if split == "train" else len(self.scenarios)
+        return [self.family.scenario(self.request.seed, k, split) for k in range(count)]
 
 
 def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
@@ -201,7 +204,3 @@ def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
         f"spots {len(mission.garbage.spots)} stations {len(set(mission.stations.places))}"
         for mission in (scenario.mission for scenario in scenarios)
     ]
-
-
-def _excess(results: Sequence[MissionResult]) -> Floats:
-    return np.array([result.excess_s for result in results])

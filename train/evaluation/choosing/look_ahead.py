@@ -13,55 +13,68 @@ Shapes: A alternatives, which are the options and a policy, K copies of each, N 
 
 from __future__ import annotations
 
+import time
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig, Scenario
+from clean_swarm_env.config.types import ConfigurationError, Seconds
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission import MissionResult
+from selector.documents.fields import Closed
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
-from train.analysis.claims import claims_of
-from train.analysis.family_report import unfinished
-from train.analysis.spread import too_few
-from train.analysis.statistics import share_cell
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import Decider
 from train.deciders.named import FIXED, POLICY, NamedDecider, decider_named
-from train.reports.text_table import Grid, flat, interval_cell
-from train.running.trials import TrialSettings, run_trials
+from train.evaluation.base import Done
+from train.evaluation.choosing.excesses import ExcessComparison
+from train.evaluation.family import FamilyEvaluation
+from train.evaluation.trial_task import TrialTask
+from train.reports.write_report import Publication
+from train.request import Request
+from train.running.runs import RunRecord
 
 LOOKING = "look-ahead"
 
 
-@dataclass(frozen=True)
-class LookAheadRequest:
-    """The request of the user."""
+class LookingAhead(Closed):
+    """How teams look ahead."""
 
-    family: FamilyConfig
     base: str
     """What copies follow after the option that they try: an option, or a policy as `--strategy` takes it."""
-    seed: int
-    scenarios: int
-    """T."""
-    copies: int
+    copies: Annotated[int, Field(ge=1, le=1000)] = 4
     """K."""
-    hold: float
+    hold: Seconds = 5.0
     """Time for which an option is held [s]."""
-    horizon: float
+    horizon: Seconds = 120.0
     """Time for which copies run [s]."""
-    goal: str | None = None
-    directories: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True)
+class LookAheadTask(TrialTask):
+    """Scenarios on which teams look ahead."""
+
+    looking: LookingAhead = field(kw_only=True)
+
+    def each(self) -> Iterator[RunRecord]:
+        """Do the missions, and yield each run when it is done."""
+        for place in self.places:
+            began, scenario = time.perf_counter(), self.scenario_of(place)
+            team = LookingTeam(self, scenario, place[0])
+            result, taken = team.result(), dict(team.taken.most_common())
+            wall = round(time.perf_counter() - began, 3)
+            yield RunRecord(self.family.name, scenario.id, self.seed, self.condition, result, wall, taken=taken)
 
 
 class LookingTeam:
@@ -73,20 +86,20 @@ class LookingTeam:
 
     """
 
-    def __init__(self, request: LookAheadRequest, scenario: Scenario, number: int) -> None:
-        waiting = iter([scenario])
-        base = _named(as_member(request.base), request.directories)
-        seen, action = base.observation(request.family.mission.terms), ActionConfig(mode=base.mode)
-        batch = partial(Batch, scenario.mission, observation=seen, directories=request.directories, action=action)
+    def __init__(self, task: LookAheadTask, scenario: Scenario, number: int) -> None:
+        waiting, looking = iter([scenario]), task.looking
+        base = _named(as_member(looking.base), task.directories)
+        seen, action = base.observation(task.family.mission.terms), ActionConfig(mode=base.mode)
+        batch = partial(Batch, scenario.mission, observation=seen, directories=task.directories, action=action)
         self._batch = batch(source=lambda _: next(waiting, None))
-        self._decided = DecidedGoal(self._batch, request.goal)
-        self._base = _Base(request.base, base, self._decided)
+        self._decided = DecidedGoal(self._batch, task.goal)
+        self._base = _Base(looking.base, base, self._decided)
         self.alternatives = self._base.alternatives
-        worlds = len(self.alternatives) * request.copies
+        worlds = len(self.alternatives) * looking.copies
         self._ahead = batch(worlds, begin_anew=False, reward={"cost": -1.0})
-        self._copies, period = request.copies, self._batch.decision_period
-        self._hold, self._horizon = (max(round(time / period), 1) for time in (request.hold, request.horizon))
-        self._random = np.random.default_rng([request.seed, number])
+        self._copies, period = looking.copies, self._batch.decision_period
+        self._hold, self._horizon = (max(round(length / period), 1) for length in (looking.hold, looking.horizon))
+        self._random = np.random.default_rng([task.seed, number])
         self.taken: Counter[str] = Counter()
 
     def result(self) -> MissionResult:
@@ -154,50 +167,48 @@ class _Base:
         return actions
 
 
-@dataclass(frozen=True)
-class Looked:
-    """What came of looking ahead on all scenarios."""
+class LookAheadEvaluation(FamilyEvaluation):
+    """Teams that look ahead on test scenarios, and every option alone; what copies follow may be a policy.
 
-    alternatives: tuple[str, ...]
-    """(A,) as `--strategy` takes them."""
-    results: tuple[MissionResult, ...]
-    """(T,)."""
-    taken: Counter[str]
-    """How often each alternative was taken."""
+    Args:
+        request: the request; its strategies are not read.
+        looking: how teams look ahead.
+        family: the family, unless it is the one that the request names.
 
+    """
 
-def looked_ahead(request: LookAheadRequest) -> Looked:
-    """Do the test scenarios by looking ahead."""
-    results, taken = [], Counter[str]()
-    for number, scenario in enumerate(_scenarios(request)):
-        team = LookingTeam(request, scenario, number)
-        results.append(team.result())
-        taken += team.taken
-    return Looked(tuple(map(as_member, team.alternatives)), tuple(results), taken)
+    growing, beside_baselines = "", False
 
+    def __init__(self, request: Request, looking: LookingAhead, family: FamilyConfig | None = None) -> None:
+        self._looking = looking
+        policy = (looking.base,) if looking.base.startswith(f"{POLICY}:") else ()
+        super().__init__(replace(request, strategies=(FIXED, *policy)), family)
+        self.stem += "-look-ahead"
+        first = self._looking_task(self.scenarios[:1])
+        LookingTeam(first, first.scenario_of(first.places[0]), 0)  # a base that does not fit is an error
 
-def look_ahead_table(request: LookAheadRequest) -> Grid:
-    """Do test scenarios by looking ahead, and by every option alone; return the table of their excess costs."""
-    looked, scenarios = looked_ahead(request), _scenarios(request)
-    results = {LOOKING: looked.results}
-    settings = TrialSettings(request.goal, directories=request.directories)
-    for member in looked.alternatives:
-        named = _named(member, request.directories)
-        seen = named.observation(request.family.mission.terms)
-        given = replace(settings, observation=seen, action=ActionConfig(mode=named.mode))
-        results[member] = tuple(run_trials(scenarios, named.build, given))
-    base, family = as_member(request.base), request.family.name
-    excesses = {label: np.array([[[result.excess_s] for result in own]]) for label, own in results.items()}
-    claims = claims_of({family: excesses}, [label for label in excesses if label != base], {family: base})
-    ratios = {claim.strategy: f"{claim.ratio:.2f} {interval_cell(claim.ci95, 2)}" for claim in claims}
-    left = {label: unfinished(scenarios[0].mission, own) for label, own in results.items()}
-    rows = [
-        (label, share_cell(left[label]), f"{own.mean():.1f}", ratios.get(label, "1")) for label, own in excesses.items()
-    ]
-    title = f"{family}: look-ahead on {len(scenarios)} scenarios"
-    grid = flat(title, "strategy", ("unfinished", "excess s", f"to {base} [95 %]"), rows)
-    told = f"taken by the look-ahead: {shares_of(looked.taken)}"
-    return replace(grid, notes=(told, *too_few([claim.of for claim in claims])))
+    def settings(self) -> Mapping[str, Any]:
+        """Return how teams look ahead."""
+        return {"look_ahead": self._looking.model_dump()}
+
+    def tasks(self, done: Done) -> list[TrialTask]:
+        """Return the tasks for all missing runs; those that look ahead come first, each with one scenario."""
+        missing = [name for name in self.scenarios if (name, LOOKING) not in done]
+        return [*(self._looking_task([name]) for name in missing), *super().tasks(done)]
+
+    def _looking_task(self, scenarios: Sequence[str]) -> LookAheadTask:
+        return LookAheadTask(**vars(self.task(scenarios, LOOKING, "")), looking=self._looking)
+
+    def publication(self, records: Sequence[RunRecord]) -> Publication:
+        """Return what looking ahead and every option cost, beside the base, and what was taken."""
+        done, taken = {record.key: record for record in records}, Counter[str]()
+        labels, base = [LOOKING, *(entrant.label for entrant in self.entrants)], as_member(self._looking.base)
+        for name in self.scenarios:
+            taken += Counter(done[name, LOOKING].taken)
+        results = {label: [[done[name, label].result for name in self.scenarios]] for label in labels}
+        compared = ExcessComparison(self.family, results, dict.fromkeys(labels, base))
+        notes = (f"taken by the look-ahead: {shares_of(taken)}",)
+        return compared.publication(f"look-ahead on {len(self.scenarios)} scenarios", f"ratio to {base}", notes)
 
 
 def as_member(alternative: str) -> str:
@@ -216,7 +227,3 @@ def _named(member: str, directories: Sequence[Path]) -> NamedDecider:
     if named.mode == "velocity":
         raise ConfigurationError(f"--base: expected an option or a policy that chooses options, got {member}")
     return named
-
-
-def _scenarios(request: LookAheadRequest) -> list[Scenario]:
-    return [request.family.scenario(request.seed, number, "test") for number in range(request.scenarios)]

@@ -96,7 +96,7 @@ export function panelOf(run, frame, robot) {
   if (head.networks) {
     parts.push(networkOf(run, "robot", frame, robot), insideOf(run, frame, robot), planOf(run, frame, robot));
     parts.push(readingsOf(run, frame, robot), goalsOf(run, frame, robot));
-  } else if (!head.things) parts.push("<p>The networks of the robots were not recorded (<code>--minds</code>).</p>");
+  } else parts.push("<p>The networks of the robots were not recorded (<code>--minds</code>).</p>");
   if (run.tracks.has("missed")) parts.push(`<p>Poses of others missed: ${valueAt(run, "missed", frame, robot)}</p>`);
   return parts.join("");
 }

@@ -33,7 +33,7 @@ export class Page {
     this.speed = SPEEDS.indexOf(5);
     this.before = 0;
     this.panelAt = 0;
-    document.body.classList.toggle("scene", runs.some((run) => run.head.things));
+    document.body.classList.toggle("task", runs.some((run) => run.head.things));
     this.parting = runs.length > 1 ? partingFrame(runs[0], runs[1]) : -1;
     /** @type {Shown[]} */
     this.shown = runs.map((run, k) => this.build(run, k));
@@ -74,7 +74,7 @@ export class Page {
       <canvas class="world" tabindex="0" role="img" aria-label="The world of run ${k + 1}"></canvas>
       <h3>Option held by each robot</h3><div class="over"><canvas class="chart" height="120"></canvas></div>
       <div class="small">${options.map((name, o) => `<span class="key" style="background:${PALETTE[o % PALETTE.length]}"></span>${plain(name)}`).join(" ")}</div>
-      <h3>Items dumped (line), collisions (dashes)</h3><div class="over"><canvas class="chart" height="90"></canvas></div>
+      <h3>${run.head.things ? "Collisions" : "Items dumped (line), collisions (dashes)"}</h3><div class="over"><canvas class="chart" height="90"></canvas></div>
       <h3>What the chooser thinks of each option, mean of the robots</h3><div class="over"><canvas class="chart" height="90"></canvas></div>`;
     element("runs").append(figure);
     const canvas = /** @type {HTMLCanvasElement} */ (figure.querySelector(".world"));
@@ -336,7 +336,8 @@ export class Page {
     const most = Math.max(...this.shown.map(({ counts }) => counts.contacts[counts.contacts.length - 1] ?? 0), 1);
     const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.items, counts.items[counts.items.length - 1] ?? 0)), 1);
     for (const { run, counts, charts } of this.shown) {
-      const curves = [{ values: counts.items, colour: "#009E73", most: items }, { values: counts.contacts, colour: "#D55E00", dash: [5, 4], most }];
+      const curves = [{ values: counts.contacts, colour: "#D55E00", dash: [5, 4], most }];
+      if (!run.head.things) curves.unshift({ values: counts.items, colour: "#009E73", dash: [], most: items });
       drawHeld(run, this.frames, charts[0]);
       drawCurves(curves, this.frames, charts[1]);
       drawCurves(opinionCurves(run, charts[2].width), this.frames, charts[2]);
@@ -358,6 +359,7 @@ export class Page {
       const over = this.time >= (run.frames - 1) * this.period && run.result;
       const done = [numbered(counts.contacts[counted] ?? 0, "collision")]; // nothing is counted before the first step
       if (!run.head.things) done.unshift(`${numbered(counts.items[counted] ?? 0, "item")} dumped`);
+      if (over) done.push(...Object.entries(run.result?.measures ?? {}).map(([name, value]) => `${name} ${Number(value.toPrecision(3))}`));
       if (over) done.push(run.result?.completed ? `completed after ${run.result.duration_s} s` : "not completed");
       title.textContent = titleOf(run, frame);
       caption.textContent = done.join(", ");

@@ -9,9 +9,10 @@
  * @typedef {{about: Record<string, any>, period: number, width: number, height: number, robots: number, items: number,
  *   minds: boolean, options: Record<string, string[]>, views: Record<string, number[]>, mission: any,
  *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
- *   networks?: Record<string, NetworkNames>, field?: number, things?: Thing[]}} Head; of the scene of a goal: field, the side of its
- *   middle part [m], and what is there from the start on
- * @typedef {{channel: string, attraction: number, x: number, y: number, radius: number}} Thing
+ *   networks?: Record<string, NetworkNames>, field?: number, things?: Thing[]}} Head; of tasks other than cleaning: field, the longer
+ *   side of the ground, or of the rectangle of open land in which robots start [m], and the things
+ * @typedef {{channel: string, attraction: number, x: number, y: number, radius: number, moves?: number}} Thing at the start; moves: its
+ *   number in the channels of things that move
  * @typedef {{tick: number, do: string, robot?: number, robots?: number[], strategy?: string}} Change what was done by hand before a frame was decided
  * @typedef {{first: number, frames: number, sizes: [number, number][], deposits?: DepositKind[], by_hand?: Change[], made?: number}} Directory
  * @typedef {{channel: Channel, columns: number, data: Int32Array, room: Int32Array}} Track frame-major: number k of frame t is at

@@ -106,7 +106,7 @@ export class WorldView {
     c.fillRect(0, 0, canvas.width, canvas.height);
     if (layers.fields) this.drawField(c, frame);
     this.drawStations(c, frame);
-    for (const thing of run.head.things ?? []) this.drawThing(c, thing, colours);
+    for (const thing of run.head.things ?? []) this.drawThing(c, thing, frame, share, colours);
     if (layers.paths) this.drawPaths(c, frame, chosen, colours);
     if (layers.seen) this.drawSeen(c, frame, chosen, colours);
     if (layers.reach || layers.view) this.drawReach(c, frame, chosen, layers);
@@ -190,8 +190,27 @@ export class WorldView {
     });
   }
 
-  /** Draw what attracts or repels in the scene of a goal. @param {CanvasRenderingContext2D} c @param {import("./recording.js").Thing} thing @param {Colours} colours */
-  drawThing(c, { channel, attraction, x, y, radius }, colours) {
+  /**
+   * Return where a thing is at a frame and a share of the way to the next one.
+   * @param {import("./recording.js").Thing} thing @param {number} frame @param {number} share @returns {[number, number]}
+   */
+  placeOf({ x, y, moves }, frame, share) {
+    if (moves === undefined) return [x, y];
+    const { run } = this, next = Math.min(frame + 1, run.frames - 1);
+    const nowX = valueAt(run, "thing_x", frame, moves), nowY = valueAt(run, "thing_y", frame, moves);
+    if (share <= 0) return [nowX, nowY];
+    return [
+      nowX + share * shorter(valueAt(run, "thing_x", next, moves) - nowX, run.head.width),
+      nowY + share * shorter(valueAt(run, "thing_y", next, moves) - nowY, run.head.height),
+    ];
+  }
+
+  /**
+   * Draw what attracts or repels robots.
+   * @param {CanvasRenderingContext2D} c @param {import("./recording.js").Thing} thing @param {number} frame @param {number} share @param {Colours} colours
+   */
+  drawThing(c, thing, frame, share, colours) {
+    const { channel, attraction, radius } = thing, [x, y] = this.placeOf(thing, frame, share);
     const colour = attraction < 0 ? "#D55E00" : "#009E73";
     this.images(x, y, Math.max(radius, 0.2), (px, py) => {
       c.strokeStyle = colour;

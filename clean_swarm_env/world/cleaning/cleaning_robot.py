@@ -59,7 +59,7 @@ def goals_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> tuple[
     if not mission.cleans:
         kind: Any = find_task(mission.task.name)
         return (kind.goal or mission.task.name,)
-    return coordinated_goals(find_file("robots", mission.network.robot, directories))
+    return coordinated_goals(find_file("robots", mission.network.robot, directories, "mission.network.robot: "))
 
 
 def coordinators_of(
@@ -78,7 +78,7 @@ def robot_network(
         DocumentError: a mistake in the file, or sensors that are not those which `read_sensors` writes.
 
     """
-    path = find_file("robots", config.robot, directories)
+    path = find_file("robots", config.robot, directories, "mission.network.robot: ")
     parameters = {"transport_full_range": config.transport_full_range}
     by_goal = {coordinator.goal: coordinator for coordinator in coordinators}
     robot = load_network(path, by_goal, parameters, config.build())

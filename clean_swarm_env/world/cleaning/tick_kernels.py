@@ -9,7 +9,7 @@ import numpy as np
 
 from clean_swarm_env.config.cleaning import DUMP, RECYCLING
 from clean_swarm_env.physics.cells import distance, fill_cells, nearest_of_kind, nearest_point
-from clean_swarm_env.world.cleaning_robot import (
+from clean_swarm_env.world.cleaning.cleaning_robot import (
     AT_DUMP,
     AT_RECYCLING,
     CARRYING,
@@ -20,7 +20,7 @@ from clean_swarm_env.world.cleaning_robot import (
     GARBAGE_SEEN,
     RECYCLED,
 )
-from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.world.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.records import FloorRecord, MindsRecord, open_floor, open_minds
 from selforg.arrays import Flags
 from selforg.commands import Commanded, open_commanded

@@ -12,7 +12,7 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import distance
-from clean_swarm_env.world.garbage import LYING, NOTHING
+from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.world.records import FloorRecord, open_floor
 from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded

@@ -14,17 +14,17 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
-from clean_swarm_env.world.cleaning_robot import CargoMemory, robot_network
-from clean_swarm_env.world.garbage import LYING
-from clean_swarm_env.world.minds import ITEM_CHANNEL
-from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.task import Measure, Task, TaskState
-from clean_swarm_env.world.tick_kernels import (
+from clean_swarm_env.world.cleaning.cleaning_robot import CargoMemory, robot_network
+from clean_swarm_env.world.cleaning.garbage import LYING
+from clean_swarm_env.world.cleaning.tick_kernels import (
     begin_commands,
     handle_cargo_as_decided,
     handle_cargo_in_reach,
     read_sensors,
 )
+from clean_swarm_env.world.minds import ITEM_CHANNEL
+from clean_swarm_env.world.reception import Reception
+from clean_swarm_env.world.task import Measure, Task, TaskState
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork

@@ -1,0 +1,134 @@
+"""Missions of every task are recorded, and shown from their recordings as they were."""
+
+import json
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.tasks import CLEANING, task_names
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.drawing.recorded_picture import RecordedCourse
+from clean_swarm_env.drawing.world_picture import canvas_of
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
+from clean_swarm_env.recording.tables import tables_of
+from clean_swarm_env.world.mission import Course, MissionRun, result_of
+from tests.clean_swarm_env.recording.shepherding import with_shepherding
+from train.replay.page_file import page_of
+
+TASKS = [*(name for name in task_names() if name != CLEANING), "Shepherding"]
+
+
+def run_of(task, **changes) -> MissionRun:
+    mission = MissionConfig.model_validate({"task": task, **changes})
+    return MissionRun(mission, random_start(mission, 3, 0), 4, {})
+
+
+def recorded(run, folder, minds=False):
+    """Run a mission; return its recording, its course, and the canvas and the poses before each control period."""
+    course = Course(run, explained=minds)
+    recorder = MissionRecorder(course.worlds, RecordSettings(folder, minds))
+    path = recorder.open(0, {"scenario": "1"})
+    canvases, places = [], []
+    while course.in_progress:
+        canvases.append(canvas_of(course.worlds, 0))
+        places.append(course.worlds.physics.positions.copy())
+        course.tick()
+        recorder.record()
+    recorder.close()
+    return RecordedMission(path), course, canvases, np.array(places)
+
+
+@pytest.fixture(autouse=True)
+def _shepherding(monkeypatch):
+    with_shepherding(monkeypatch)
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_a_recording_holds_the_course_the_things_and_the_measures(tmp_path, task):
+    recording, course, canvases, places = recorded(run_of(task, time_limit=4.0), tmp_path, minds=True)
+    head, mission = recording.head, course.worlds.mission
+    assert np.allclose(np.stack([recording["x"], recording["y"]], axis=-1), places, atol=0.0005001)
+    assert (head["width"], head["height"], head["ground"]) == (*mission.extent, mission.world.ground)
+    assert not [name for name in recording if name.startswith(("item_", "station_", "recycled"))]
+    assert ("cargo" in recording) == (task == "Foraging")
+    assert recording.result == json.loads(json.dumps(result_of(course.worlds, 0).as_mapping()))
+    assert list(recording.result["measures"]) == [measure.name for measure in course.worlds.task.measures]
+    assert all(f"held/{goal}" in recording for goal in head["options"])
+    assert (recording["robot/running"] == 1).any()
+    shown = RecordedCourse(recording)
+    for frame in (0, 7, 19):
+        now, then = shown.at(frame * recording.period), canvases[frame]
+        assert ((now.positions >= 0.0) & (now.positions <= now.width)).all()
+        assert [area.name for area in now.areas] == [area.name for area in then.areas]
+        middles = [np.array([[area.x, area.y] for area in one.areas]).reshape(-1, 2) for one in (now, then)]
+        offsets = [one.positions[:1] - middle for one, middle in zip((now, then), middles, strict=True)]
+        assert np.allclose(*offsets, atol=0.002)  # of open land another part may be shown
+    assert tables_of(recording)["robot"]["x"].size == recording["x"].size
+    assert page_of([recording])
+
+
+def test_a_task_takes_its_course_with_and_without_a_recording(tmp_path):
+    run = run_of("Shepherding", time_limit=6.0)
+    plain = Course(run)
+    while plain.in_progress:
+        plain.tick()
+    course = recorded(run, tmp_path)[1]
+    assert plain.worlds.get_state() == course.worlds.get_state()
+
+
+def test_things_that_move_are_where_they_were(tmp_path):
+    course = Course(run_of("Shepherding", time_limit=10.0))
+    recorder = MissionRecorder(course.worlds, RecordSettings(tmp_path, name="sheep"))
+    recorder.open(0, {})
+    seen = []
+    while course.in_progress:
+        seen.append(course.worlds.task.state.places[0].copy())
+        course.tick()
+        recorder.record()
+    recorder.close()
+    recording = RecordedMission(tmp_path / "sheep.swarm")
+    found = np.stack([recording["thing_x"], recording["thing_y"]], axis=-1)
+    assert np.allclose(found, seen, atol=0.0005001)
+    assert np.abs(found[-1] - found[0]).max() > 0.5
+    assert [(thing["channel"], thing.get("moves")) for thing in recording.head["things"]] == [
+        ("ring", None),
+        *(("sheep", k) for k in range(4)),
+    ]
+    assert set(tables_of(recording)["thing"]) == {"frame", "time", "thing", "thing_x", "thing_y"}
+
+
+def test_food_that_robots_carry_is_their_cargo(tmp_path):
+    recording, _, canvases, _ = recorded(run_of("Foraging", time_limit=90.0), tmp_path)
+    picked, brought = (np.diff(recording["cargo"], axis=0) == step for step in (1, -1))
+    assert picked.sum() >= brought.sum() > 0
+    assert [kind["channel"] for kind in recording.notes["deposits"]] == ["trail"]
+    shown = RecordedCourse(recording).at(recording.times[-1])
+    assert sorted(area.name for area in shown.areas) == ["food", "food", "nest"]
+    assert not any(area.repels for area in shown.areas)
+    assert len(canvases[-1].pheromones) > 10
+    assert len(shown.pheromones) > 10
+    assert max(canvas.cargo.max() for canvas in canvases) == 1
+    assert canvases[-1].state.startswith("items brought per minute ")
+
+
+def test_contacts_and_obstacles_are_shown(tmp_path):
+    recording, course, canvases, _ = recorded(run_of("CollisionAvoidance", time_limit=20.0), tmp_path)
+    assert {area.name for area in canvases[0].areas if area.repels} == {"obstacle"}
+    assert recording["contact"].sum() == 2 * course.worlds.world.collisions[0]
+
+
+def test_a_recording_that_lacks_the_things_that_move_is_refused_by_name(tmp_path):
+    recording = recorded(run_of("Shepherding", time_limit=1.0), tmp_path)[0]
+    del recording.channels["thing_x"]
+    with pytest.raises(ConfigurationError, match="expected channel thing_x with a number for each thing"):
+        RecordedCourse(recording)
+
+
+def test_a_robot_of_any_task_is_explained():
+    step = run_of("Foraging", time_limit=5.0).explain(robot=3, time=2.0)
+    assert step.options["Foraging"]
+    assert [behaviour.name for behaviour in step.network.behaviours] == ["Foraging"]
+    assert step.coordinators[0].inner is not None
