@@ -106,7 +106,7 @@ def _group(summary: str) -> typer.Typer:
 app = typer.Typer(cls=_Grouped, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     "run": {
-        "run": (run.run_command, "a goal of the library in its scene, by its measures (seconds)"),
+        "run": (run.run_command, "a task beside its baseline, by its measures (seconds)"),
         "evaluate": (evaluate.evaluate_command, "an experiment, or strategies on a family (1 to 60 min)"),
         "play": (play.play_command, "a mission in the browser, changed by hand (starts in seconds)"),
     },
