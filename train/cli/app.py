@@ -42,7 +42,7 @@ from train.cli.options import Configs, error_console, print_error
 from train.cli.showing import picture, report, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
-TRUST, IMPORT = "--trust", "--import"
+TRUST, READ_TASKS = "--trust", "--import"
 """Options of all commands: to let files name code, and to read tasks of the user's own from a file."""
 DECLARED = {
     "strategies by name": ("selector/strategies", r"@STRATEGIES\.register\nclass (\w+)"),
@@ -195,11 +195,11 @@ def _imports(words: list[str]) -> tuple[list[str], list[str]]:
     rest, files, following = [], [], False
     for word in words:
         option, equals, file = word.partition("=")
-        if following or (option == IMPORT and equals):
+        if following or (option == READ_TASKS and equals):
             files.append(word if following else file)
-        elif word != IMPORT:
+        elif word != READ_TASKS:
             rest.append(word)
-        following = word == IMPORT and not following
+        following = word == READ_TASKS and not following
     return rest, files
 
 
@@ -218,7 +218,7 @@ def _common(
     ] = False,
     ___: Annotated[
         str | None,
-        typer.Option(IMPORT, help="Read tasks from a Python file of your own; stands anywhere.", metavar="FILE.py"),
+        typer.Option(READ_TASKS, help="Read tasks from a Python file of your own; stands anywhere.", metavar="FILE.py"),
     ] = None,
 ) -> None:
     """Compare and learn the selection of self-organisation mechanisms by robots that clean a torus."""

@@ -30,7 +30,7 @@ from train.running.exit_codes import FINISHED
 from train.running.finished_runs import Results
 from train.running.progress import progress
 from train.running.run_folder import ASKED, CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
-from train.running.runs import RunKey, RunRecord, Task
+from train.running.runs import Job, RunKey, RunRecord
 from train.running.warm_up import compile_first
 
 NO_CONTEXT = np.zeros((1, 0))
@@ -98,7 +98,7 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
     """Do the runs that are wanted and not done, and those of a search that follow from their results."""
     settings, others = evaluation.request.record, dict.fromkeys(set(evaluation.keys) - set(wanted))
 
-    def missing() -> Sequence[Task]:
+    def missing() -> Sequence[Job]:
         return evaluation.tasks({**others, **{record.key: record for record in results.records}})
 
     tasks = missing()
@@ -122,7 +122,7 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
             left = _count(tasks)
 
 
-def _count(tasks: Sequence[Task]) -> int:
+def _count(tasks: Sequence[Job]) -> int:
     """Return the number of runs of tasks."""
     return sum(len(task.keys) for task in tasks)
 

@@ -21,8 +21,7 @@ from train.analysis.task_report import MeasuredStrategy, reached
 from train.cli import run as run_cli
 from train.cli.app import app
 from train.evaluation import task_run
-from train.evaluation.task_page import as_markdown, as_page
-from train.evaluation.task_run import TaskRunRequest, run_task, tasks_to_run
+from train.evaluation.task_run import TaskRunRequest, as_markdown, as_page, run_task, tasks_to_run
 
 runner = CliRunner()
 ORIGINAL = load_knowledge("original")
