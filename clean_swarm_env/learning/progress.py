@@ -30,7 +30,7 @@ from clean_swarm_env.world.mission_end import (
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Written
 
 EVENTS = ("picked", "recycled", "dumped", "collision", "contact", "avoiding")
 """Rows of `Period.events`: items picked that nobody had picked before, recycled and dumped by the robot, collision
@@ -69,9 +69,9 @@ class Followed(NamedTuple):
     had_done: Annotated[Ints, "W", KEPT]  # done at the tick before
     collisions: Annotated[Ints, "W K", READ]  # events at each distance since the mission began
     samples: Annotated[Ints, "W K", READ]  # pairs closer than each distance, summed over all counts
-    terms: Annotated[Floats, "W 6", KEPT]  # `CostTerms` of each mission
+    terms: Annotated[Floats, "W 6", READ]  # `CostTerms` of each mission
     had_price: Annotated[Floats, "W", KEPT]  # what collisions had cost at the tick before [s]
-    limits: Annotated[Ints, "W", KEPT]  # ticks after which each mission is over
+    limits: Annotated[Ints, "W", READ]  # ticks after which each mission is over
     elapsed: Annotated[Ints, "W", KEPT]  # ticks since the mission began, up to its end
     idle: Annotated[
         Ints, "R", KEPT
@@ -98,7 +98,9 @@ class MissionProgress:
 
     """
 
+    limits: Annotated[Ints, "W", KEPT]
     acted: Annotated[Flags, "R C", SCRATCH]
+    _terms: Annotated[Floats, "W 6", KEPT]
     ended: Annotated[Ints, "K", SCRATCH]
 
     def __init__(self, worlds: Worlds) -> None:
@@ -125,6 +127,7 @@ class MissionProgress:
                 self.bumps,
             )
         )
+        self._terms = np.zeros((count, len(CostTerms._fields)))
         self.limits, self.elapsed, self.idle = numbers(count) + 1, numbers(count), numbers(rows)
         self.ended = numbers(0)
         self._followed = FOLLOWED_RECORD.pack(
@@ -141,7 +144,7 @@ class MissionProgress:
                 had_done=numbers(count),
                 collisions=worlds.collisions.events,
                 samples=worlds.collisions.samples,
-                terms=np.zeros((count, len(CostTerms._fields))),
+                terms=self._terms,
                 had_price=np.zeros(count),
                 limits=self.limits,
                 elapsed=self.elapsed,
@@ -159,7 +162,7 @@ class MissionProgress:
         followed.had[rows] = followed.cargo[rows]
         followed.had_recycled[rows] = followed.recycled[rows]
         followed.had_done[world] = followed.done[world]
-        followed.terms[world] = cost_terms(mission)
+        self._terms[world] = cost_terms(mission)
         followed.had_price[world] = 0.0
 
     def stay(self, world: int) -> None:
@@ -211,8 +214,8 @@ def add_cost(world: int, dumped: int, tick: float, p: Period, f: Followed) -> No
 
 @lean_kernel
 def count_tick(
-    period: Words[Period],
-    followed: Words[Followed],
+    period: Written[Period],
+    followed: Written[Followed],
     entered: Ints,
     avoids: Ints,
     cleaned: Flags,

@@ -17,7 +17,7 @@ from clean_swarm_env.physics.motion import COPY_OFFSETS, RobotMotion, open_robot
 from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import LEAN, part
 from selforg.compiler.llvm import LLVM, Compiler
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Words, Written
 
 IR: Compiler = LLVM.ir
 TYPES: Compiler = types  # they have no types themselves
@@ -127,7 +127,7 @@ def make_space(world: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]
 
 
 @part
-def touch(world: int, space: int, last: bool, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> None:
+def touch(world: int, space: int, last: bool, motion: Written[RobotMotion], chipmunk: Words[Chipmunk]) -> None:
     """Run a substep of a world in Chipmunk: write `bodies` and `forces`, step, and read `bodies` back.
 
     Chipmunk corrects overlaps when it moves bodies in its next step. After the `last` step of a space they are

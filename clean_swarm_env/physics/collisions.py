@@ -13,7 +13,7 @@ import numpy as np
 from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_along, fill_cells
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Packed, Recording, Words
+from selforg.compiler.records import Packed, Recording, Written
 from selforg.space import nearest_image
 
 ALL_PAIRS_LIMIT: Final = 50  # robots in a world up to which looking at all pairs is cheaper than keeping a list
@@ -154,7 +154,7 @@ def list_holds(world: int, positions: Floats, present: Flags, c: Counts) -> bool
 
 
 @lean_kernel
-def list_pairs(world: int, positions: Floats, present: Flags, counts: Words[Counts]) -> None:
+def list_pairs(world: int, positions: Floats, present: Flags, counts: Written[Counts]) -> None:
     """List the pairs of a world that are closer than twice the furthest distance, and leave its robots in the cells."""
     c = open_counts(counts)
     robots = positions.shape[0] // c.listed.shape[0]
@@ -211,7 +211,7 @@ def count_by_cells(world: int, positions: Floats, present: Flags, c: Counts) -> 
 
 
 @lean_kernel
-def count_world(world: int, positions: Floats, present: Flags, counts: Words[Counts]) -> None:
+def count_world(world: int, positions: Floats, present: Flags, counts: Written[Counts]) -> None:
     """Count one world and remember its positions; see CollisionCounter."""
     c = open_counts(counts)
     robots = positions.shape[0] // c.samples.shape[0]
@@ -239,7 +239,7 @@ def count_world(world: int, positions: Floats, present: Flags, counts: Words[Cou
 
 
 @lean_kernel
-def count_worlds(positions: Floats, present: Flags, counts: Words[Counts]) -> None:
+def count_worlds(positions: Floats, present: Flags, counts: Written[Counts]) -> None:
     """Count every world once; see `count_world`."""
     for world in range(open_counts(counts).samples.shape[0]):
         count_world(world, positions, present, counts)

@@ -9,7 +9,7 @@ import numpy as np
 from clean_swarm_env.physics.motion import wrapped_angle
 from selforg.arrays import CLOCKED, KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Packed, Recording, Words
+from selforg.compiler.records import Packed, Recording, Written
 from selforg.elementary import direction, length_of
 
 TIMEOUT_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
@@ -98,7 +98,7 @@ class DifferentialDrive:
 
 @lean_kernel
 def update_drives(
-    vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Words[DriveState]
+    vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Written[DriveState]
 ) -> None:
     """Update what the drives do; see `DifferentialDrive.command`."""
     update_drive_rows(vectors, commanded, in_place, headings, now, drive)
@@ -106,7 +106,7 @@ def update_drives(
 
 @inlined
 def update_drive_rows(
-    vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Words[DriveState]
+    vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Written[DriveState]
 ) -> None:
     """Update what the drives do, for kernels that call it among other things; see `update_drives`."""
     d = open_drive(drive)

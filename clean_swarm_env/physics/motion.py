@@ -8,9 +8,9 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Written
 from selforg.elementary import sine_cosine
 from selforg.space import nearest_image, wrapped
 
@@ -34,7 +34,7 @@ class RobotMotion(NamedTuple):
     bodies: Annotated[Floats, "R 4", KEPT]  # x, y where the last substep began [m], and its velocity vx, vy [m/s]
     wanted: Annotated[Floats, "R 2", KEPT]  # velocity that each robot wants [m/s]
     forces: Annotated[Floats, "R 2", SCRATCH]  # [N]
-    present: Annotated[Flags, "R", KEPT]  # robots that are not there touch nobody and do not move
+    present: Annotated[Flags, "R", READ]  # robots that are not there touch nobody and do not move
     copies: Annotated[npt.NDArray[np.uint8], "R", SCRATCH]  # seam copies that each body needs
     patience: Annotated[Ints, "W", KEPT]  # substeps until a world is free of contacts
     parts: Annotated[Ints, "N PARTS", SCRATCH]  # addresses in Chipmunk while a world is in contact, else 0
@@ -150,7 +150,7 @@ def push(world: int, m: RobotMotion) -> None:
 
 
 @lean_kernel
-def land(world: int, motion: Words[RobotMotion]) -> None:
+def land(world: int, motion: Written[RobotMotion]) -> None:
     """Move the robots of a world by their velocities after the contacts."""
     m = open_robot_motion(motion)
     robots = m.parts.shape[0]

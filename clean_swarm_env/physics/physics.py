@@ -13,7 +13,7 @@ Bodies near the left and the lower seam have copies of their disc, one world siz
 seams. Copies meet originals only, so each pair meets exactly once. Pymunk's bodies do not rotate: `headings` does.
 """
 
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 
@@ -34,7 +34,7 @@ from clean_swarm_env.physics.motion import (
 )
 from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.physics.tick import begin_tick, land_and_go_on, substep_worlds
-from selforg.arrays import Flags, Floats
+from selforg.arrays import KEPT, Flags, Floats
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
@@ -64,13 +64,15 @@ class Physics:
     [[2.0, 5.0], [10.0, 5.0]]
     """
 
+    present: Annotated[Flags, "R", KEPT]
+
     def __init__(self, settings: PhysicsSettings) -> None:
         self.settings = settings
         worlds, robots, radius = settings.worlds, settings.robots, settings.radius
         rows = worlds * robots
         self.positions: Floats = np.zeros((rows, 2))
         self.headings: Floats = np.zeros(rows)
-        self.present: Flags = np.ones(rows, np.bool_)
+        self.present = np.ones(rows, np.bool_)
         self.bodies: Floats = np.zeros((rows, 4))
         search = NOBODY_TOUCHES
         if settings.contacts == "solid" and robots > 1:

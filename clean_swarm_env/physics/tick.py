@@ -14,14 +14,14 @@ from clean_swarm_env.physics.motion import RobotMotion, land, open_robot_motion,
 from selforg.arrays import Floats
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 
 NO_SPACE, IN_PYTHON = 0, -1
 """In place of the address of a space: nobody has touched in this tick; Python has to let robots touch."""
 
 
 @inlined
-def count(world: int, motion: Words[RobotMotion], counts: Words[Counts]) -> None:
+def count(world: int, motion: Words[RobotMotion], counts: Written[Counts]) -> None:
     """Count one world and add the events to those of the tick."""
     m, c = open_robot_motion(motion), open_counts(counts)
     count_world(world, m.positions, m.present, counts)
@@ -37,7 +37,7 @@ def advance(
     last: bool,
     speed: Floats,
     turn_rate: Floats,
-    motion: Words[RobotMotion],
+    motion: Written[RobotMotion],
     chipmunk: Words[Chipmunk],
 ) -> int:
     """Run a world through a substep, the `last` one of its space or not; return the space, see `NO_SPACE`."""
@@ -60,8 +60,8 @@ def go_on(
     world: int,
     left: int,
     drive: Words[DriveState],
-    motion: Words[RobotMotion],
-    counts: Words[Counts],
+    motion: Written[RobotMotion],
+    counts: Written[Counts],
     chipmunk: Words[Chipmunk],
 ) -> int:
     """Run a world through its `left` substeps; return those left, of which Python has to run the first."""
@@ -82,9 +82,9 @@ def begin_tick(
     now: float,
     substeps: int,
     commands: Words[Commanded],
-    drive: Words[DriveState],
-    motion: Words[RobotMotion],
-    counts: Words[Counts],
+    drive: Written[DriveState],
+    motion: Written[RobotMotion],
+    counts: Written[Counts],
     chipmunk: Words[Chipmunk],
 ) -> int:
     """Give the drives their commands at `now` [s] and run every world as far as compiled code can.
@@ -107,8 +107,8 @@ def land_and_go_on(
     world: int,
     left: int,
     drive: Words[DriveState],
-    motion: Words[RobotMotion],
-    counts: Words[Counts],
+    motion: Written[RobotMotion],
+    counts: Written[Counts],
     chipmunk: Words[Chipmunk],
 ) -> int:
     """Continue a world after a substep that Python ran in pymunk; see `go_on`."""
@@ -118,7 +118,7 @@ def land_and_go_on(
 
 
 @lean_kernel
-def substep_worlds(speed: Floats, turn_rate: Floats, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> int:
+def substep_worlds(speed: Floats, turn_rate: Floats, motion: Written[RobotMotion], chipmunk: Words[Chipmunk]) -> int:
     """Run a substep of every world, speed (R,) [m/s], turn_rate (R,) [rad/s]; return how many wait for Python."""
     m, waiting = open_robot_motion(motion), 0
     for world in range(m.left.shape[0]):

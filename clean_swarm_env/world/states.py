@@ -7,12 +7,12 @@ state.
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig
@@ -25,8 +25,8 @@ from selforg.sealing import check_alike
 class WorldState(NamedTuple):
     """All that the further course of one world depends on."""
 
-    likeness: dict[str, object]
-    """What both worlds must have in common, beside the frame of the mission."""
+    likeness: bytes
+    """What both worlds must have in common, beside the frame of the mission: a mapping, pickled."""
     mission: MissionConfig
     tick: int
     """Tick and time [s] of the clock when the state was made."""
@@ -49,21 +49,13 @@ class Slot(NamedTuple):
     name: str
     mark: Mark
     share: int
-    """Entries that belong to a world; 0: all belong to all worlds."""
+    """Entries that belong to a world; 0: one that belongs to all."""
     least: int
     """Bounds of indices, if `limit` is above 0."""
     limit: int
     first: int
     """First byte, and how many there are."""
     size: int
-
-    def part(self, world: int) -> Any:  # noqa: ANN401  (of an array or a list)
-        """Return a world's part, of an array as a view."""
-        return getattr(self.owner, self.name)[self.entries(world)]
-
-    def entries(self, world: int) -> slice:
-        """Return which entries belong to a world."""
-        return slice(world * self.share, (world + 1) * self.share) if self.share else slice(None)
 
 
 class StreamState(NamedTuple):
@@ -122,64 +114,66 @@ class KeptStates:
                 lists.append(slot)
                 continue
             if field.mark.name != "derived":
-                slot = slot._replace(size=slot.part(0).nbytes)
+                slot = slot._replace(size=value[:share].nbytes)
             arrays.append(slot)
             first += slot.size
         return arrays, lists, shared
 
     @cached_property
-    def _likeness(self) -> dict[str, object]:
+    def _likeness(self) -> bytes:
         """What worlds must have in common: `alike`, and type, shape and mark of all that is kept, by path."""
         arrays, lists, shared = self._kept
-        kept = {slot.path: f"{slot.part(0).dtype} {slot.part(0).shape} {slot.mark.name}" for slot in arrays}
-        return {
-            **self._alike,
-            **kept,
-            **dict.fromkeys((slot.path for slot in lists), "list"),
-            **dict.fromkeys(shared, ""),
-        }
+        kept = {slot.path: slot.mark.name for slot in lists} | dict.fromkeys(shared, "kept")
+        for slot in arrays:
+            array = getattr(slot.owner, slot.name)
+            kept[slot.path] = f"{slot.mark.name}, {array.dtype}, {array.shape[1:]}"
+        return pickle.dumps({**self._alike, **kept}, 5)
+
+    def _parts(self, world: int) -> dict[int, slice]:
+        """Return which entries belong to a world, by the share of a world."""
+        robots = self._mission.rows
+        return {0: slice(None), robots: slice(world * robots, (world + 1) * robots), 1: slice(world, world + 1)}
 
     def get(self, world: int) -> WorldState:
         """Return the state of a world; parts of it belong to the world until they are `sealed`."""
-        arrays, lists, shared = self._kept
-        content = b"".join([slot.part(world).tobytes() for slot in arrays if slot.size])
+        (arrays, lists, shared), parts = self._kept, self._parts(world)
+        content = b"".join([getattr(s.owner, s.name)[parts[s.share]].tobytes() for s in arrays if s.size])
         things = {path: one.part_of(world) for path, one in shared.items()}
         for slot in lists:
-            things[slot.path] = [saved(one) for one in slot.part(world)]
+            things[slot.path] = [saved(one) for one in getattr(slot.owner, slot.name)[parts[slot.share]]]
         clock, mission = self._clock, self._missions[world]
         return WorldState(self._likeness, mission, clock.tick, clock.now, content, things)
 
     def check(self, state: WorldState) -> None:
         """Raise ValueError unless a world can go on from a state."""
         check_frame(state.mission, self._mission)
-        check_alike(self._likeness, state.likeness)
+        if state.likeness != self._likeness:
+            check_alike(pickle.loads(self._likeness), pickle.loads(state.likeness))
         for slot in self._kept[0]:
             if slot.limit:
-                found = array_in(state, slot)
+                kind = getattr(slot.owner, slot.name).dtype
+                found = np.frombuffer(state.arrays, kind, slot.size // kind.itemsize, slot.first)
                 if found.size and not (slot.least <= found.min() and found.max() < slot.limit):
                     expected = f"expected indices from {slot.least} to {slot.limit - 1}"
                     raise ValueError(f"state: {slot.path}: {expected}, got {found.min()} to {found.max()}")
 
     def put(self, world: int, state: WorldState) -> None:
         """Make a world go on from a state that `check` has let pass, and which it then owns."""
-        arrays, lists, shared = self._kept
+        (arrays, lists, shared), parts = self._kept, self._parts(world)
         later, ticks = self._clock.now - state.now, self._clock.tick - state.tick
         for slot in arrays:
-            place, mark = slot.part(world), slot.mark
-            place[:] = array_in(state, slot).reshape(place.shape) if slot.size else mark.unknown
+            place, mark = getattr(slot.owner, slot.name)[parts[slot.share]], slot.mark
+            if not slot.size:
+                place[:] = mark.unknown
+                continue
+            place[:] = np.frombuffer(state.arrays, place.dtype, place.size, slot.first).reshape(place.shape)
             if mark.name == "clocked":
                 place[..., mark.columns or slice(None)] += ticks if place.dtype == np.int64 else later
         for slot in lists:
-            getattr(slot.owner, slot.name)[slot.entries(world)] = [restored(one) for one in state.things[slot.path]]
+            getattr(slot.owner, slot.name)[parts[slot.share]] = [restored(one) for one in state.things[slot.path]]
         for path, one in shared.items():
             one.put_part(world, state.things[path], later)
         self._missions[world] = state.mission
-
-
-def array_in(state: WorldState, slot: Slot) -> NDArray[Any]:
-    """Return the entries (K,) of a state that belong into an array."""
-    array = getattr(slot.owner, slot.name)
-    return np.frombuffer(state.arrays, array.dtype, slot.size // array.itemsize, slot.first)
 
 
 def saved(thing: object) -> object:

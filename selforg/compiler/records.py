@@ -48,6 +48,10 @@ class Words(Generic[Record]):
     """What compiled code takes for a record: (words,) int64, or the record itself if none is passed by address."""
 
 
+Written = Words
+"""The same, in the signatures of kernels that write what the record keeps; tests hold that to be true."""
+
+
 class Packed(Generic[Record]):
     """A record with its words.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Written
 from selforg.components.sources import MovementSource
 
 
@@ -58,7 +58,7 @@ class VectorReadings:
 
 
 @lean_kernel
-def read_vectors(rows: Ints, tables: Words[ReadingTables]) -> None:
+def read_vectors(rows: Ints, tables: Written[ReadingTables]) -> None:
     """Write the readings of `rows` (K,): the length of the vector, 0 without one.
 
     A sensor with `longest_absent` >= 0 reads 1 where the length is larger than that, else 0.

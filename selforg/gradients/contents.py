@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints, Links
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.delivery import Delivery, Mail
 from selforg.gradients.names import Codes
 from selforg.gradients.poses import OwnPoses
@@ -170,7 +170,7 @@ def list_slots(layers: Ints, slots: Ints, sweeps: Ints, store: Words[Store]) -> 
 
 @lean_kernel
 def place_slots(
-    near: Floats, far: Floats, links: Links, marks: Links, layers: Ints, sweeps: Ints, store: Words[Store]
+    near: Floats, far: Floats, links: Links, marks: Links, layers: Ints, sweeps: Ints, store: Written[Store]
 ) -> None:
     """Store gradients whose columns say where they belong; see `TeamContents`."""
     s = open_store(store)

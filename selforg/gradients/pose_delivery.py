@@ -12,7 +12,7 @@ import numpy as np
 
 from selforg.arrays import SCRATCH, Floats
 from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Written
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
@@ -64,7 +64,7 @@ class PoseDelivery:
 
 
 @kernel
-def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: Floats, delay: int) -> None:
+def deliver_poses(poses: Written[Poses], reaches: Floats, losses: Floats, draws: Floats, delay: int) -> None:
     """Write for each pair of a team the ages of the last two poses received, -1 for none that is still remembered.
 
     reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads, delay [updates].

@@ -6,9 +6,9 @@ from typing import Annotated
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import READ, Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Written
 from selforg.elementary import sine_cosine
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
@@ -37,6 +37,7 @@ class OwnPoses:
 
     """
 
+    radii: Annotated[Floats, "N 2", KEPT]
     _no_headings: Annotated[Floats, "N", READ]  # zero [rad]
 
     space: Annotated[Space, READ]
@@ -83,7 +84,7 @@ class OwnPoses:
         self.row_table[:, c.ROW_COLUMNS :] = -1
         self.teams = codes.copy()
         self._no_headings = np.zeros(rows)
-        self.radii: Floats = np.tile([diffusion, goal_radius], (rows, 1))
+        self.radii = np.tile([diffusion, goal_radius], (rows, 1))
         self.packed = POSES.pack(
             Poses(
                 own=self.own,
@@ -198,7 +199,7 @@ class OwnPoses:
 
 
 @lean_kernel
-def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: float, poses: Words[Poses]) -> int:
+def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: float, poses: Written[Poses]) -> int:
     """Push one pose per row onto its history: positions (N, D) [m], headings (N,) [rad], time [s].
 
     A row whose last pose is not older than `now` keeps that pose; a silent row spreads none. Returns -1. If a number is

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.choosing import (
     CHOOSE_FARTHEST,
@@ -186,7 +186,7 @@ def gather_rows(
     now: float,
     sight: Words[Sight],
     poses: Words[Poses],
-    store: Words[Store],
+    store: Written[Store],
 ) -> int:
     """Write the pairs of `rows` (R,) from start[0] on, row after row, and where each row's end into `start` (R + 1,).
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import template
-from selforg.compiler.records import Packed, Recording, Words
+from selforg.compiler.records import Packed, Recording, Words, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
@@ -45,8 +45,8 @@ class Flock(NamedTuple):
     low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
     boids: Annotated[Floats, "P BOID", SCRATCH]  # room for as many boids as pairs; columns BOID_
     total: Annotated[Floats, "3", SCRATCH]  # room for a sum
-    own: Annotated[Floats, "3", SCRATCH]  # room for what boids are compared with
-    change: Annotated[Floats, "3", SCRATCH]  # room for a change of the velocity [m/s2]
+    own: Annotated[Floats, "3", READ]  # room for what boids are compared with
+    change: Annotated[Floats, "3", READ]  # room for a change of the velocity [m/s2]
 
 
 FLOCK = Recording(Flock)
@@ -125,7 +125,7 @@ def flock_rows(
     sight: Words[Sight],
     flock: Words[Flock],
     poses: Words[Poses],
-    store: Words[Store],
+    store: Written[Store],
 ) -> int:
     """Write the flocking movement of `rows` (R,) into those rows of `vectors` (N, D) and `active` (N,).
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
@@ -59,7 +59,7 @@ class FlockingReynolds(FlockMechanism):
 
 
 @kernel
-def separation(count: int, own_goal: float, full: float, row: int, flock: Words[Flock]) -> None:
+def separation(count: int, own_goal: float, full: float, row: int, flock: Written[Flock]) -> None:
     """Add to the sum unit vectors away from each of `count` boids, weighted by 1 / (r * clearance); Reynolds (1987).
 
     Overlapping boids count `full` [m] away (deviation Q12: the original draws from the positive octant).

@@ -10,7 +10,7 @@ import numpy as np
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import part, template
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Words, Written
 from selforg.gradients.pair import Own, Pair, own_of
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, keep_ahead, look_all_around
@@ -71,9 +71,9 @@ def move_rows(
     vectors: Floats,
     active: Flags,
     sight: Words[Sight],
-    rule: Words[Rule],
+    rule: Written[Rule],
     poses: Words[Poses],
-    store: Words[Store],
+    store: Written[Store],
 ) -> int:
     """Write the movement of `rows` (R,) into those rows of `vectors` (N, D) and `active` (N,).
 
@@ -138,7 +138,7 @@ def look_for_one(row: int, now: float, rule: Words[Rule], poses: Words[Poses]) -
 
 
 @part
-def finish(row: int, own_reach: float, rule: Words[Rule]) -> None:
+def finish(row: int, own_reach: float, rule: Written[Rule]) -> None:
     """Limit the sum: repulsions among robots to the own reach, all others to their speeds."""
     m = open_rule(rule)
     if m.by_own_reach:
@@ -151,7 +151,7 @@ def finish(row: int, own_reach: float, rule: Words[Rule]) -> None:
 
 
 @part
-def add(index: int, length: float, full: float, row: int, sight: Words[Sight], rule: Words[Rule]) -> None:
+def add(index: int, length: float, full: float, row: int, sight: Words[Sight], rule: Written[Rule]) -> None:
     """Add a contribution of `length` along the offset of a pair to the sum; -inf becomes `full` [m] away.
 
     Where the centres coincide there is no offset, and the direction is random.

@@ -9,7 +9,7 @@ import numpy as np
 
 from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Written
 from selforg.network.model.model import NetworkModel
 from selforg.network.planning.memory import PlanMemory
 from selforg.network.planning.planner import Planner
@@ -242,7 +242,12 @@ def halt_rows(rows: Ints, marks: Ints) -> None:
 
 @lean_kernel
 def hold_rows(
-    rows: Ints, behaviour: int, alternatives: Ints, forgotten: Ints, states: Words[RowStates], plans: Words[RowPlans]
+    rows: Ints,
+    behaviour: int,
+    alternatives: Ints,
+    forgotten: Ints,
+    states: Written[RowStates],
+    plans: Written[RowPlans],
 ) -> None:
     """Switch `behaviour` to `alternatives` (K,) in `rows` (K,); see `BehaviourNetwork.hold`."""
     s, plan_marks = open_states(states), open_plans(plans).marks

@@ -56,7 +56,7 @@ class Around(NamedTuple):
     avoiding: int  # number of the behaviour that avoids others, -1 without one
     # filled for every observation
     ticks: Annotated[Ints, "W", READ]  # since the reset of each world
-    held: Annotated[Ints, "C R", SCRATCH]  # option that serves each goal
+    held: Annotated[Ints, "C R", READ]  # option that serves each goal
     team: Annotated[Ints, "W", SCRATCH]  # number of robots present
     item: Annotated[Ints, "R", SCRATCH]  # nearest item in sight, -1 without one
     phases: Annotated[Ints, "R", SCRATCH]  # numbers of `PHASES`

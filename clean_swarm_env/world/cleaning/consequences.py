@@ -17,7 +17,7 @@ from clean_swarm_env.world.records import FloorRecord, open_floor
 from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Packed, Recording, Words
+from selforg.compiler.records import Packed, Recording, Words, Written
 from selforg.space import nearest_image
 
 
@@ -143,7 +143,7 @@ def turn_away(row: int, present: Flags, f: FloorRecord, c: Consequence) -> None:
 
 @lean_kernel
 def suffer(
-    entered: Ints, working: Flags, present: Flags, floor: Words[FloorRecord], consequence: Words[Consequence]
+    entered: Ints, working: Flags, present: Flags, floor: Written[FloorRecord], consequence: Written[Consequence]
 ) -> int:
     """Note the collisions of a tick; return how many robots lost their cargo, see `Consequences.apply`."""
     f, c = open_floor(floor), open_consequence(consequence)

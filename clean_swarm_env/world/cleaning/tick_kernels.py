@@ -25,7 +25,7 @@ from clean_swarm_env.world.records import FloorRecord, MindsRecord, open_floor, 
 from selforg.arrays import Flags
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.network.state import state as st
 from selforg.space import nearest_image
 
@@ -33,7 +33,7 @@ START_PICK, START_RECYCLE, START_DUMP = range(3)  # columns of `MindsRecord.star
 
 
 @lean_kernel
-def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
+def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord]) -> None:
     """Write the robots' own sensors into the readings, and note the nearest item that each could see or take."""
     f, readings = open_floor(floor), open_minds(minds).readings
     worlds, items = f.stage.shape
@@ -72,7 +72,7 @@ def list_lying(world: int, floor: Words[FloorRecord]) -> None:
 
 
 @lean_kernel
-def handle_cargo_as_decided(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
+def handle_cargo_as_decided(floor: Written[FloorRecord], minds: Words[MindsRecord]) -> int:
     """Handle the cargo of robots whose behaviours to pick, recycle or dump have just started; see `handle_cargo`."""
     m, standing = open_minds(minds), open_floor(floor).standing
     for row in range(m.starting.shape[0]):
@@ -82,7 +82,7 @@ def handle_cargo_as_decided(floor: Words[FloorRecord], minds: Words[MindsRecord]
 
 
 @lean_kernel
-def handle_cargo_in_reach(floor: Words[FloorRecord], minds: Words[MindsRecord], working: Flags) -> int:
+def handle_cargo_in_reach(floor: Written[FloorRecord], minds: Words[MindsRecord], working: Flags) -> int:
     """Handle the cargo of robots that are `working` (R,) wherever their sensors allow it; see `handle_cargo`."""
     m, standing = open_minds(minds), open_floor(floor).standing
     for row in range(m.starting.shape[0]):
@@ -95,7 +95,7 @@ def handle_cargo_in_reach(floor: Words[FloorRecord], minds: Words[MindsRecord], 
 
 
 @inlined
-def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
+def handle_cargo(floor: Written[FloorRecord], minds: Words[MindsRecord]) -> int:
     """Handle the cargo of the robots that start to pick, recycle or dump, in the order of rows.
 
     A robot picks the item that was nearest when it sensed. If another robot has just taken that, it picks the item that

@@ -3,7 +3,7 @@
 import numpy as np
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.settings import (
     AGGREGATE_AVERAGE,
     AGGREGATE_DROP,
@@ -21,7 +21,7 @@ from selforg.space import nearest_image, squared_length, wrapped
 
 
 @part
-def aggregate(slot: int, first: int, rule: int, now: float, store: Words[Store]) -> bool:
+def aggregate(slot: int, first: int, rule: int, now: float, store: Written[Store]) -> bool:
     """Apply `rule` to the gradient in `slot`, which is not linked yet; return whether it is to be stored.
 
     first: first layer of its channel and space. The stored gradient that it replaces is removed.
@@ -48,7 +48,7 @@ def aggregate(slot: int, first: int, rule: int, now: float, store: Words[Store])
 
 
 @part
-def replace_older(slot: int, first: int, rule: int, now: float, store: Words[Store]) -> bool:
+def replace_older(slot: int, first: int, rule: int, now: float, store: Written[Store]) -> bool:
     """Remove the gradients of the same source (or of the whole channel); if one of them is newer, return False."""
     s = open_store(store)
     for removing in (False, True):
@@ -68,7 +68,7 @@ def replace_older(slot: int, first: int, rule: int, now: float, store: Words[Sto
 
 
 @part
-def find_nearest(slot: int, first: int, now: float, store: Words[Store]) -> int:
+def find_nearest(slot: int, first: int, now: float, store: Written[Store]) -> int:
     """Return the stored static gradient nearest to the one in `slot` within the aggregation distance, or -1.
 
     Among equally near ones it is the one stored first, so that the order of the walk does not matter.
@@ -114,7 +114,7 @@ def older(one: int, other: int, store: Words[Store]) -> bool:
 
 
 @part
-def merge(slot: int, other: int, store: Words[Store]) -> bool:
+def merge(slot: int, other: int, store: Written[Store]) -> bool:
     """Average the gradient in `slot` with the stored `other`; return whether anything is left of them.
 
     Same sign: mean radii. Opposite signs weaken each other: differences of the radii, the sign of the larger reach.

@@ -8,7 +8,7 @@ the store for the next loop: nothing is allocated.
 import numpy as np
 
 from selforg.compiler.decorators import inlined, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.evaporation import still_there
 from selforg.gradients.store.records import Look, Sight, Store, open_sight, open_store
@@ -31,7 +31,7 @@ def keep_moving(count: int, newest_only: bool, skipped: int, store: Words[Store]
 
 
 @part
-def renew(count: int, now: float, store: Words[Store]) -> int:
+def renew(count: int, now: float, store: Written[Store]) -> int:
     """Evaporate the first `count` candidates up to `now` [s] and keep those that are left; return how many."""
     s = open_store(store)
     number, gone = 0, 0

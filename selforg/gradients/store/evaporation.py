@@ -8,7 +8,7 @@ set.
 import numpy as np
 
 from selforg.compiler.decorators import inlined, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.elementary import whole_power
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.linking import remove
@@ -16,7 +16,7 @@ from selforg.gradients.store.records import Store, open_store
 
 
 @part
-def start_evaporation(slot: int, now: float, store: Words[Store]) -> None:
+def start_evaporation(slot: int, now: float, store: Written[Store]) -> None:
     """Set FAR_START and NEAR_DUE of an incoming gradient, then evaporate it up to `now` [s]."""
     s = open_store(store)
     s.far[slot, c.FAR_START] = s.near[slot, c.DIFFUSION]
@@ -35,7 +35,7 @@ def start_evaporation(slot: int, now: float, store: Words[Store]) -> None:
 
 
 @part
-def evaporate(slot: int, now: float, store: Words[Store]) -> None:
+def evaporate(slot: int, now: float, store: Written[Store]) -> None:
     """Evaporate a gradient that is due up to `now` [s], in exact time."""
     s = open_store(store)
     clock, period = s.far[slot, c.FAR_CLOCK], s.far[slot, c.FAR_PERIOD]
@@ -50,7 +50,7 @@ def evaporate(slot: int, now: float, store: Words[Store]) -> None:
 
 
 @part
-def evaporate_whole_seconds(slot: int, now: float, store: Words[Store]) -> None:
+def evaporate_whole_seconds(slot: int, now: float, store: Written[Store]) -> None:
     """Evaporate a gradient up to `now` [s] as the original does: only the whole seconds of its age count."""
     s = open_store(store)
     if s.far[slot, c.FAR_PERIOD] <= 0.0:
@@ -79,7 +79,7 @@ def evaporated_away(slot: int, store: Words[Store]) -> bool:
 
 
 @part
-def still_there(slot: int, now: float, store: Words[Store]) -> bool:
+def still_there(slot: int, now: float, store: Written[Store]) -> bool:
     """Bring a stored gradient to `now` [s] if it is due; False if it evaporated away, it is removed then."""
     if now >= open_store(store).near[slot, c.NEAR_DUE]:
         evaporate(slot, now, store)

@@ -10,7 +10,7 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.prefetch import prefetch
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.elementary import direction
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.candidates import approach, keep_moving, keep_near, measure, renew
@@ -43,7 +43,7 @@ def look_all_around(
 
 
 @part
-def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> int:
+def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Written[Store]) -> int:
     """Write what a row sees into the pairs of `sight` from `look.first` on and return where it ends.
 
     Pairs beyond the end of the table are counted, not written; the caller then calls again with a longer table.
@@ -72,7 +72,7 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[St
 
 
 @part
-def gather_layer(layer: int, cells: int, found: int, look: Look, sight: Words[Sight], store: Words[Store]) -> int:
+def gather_layer(layer: int, cells: int, found: int, look: Look, sight: Words[Sight], store: Written[Store]) -> int:
     """Gather from the first `cells` of the window of a layer, or from its whole list if `cells` is negative.
 
     First only the links are followed. The beginning of the next cell is then known before the rows of the last one have

@@ -8,7 +8,7 @@ import numpy as np
 
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Store, open_store
 from selforg.grid import CELL_COLUMNS, axis_cells, bucket_of, cell_of
@@ -56,7 +56,7 @@ def space_of(row: int, teams: Ints, store: Words[Store]) -> int:
 
 
 @part
-def link(slot: int, store: Words[Store]) -> None:
+def link(slot: int, store: Written[Store]) -> None:
     """Put `slot`, whose layer and cell are set, at the front of its bucket and at the end of its layer's list."""
     s = open_store(store)
     layer = s.links[slot, c.LINK_LAYER]
@@ -75,7 +75,7 @@ def link(slot: int, store: Words[Store]) -> None:
 
 
 @part
-def unlink(slot: int, store: Words[Store]) -> None:
+def unlink(slot: int, store: Written[Store]) -> None:
     """Take `slot` out of its bucket and its layer's list."""
     s = open_store(store)
     layer = s.links[slot, c.LINK_LAYER]
@@ -102,7 +102,7 @@ def unlink(slot: int, store: Words[Store]) -> None:
 
 
 @part
-def take_slot(store: Words[Store]) -> int:
+def take_slot(store: Written[Store]) -> int:
     """Return a free slot; the caller has made sure that there is one."""
     s = open_store(store)
     slot = int(s.counters[c.COUNTER_FREE])
@@ -116,7 +116,7 @@ def take_slot(store: Words[Store]) -> int:
 
 
 @part
-def free_slot(slot: int, store: Words[Store]) -> None:
+def free_slot(slot: int, store: Written[Store]) -> None:
     """Put `slot`, which is linked nowhere, at the front of the list of free slots."""
     s = open_store(store)
     s.links[slot, c.LINK_LAYER] = -1
@@ -126,7 +126,7 @@ def free_slot(slot: int, store: Words[Store]) -> None:
 
 
 @part
-def remove(slot: int, store: Words[Store]) -> None:
+def remove(slot: int, store: Written[Store]) -> None:
     """Delete the gradient in `slot`; older moving gradients of its source move up one rank."""
     s = open_store(store)
     layer = s.links[slot, c.LINK_LAYER]
@@ -143,7 +143,7 @@ def remove(slot: int, store: Words[Store]) -> None:
 
 
 @part
-def insert(slot: int, layer: int, store: Words[Store]) -> None:
+def insert(slot: int, layer: int, store: Written[Store]) -> None:
     """Link the static gradient whose fields are in `slot` into `layer`, by its position."""
     s = open_store(store)
     level = layer % c.LEVELS
@@ -154,7 +154,7 @@ def insert(slot: int, layer: int, store: Words[Store]) -> None:
 
 
 @lean_kernel
-def rebuild(store: Words[Store]) -> None:
+def rebuild(store: Written[Store]) -> None:
     """Fill the buckets again from the lists of the layers, in their order, so that the order in each cell stays."""
     s = open_store(store)
     s.buckets[:] = -1

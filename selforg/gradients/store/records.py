@@ -26,10 +26,10 @@ class Poses(NamedTuple):
     members: Annotated[Ints, "N", READ]  # rows, team by team
     reach: Annotated[Floats, "T", SCRATCH]  # largest reach of a pose in each team [m]
     extent: Annotated[Floats, "3", READ]  # of the space [m], 0 for an open axis
-    cells: Annotated[Floats, "1 CELL", SCRATCH]  # one grid for all teams; columns of `selforg.grid`
+    cells: Annotated[Floats, "1 CELL", READ]  # one grid for all teams; columns of `selforg.grid`
     buckets: Annotated[Links, "B", SCRATCH]  # first row in each bucket, -1 for none
     links: Annotated[Links, "N 2", SCRATCH]  # next row in the bucket, -1 for none; cell of the row
-    radii: Annotated[Floats, "N 2", KEPT]  # diffusion and goal radius of the poses that rows spread from now on [m]
+    radii: Annotated[Floats, "N 2", READ]  # diffusion and goal radius of the poses that rows spread from now on [m]
     attraction: float  # of these, -1, 0 or +1
     history: int  # poses remembered of each row
 
@@ -43,9 +43,9 @@ class Store(NamedTuple):
     marks: Annotated[Links, "M MARK", KEPT]  # columns MARK_
     layers: Annotated[Links, "C*S*L LAYER", KEPT]  # columns LAYER_
     buckets: Annotated[Links, "B", KEPT]  # first slot in each bucket of cells, -1 for none
-    rules: Annotated[Ints, "C", KEPT]  # aggregation rule of each channel, AGGREGATE_
-    bounds: Annotated[Floats, "L", KEPT]  # largest reach in each level [m]
-    cells: Annotated[Floats, "L CELL", KEPT]  # grid of each level; columns of `selforg.grid`
+    rules: Annotated[Ints, "C", READ]  # aggregation rule of each channel, AGGREGATE_
+    bounds: Annotated[Floats, "L", READ]  # largest reach in each level [m]
+    cells: Annotated[Floats, "L CELL", READ]  # grid of each level; columns of `selforg.grid`
     counters: Annotated[Ints, "COUNTERS", KEPT]  # entries COUNTER_
     extent: Annotated[Floats, "3", READ]  # of the space [m], 0 for an open axis
     window: Annotated[Ints, "MOST_CELLS", SCRATCH]  # room for the cells around a place

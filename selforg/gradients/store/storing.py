@@ -2,7 +2,7 @@
 
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.aggregation import aggregate
 from selforg.gradients.store.evaporation import evaporate_whole_seconds, evaporated_away, start_evaporation, still_there
@@ -14,7 +14,7 @@ SWEPT_PER_STORE = 2  # gradients checked for each one stored, so that evaporated
 
 
 @lean_kernel
-def store_rows(messages: Floats, tags: Ints, now: float, store: Words[Store]) -> None:
+def store_rows(messages: Floats, tags: Ints, now: float, store: Written[Store]) -> None:
     """Store messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) in their order; there is room for all.
 
     The serial number of the first is that of the last message + 1, and so on.
@@ -24,7 +24,9 @@ def store_rows(messages: Floats, tags: Ints, now: float, store: Words[Store]) ->
 
 
 @lean_kernel
-def deposit_rows(rows: Ints, message: Floats, tag: Ints, now: float, poses: Words[Poses], store: Words[Store]) -> bool:
+def deposit_rows(
+    rows: Ints, message: Floats, tag: Ints, now: float, poses: Words[Poses], store: Written[Store]
+) -> bool:
     """Store `message` (MESSAGE_COLUMNS,) with `tag` (TAG_COLUMNS,) once at the newest pose of each of `rows` (R,).
 
     If the tables have to be made larger or tidied first, nothing is stored, and the result is False.
@@ -46,7 +48,7 @@ def deposit_rows(rows: Ints, message: Floats, tag: Ints, now: float, poses: Word
 
 
 @part
-def store_one(message: Floats, tag: Ints, now: float, store: Words[Store]) -> None:
+def store_one(message: Floats, tag: Ints, now: float, store: Written[Store]) -> None:
     """Store one message by the rules of its channel, or drop it."""
     s = open_store(store)
     if s.whole_seconds:
@@ -80,7 +82,7 @@ def store_one(message: Floats, tag: Ints, now: float, store: Words[Store]) -> No
 
 
 @part
-def take_place(slot: int, store: Words[Store]) -> int:
+def take_place(slot: int, store: Written[Store]) -> int:
     """Move the gradient in `slot`, which is not linked yet, to the slot that was freed last, and return that.
 
     The gradient that it replaces lay there. So neighbours in space stay neighbours in memory, which walks read faster
@@ -100,7 +102,7 @@ def take_place(slot: int, store: Words[Store]) -> int:
 
 
 @part
-def store_moving(slot: int, layer: int, store: Words[Store]) -> bool:
+def store_moving(slot: int, layer: int, store: Written[Store]) -> bool:
     """Link a moving gradient as the newest of its source; if it is not newer than the last one, return False."""
     s = open_store(store)
     source = s.marks[slot, c.MARK_SOURCE]
@@ -129,7 +131,7 @@ def store_moving(slot: int, layer: int, store: Words[Store]) -> bool:
 
 
 @part
-def sweep(layer: int, now: float, store: Words[Store]) -> None:
+def sweep(layer: int, now: float, store: Written[Store]) -> None:
     """Look at the next SWEPT_PER_STORE gradients of a layer and delete those that evaporated away."""
     s = open_store(store)
     for _ in range(SWEPT_PER_STORE):
@@ -143,7 +145,7 @@ def sweep(layer: int, now: float, store: Words[Store]) -> None:
 
 
 @lean_kernel
-def evaporate_space(space: int, now: float, store: Words[Store]) -> None:
+def evaporate_space(space: int, now: float, store: Written[Store]) -> None:
     """Evaporate everything in one space up to `now` [s] and delete what is gone."""
     s = open_store(store)
     for channel in range(len(s.rules)):
@@ -160,7 +162,7 @@ def evaporate_space(space: int, now: float, store: Words[Store]) -> None:
 
 
 @lean_kernel
-def clear_space(space: int, store: Words[Store]) -> None:
+def clear_space(space: int, store: Written[Store]) -> None:
     """Delete everything in one space and set its lists back to their first state."""
     s = open_store(store)
     for channel in range(len(s.rules)):

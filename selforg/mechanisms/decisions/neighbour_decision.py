@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import template
-from selforg.compiler.records import Packed, Recording, Words
+from selforg.compiler.records import Packed, Recording, Words, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair_room import PairRoom
 from selforg.gradients.store import columns as c
@@ -30,7 +30,7 @@ class DecisionRule(NamedTuple):
     key: int  # code of the payload entry that is compared
     before: Annotated[Floats, "N", READ]  # values up to now
     values: Annotated[Floats, "N", SCRATCH]  # room for values
-    states: Annotated[Ints, "N", SCRATCH]  # room for states; they come in as they are up to now
+    states: Annotated[Ints, "N", READ]  # room for states; they come in as they are up to now
     decided: Annotated[Flags, "N", SCRATCH]  # room for whether there is a decision
 
 
@@ -106,7 +106,12 @@ class NeighbourDecision(DecisionMechanism):
 
 @template(decided)
 def decide_rows(
-    now: float, rows: Ints, sight: Words[Sight], deciding: Words[DecisionRule], poses: Words[Poses], store: Words[Store]
+    now: float,
+    rows: Ints,
+    sight: Words[Sight],
+    deciding: Words[DecisionRule],
+    poses: Words[Poses],
+    store: Written[Store],
 ) -> int:
     """Write value, state and whether there is a decision for `rows` (R,) into those rows of `deciding`.
 

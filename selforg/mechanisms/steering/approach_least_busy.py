@@ -7,7 +7,7 @@ import numpy as np
 from selforg.arrays import CLOCKED, KEPT, SCRATCH, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Words, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import ATTRACTIVE, Filter, Queries
@@ -121,7 +121,7 @@ def approach_rows(
     start: Ints,
     goals: Floats,
     commands: Words[Commanded],
-    approaching: Words[Approaching],
+    approaching: Written[Approaching],
     poses: Words[Poses],
 ) -> None:
     """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it.
@@ -150,7 +150,7 @@ def approach_rows(
 
 @part
 def choose_goal(
-    row: int, now: float, goals: Floats, count: int, approaching: Words[Approaching], poses: Words[Poses]
+    row: int, now: float, goals: Floats, count: int, approaching: Written[Approaching], poses: Words[Poses]
 ) -> int:
     """Return which of the `goals` (P, PAIR_COLUMNS) is nearest, with the way that the others before it are worth."""
     a, p = open_approaching(approaching), open_poses(poses)

@@ -11,7 +11,7 @@ import numpy as np
 from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Words, Written
 from selforg.elementary import direction, unit_vectors
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
@@ -159,7 +159,7 @@ class PredictiveSteering(SteeringMechanism):
 
 @lean_kernel
 def foresee_rows(
-    now: float, rows: Ints, commands: Words[Commanded], foresight: Words[Foresight], poses: Words[Poses]
+    now: float, rows: Ints, commands: Words[Commanded], foresight: Written[Foresight], poses: Words[Poses]
 ) -> None:
     """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
     m, f = open_commanded(commands), open_foresight(foresight)
@@ -231,7 +231,7 @@ def threat(other: int, vx: float, vy: float, foresight: Words[Foresight]) -> flo
 
 
 @part
-def is_stuck(row: int, now: float, foresight: Words[Foresight], poses: Words[Poses]) -> bool:
+def is_stuck(row: int, now: float, foresight: Written[Foresight], poses: Words[Poses]) -> bool:
     """Return whether a row dares more, because it has made no progress for too long; note its progress."""
     p, f = open_poses(poses), open_foresight(foresight)
     place, times = f.places[row], f.times[row]

@@ -16,7 +16,7 @@ import numpy as np
 
 from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Packed, Recording, Words
+from selforg.compiler.records import Packed, Recording, Words, Written
 from selforg.network.planning.guards import STEPS_PER_UNIT
 from selforg.network.planning.spending import Spent
 from selforg.network.planning.task import Scale
@@ -155,7 +155,7 @@ def hashed(key: Ints) -> np.int64:
 
 
 @inlined
-def write_key(row: int, states: Words[RowStates], plans: Words[RowPlans], known: Words[KnownPlans]) -> None:
+def write_key(row: int, states: Words[RowStates], plans: Written[RowPlans], known: Words[KnownPlans]) -> None:
     """Fill the key of `row`."""
     s, m, keys = open_states(states), open_known(known), open_plans(plans).keys
     readings, marks, goal_enabled = s.readings, s.marks, s.goal_enabled
@@ -180,7 +180,7 @@ def write_key(row: int, states: Words[RowStates], plans: Words[RowPlans], known:
 
 
 @inlined
-def recall(row: int, plans: Words[RowPlans], known: Words[KnownPlans]) -> bool:
+def recall(row: int, plans: Written[RowPlans], known: Words[KnownPlans]) -> bool:
     """Give `row` the plan that is known for its key; return False if there is none."""
     p, entries = open_plans(plans), open_known(known).entries
     keys, marks, steps = p.keys, p.marks, p.steps

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.network.model.packed import PackedModel, open_model
 from selforg.network.state import state as st
 from selforg.network.state.plan_state import RowPlans, open_plans
@@ -12,7 +12,7 @@ from selforg.network.state.state import RowStates, open_states
 
 
 @kernel
-def reset_rows(rows: Ints, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> None:
+def reset_rows(rows: Ints, model: Words[PackedModel], states: Written[RowStates], plans: Written[RowPlans]) -> None:
     """Clear `rows` (K,): nothing runs, nothing is activated, known or planned, all goals are on; readings stay."""
     m, s, p = open_model(model), open_states(states), open_plans(plans)
     for row in rows:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.network.model.packed import PackedModel, open_model
 from selforg.network.state import state as st
 from selforg.network.state.plan_state import INDEX, LENGTH, RowPlans, open_plans
@@ -21,7 +21,7 @@ from selforg.network.step.sharing import helpers, opponents, wishers
 
 @inlined
 def activate_row(
-    row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans], scratch: Words[Scratch]
+    row: int, model: Words[PackedModel], states: Written[RowStates], plans: Words[RowPlans], scratch: Words[Scratch]
 ) -> None:
     """Compute the activations of `row`, every term from the old ones."""
     begin_terms(row, model, states, scratch)
@@ -53,7 +53,7 @@ def hindering(effect: float, wish: float, uniform: int) -> float:
 
 
 @inlined
-def begin_terms(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def begin_terms(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Set the term of the situation, clear the others, and sum the old activations of operational behaviours.
 
     A sum of 0 counts as 1.
@@ -92,7 +92,7 @@ def weigh_goals(row: int, model: Words[PackedModel], states: Words[RowStates], s
 
 
 @inlined
-def flow_from_goals(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def flow_from_goals(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Add what goals give to the behaviours of `row` whose effects meet their wishes."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
     pair_effect, pair_wish, wish_owner = m.goal_pair_effect, m.goal_pair_wish, m.wish_owner
@@ -117,7 +117,7 @@ def flow_from_goals(row: int, model: Words[PackedModel], states: Words[RowStates
 
 
 @inlined
-def flow_between(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def flow_between(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Add what behaviours of `row` give each other, where an effect of one meets a wish of another."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
     pair_effect, pair_wish, wish_owner = m.pair_effect, m.pair_wish, m.wish_owner
@@ -147,7 +147,7 @@ def flow_between(row: int, model: Words[PackedModel], states: Words[RowStates], 
 
 
 @inlined
-def flow_from_plan(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> None:
+def flow_from_plan(row: int, model: Words[PackedModel], states: Written[RowStates], plans: Words[RowPlans]) -> None:
     """Set what the plan adds to the behaviours of its remaining steps: the sooner one is due, the more."""
     p, values, weight = open_plans(plans), open_states(states).values, open_model(model).plan_weight
     steps, index, length = p.steps, p.marks[row, INDEX], p.marks[row, LENGTH]
@@ -156,7 +156,7 @@ def flow_from_plan(row: int, model: Words[PackedModel], states: Words[RowStates]
 
 
 @inlined
-def sum_terms(row: int, model: Words[PackedModel], states: Words[RowStates]) -> None:
+def sum_terms(row: int, model: Words[PackedModel], states: Written[RowStates]) -> None:
     """Multiply the old activations of `row` by the decay and add the terms; activation never falls below 0."""
     values, decay = open_states(states).values, open_model(model).activation_decay
     for b in range(values.shape[2]):

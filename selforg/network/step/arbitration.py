@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.network.model.packed import PackedModel, open_model
 from selforg.network.state import reasons as why
 from selforg.network.state import state as st
@@ -16,7 +16,7 @@ from selforg.network.step.sharing import is_operational
 
 @inlined
 def arbitrate_row(
-    row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch], guarantee: bool
+    row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch], guarantee: bool
 ) -> bool:
     """Stop and start behaviours of `row`; with `guarantee`, again until something runs or nothing could.
 
@@ -43,7 +43,7 @@ def arbitrate_row(
 
 @inlined
 def select_row(
-    row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch], advance: bool
+    row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch], advance: bool
 ) -> bool:
     """Go once through the behaviours of `row` in falling activation; return whether anything runs afterwards.
 
@@ -131,7 +131,7 @@ def keeps_running(
 
 @inlined
 def explain_running(
-    row: int, b: int, model: Words[PackedModel], states: Words[RowStates], threshold: float, keeps: bool
+    row: int, b: int, model: Words[PackedModel], states: Written[RowStates], threshold: float, keeps: bool
 ) -> None:
     """Note why a running behaviour goes on or not."""
     s, interruptable = open_states(states), open_model(model).interruptable

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.network.model.packed import PackedModel, open_model
 from selforg.network.state import reasons as why
 from selforg.network.state import state as st
@@ -13,7 +13,7 @@ from selforg.network.step.scratch import Scratch, open_scratch
 
 
 @inlined
-def make_room(row: int, b: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> int:
+def make_room(row: int, b: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> int:
     """Stop the running behaviours that influence a sensor of `b`, if every one of them yields; else stop none.
 
     Returns how many of the `counted` were stopped, -1 if one does not yield.

@@ -22,7 +22,7 @@ import numpy as np
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.network.model.packed import PackedModel, open_model
 from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
@@ -31,7 +31,7 @@ from selforg.network.state.state import RowStates, open_states
 
 
 @inlined
-def monitor_plan(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> None:
+def monitor_plan(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Written[RowPlans]) -> None:
     """Pass the due step of the plan of `row` if it is done, and note whether a new plan is needed.
 
     Call it before the marks of what ended itself are cleared.
@@ -48,7 +48,7 @@ def monitor_plan(row: int, model: Words[PackedModel], states: Words[RowStates], 
 
 
 @inlined
-def pass_steps(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> bool:
+def pass_steps(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Written[RowPlans]) -> bool:
     """Pass what is done of the plan of `row`; return whether all that ended itself was meant to."""
     p, marks, independent = open_plans(plans), open_states(states).marks, open_model(model).independent
     steps, plan_marks = p.steps, p.marks
@@ -74,7 +74,7 @@ def pass_steps(row: int, model: Words[PackedModel], states: Words[RowStates], pl
 
 
 @inlined
-def see_changes(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> bool:
+def see_changes(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Written[RowPlans]) -> bool:
     """Note what changed since the last step; return whether all of it was expected."""
     s, seen = open_states(states), open_plans(plans).readings
     readings, marks = s.readings, s.marks

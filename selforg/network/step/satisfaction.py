@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.network.model import packed
 from selforg.network.model.activators import activate
 from selforg.network.model.packed import PackedModel, open_model
@@ -14,7 +14,7 @@ from selforg.network.step.scratch import Scratch, open_scratch
 
 
 @inlined
-def satisfy_row(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def satisfy_row(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Compute satisfactions, readiness and wishes of `row`; satisfied goals that are not permanent switch off."""
     evaluate_leaves(row, model, open_states(states).readings, scratch)
     evaluate_nodes(model, scratch)
@@ -78,7 +78,7 @@ def turned(wish: float, direction: float) -> float:
 
 
 @inlined
-def evaluate_wishes(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def evaluate_wishes(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Fill the wishes of `row`; a wish of an alternative that is not held is not kept."""
     m, s = open_model(model), open_states(states)
     leaf, owner, tag = m.wish_leaf, m.wish_owner, m.wish_tag
@@ -93,7 +93,7 @@ def evaluate_wishes(row: int, model: Words[PackedModel], states: Words[RowStates
 
 
 @inlined
-def keep_smallest(row: int, behaviour: int, model: Words[PackedModel], states: Words[RowStates]) -> None:
+def keep_smallest(row: int, behaviour: int, model: Words[PackedModel], states: Written[RowStates]) -> None:
     """Keep only the smallest of several wishes of one behaviour about one sensor."""
     m, s = open_model(model), open_states(states)
     first, sensor = m.wish_first, m.wish_sensor
@@ -111,7 +111,7 @@ def keep_smallest(row: int, behaviour: int, model: Words[PackedModel], states: W
 
 
 @inlined
-def judge_behaviours(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def judge_behaviours(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Fill satisfaction and readiness of the behaviours of `row` from their nodes."""
     m, s = open_model(model), open_states(states)
     first, node, tag = m.precondition_first, m.precondition_node, m.precondition_tag
@@ -129,7 +129,7 @@ def judge_behaviours(row: int, model: Words[PackedModel], states: Words[RowState
 
 
 @inlined
-def judge_goals(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def judge_goals(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Fill the satisfaction of the goals of `row`; those that are satisfied and not permanent switch off."""
     m, s = open_model(model), open_states(states)
     first, node, node_satisfaction = m.goal_first, m.goal_node, open_scratch(scratch).node_satisfaction

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.network.model.packed import PackedModel
 from selforg.network.planning.memory import KnownPlans, recall, write_key
 from selforg.network.state import plan_state as ps
@@ -27,8 +27,8 @@ SENSE_AND_DECIDE, DECIDE = range(2)
 def step_rows(
     rows: Ints,
     model: Words[PackedModel],
-    states: Words[RowStates],
-    plans: Words[RowPlans],
+    states: Written[RowStates],
+    plans: Written[RowPlans],
     known: Words[KnownPlans],
     scratch: Words[Scratch],
     phase: int,
@@ -59,7 +59,7 @@ def step_rows(
 
 @inlined
 def follow_plan(
-    row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans], known: Words[KnownPlans]
+    row: int, model: Words[PackedModel], states: Written[RowStates], plans: Written[RowPlans], known: Words[KnownPlans]
 ) -> bool:
     """Bring the plan of `row` up to date; return False if it needs one that is not known."""
     p = open_plans(plans)
@@ -76,7 +76,7 @@ def follow_plan(
 
 
 @inlined
-def clear_ended(row: int, states: Words[RowStates]) -> None:
+def clear_ended(row: int, states: Written[RowStates]) -> None:
     """Set the activation of behaviours that ended themselves to 0; stopped ones keep theirs (Q15)."""
     s = open_states(states)
     values, marks = s.values, s.marks

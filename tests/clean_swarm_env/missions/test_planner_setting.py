@@ -5,7 +5,7 @@ from pydantic import ValidationError
 
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.world.worlds import Worlds
-from tests.clean_swarm_env.courses import avoidance, mission
+from tests.clean_swarm_env.courses import avoidance, mission, worlds_at_start
 
 
 @pytest.mark.parametrize("name", ["built-in", "off", "aries"])
@@ -26,6 +26,6 @@ def test_robots_without_planner_have_none():
 
 def test_an_engine_plans_for_the_robots():
     pytest.importorskip("up_aries")
-    worlds = Worlds(mission(network={"planner": "aries"}), avoidance())
+    worlds = worlds_at_start(mission(network={"planner": "aries"}), [1])
     worlds.tick()
     assert worlds.network.plans.marks[2].any()  # a plan is known
