@@ -12,14 +12,12 @@ from typing import Any
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import task_names
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.config.tasks import named_file
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
-from selector.documents.find import KINDS, files_of, find_file, is_path
+from selector.documents.find import find_file
 from selector.documents.reading import read_mapping
 from selector.documents.trust import reading_files
-from selforg.registry import unknown
 
 
 def load_experiment(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> ExperimentConfig:
@@ -75,23 +73,6 @@ def load_mission(
 def own_mission(task: str) -> MissionConfig:
     """Return the mission that a task has of its own."""
     return validated(MissionConfig, {"name": task, "task": task}, f"task {task}")
-
-
-def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> Path | None:
-    """Return the file of a mission or a family; None where only a task has the name, or a mission that of a family.
-
-    Raises:
-        DocumentError: nothing has the name; `where` starts the line, which lists the known names.
-
-    """
-    found = files_of(kind, directories)
-    if name_or_path in found or is_path(kind, name_or_path):
-        return find_file(kind, name_or_path, directories, where)
-    missions = files_of("missions", directories)
-    if name_or_path in missions or name_or_path in task_names():
-        return None
-    known = dict.fromkeys((*found, *missions, *task_names()))
-    raise ConfigurationError(where + unknown(f"{KINDS[kind].called} or task", name_or_path, tuple(known)))
 
 
 def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

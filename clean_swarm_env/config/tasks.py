@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -16,9 +16,10 @@ from typing import Any, Final, Protocol, TypeVar
 
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
+from selector.documents.find import KINDS, files_of, find_file, is_path
 from selector.documents.imported import module_of_file
 from selector.documents.reading import read_text
-from selforg.registry import Registry, UnknownNameError
+from selforg.registry import Registry, UnknownNameError, unknown
 
 CLEANING: Final = "Cleaning"
 """Name of the task of missions that name none."""
@@ -67,7 +68,7 @@ def task_stories() -> dict[str, str]:
     """Return the stories of all tasks by name; their sources are read, not run: imports of tasks take a second."""
     here = Path(__file__).parents[1]
     stories: dict[str, str] = {}
-    for file in (here / "world" / "cleaning.py", *sorted(here.glob("tasks/*.py")), *map(Path, own_files())):
+    for file in (*here.glob("world/cleaning/*.py"), *here.glob("tasks/*.py"), *map(Path, own_files())):
         stories |= _declared(file)
     return dict(sorted(stories.items()))
 
@@ -90,6 +91,23 @@ def _declared(file: Path) -> dict[str, str]:
 def task_names() -> tuple[str, ...]:
     """Return the names of all tasks, those included that a program has registered itself."""
     return tuple(sorted({*task_stories(), *TASKS.names()}))
+
+
+def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> Path | None:
+    """Return the file of a mission or a family; None where only a task has the name, or a mission that of a family.
+
+    Raises:
+        DocumentError: nothing has the name; `where` starts the line, which lists the known names.
+
+    """
+    found = files_of(kind, directories)
+    if name_or_path in found or is_path(kind, name_or_path):
+        return find_file(kind, name_or_path, directories, where)
+    missions = files_of("missions", directories)
+    if name_or_path in missions or name_or_path in task_names():
+        return None
+    known = dict.fromkeys((*found, *missions, *task_names()))
+    raise DocumentError(where + unknown(f"{KINDS[kind].called} or task", name_or_path, tuple(known)))
 
 
 def import_tasks(files: Iterable[str | os.PathLike[str]]) -> None:

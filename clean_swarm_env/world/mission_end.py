@@ -17,6 +17,15 @@ NO_ITEM: Final = 0.3
 """Items that count as dumped where none was; less than 1/3, so that a first item pays whatever collisions cost."""
 
 
+def best_score(mission: MissionConfig) -> float:
+    """Return the score of a mission that costs nothing, from which its cost by the time limit is taken [-].
+
+    Cleaning: the score is the share of the time limit that is left. Another task: it is 1 where the measure that is
+    worst by its target just meets it.
+    """
+    return 1.0 if mission.cleans else 2.0
+
+
 def tick_limit(mission: MissionConfig) -> int:
     """Return the number of control periods after which a mission is over, at least one."""
     return max(round(mission.time_limit * mission.world.control_rate), 1)

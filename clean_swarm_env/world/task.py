@@ -227,12 +227,6 @@ class Task(ABC, Generic[S, T]):
     def after_leaving(self) -> None:
         """Carry out what robots have asked for while they acted."""
 
-    def scores(self) -> Floats:
-        """Return the scores (W,) of the measures that are farthest from their targets; see `Measure.score`."""
-        values = self.result()
-        lowest: Floats = np.min([measure.score(values[measure.name]) for measure in self.measures], axis=0)
-        return lowest
-
     def costs(self) -> Floats:
         """Return what the missions (W,) cost [s]: their time limits times their worst measures by the targets.
 

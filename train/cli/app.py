@@ -42,7 +42,7 @@ from train.cli.options import Configs, error_console, print_error
 from train.cli.showing import picture, report, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
-TRUST, IMPORT_OPTION = "--trust", "--import"
+TRUST, READ_TASKS = "--trust", "--import"
 """Options of all commands: to let files name code, and to read tasks of the user's own from a file."""
 DECLARED = {
     "strategies by name": ("selector/strategies", r"@STRATEGIES\.register\nclass (\w+)"),
@@ -106,7 +106,7 @@ def _group(summary: str) -> typer.Typer:
 app = typer.Typer(cls=_Grouped, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     "run": {
-        "run": (run.run_command, "a goal of the library in its scene, by its measures (seconds)"),
+        "run": (run.run_command, "a task beside its baseline, by its measures (seconds)"),
         "evaluate": (evaluate.evaluate_command, "an experiment, or strategies on a family (1 to 60 min)"),
         "play": (play.play_command, "a mission in the browser, changed by hand (starts in seconds)"),
     },
@@ -195,11 +195,11 @@ def _imports(words: list[str]) -> tuple[list[str], list[str]]:
     rest, files, following = [], [], False
     for word in words:
         option, equals, file = word.partition("=")
-        if following or (option == IMPORT_OPTION and equals):
+        if following or (option == READ_TASKS and equals):
             files.append(word if following else file)
-        elif word != IMPORT_OPTION:
+        elif word != READ_TASKS:
             rest.append(word)
-        following = word == IMPORT_OPTION and not following
+        following = word == READ_TASKS and not following
     return rest, files
 
 
@@ -218,9 +218,7 @@ def _common(
     ] = False,
     ___: Annotated[
         str | None,
-        typer.Option(
-            IMPORT_OPTION, help="Read tasks from a Python file of your own; stands anywhere.", metavar="FILE.py"
-        ),
+        typer.Option(READ_TASKS, help="Read tasks from a Python file of your own; stands anywhere.", metavar="FILE.py"),
     ] = None,
 ) -> None:
     """Compare and learn the selection of self-organisation mechanisms by robots that clean a torus."""

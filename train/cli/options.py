@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from clean_swarm_env.config.load import named_file
+from clean_swarm_env.config.tasks import named_file
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.find import find_file
 from selector.documents.plain import short

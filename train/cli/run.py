@@ -49,8 +49,7 @@ def run_command(
     if arena is not None and arena not in ARENAS:
         raise ConfigurationError(f"--arena: expected {' or '.join(ARENAS)}, got {arena!r}")
     from clean_swarm_env.recording.recorder import RecordSettings
-    from train.evaluation.task_page import as_page, outcome_grid
-    from train.evaluation.task_run import TaskRun, run_task, tasks_to_run  # imports Numba
+    from train.evaluation.task_run import TaskRun, as_page, outcome_grid, run_task, tasks_to_run  # imports Numba
     from train.knowledge_store import StoreRequest
     from train.reports.knowledge_tables import learned_scores
     from train.reports.text_table import on_terminal
@@ -87,5 +86,5 @@ def run_command(
         for outcome in outcomes:
             wide_console().print(on_terminal(outcome_grid(outcome)))
             if outcome.known is not None:
-                limit = outcome.request.mission.time_limit
-                wide_console().print(on_terminal(learned_scores(outcome.known, "known at the beginning", limit)))
+                table = learned_scores(outcome.known, "known at the beginning", outcome.request.mission)
+                wide_console().print(on_terminal(table))

@@ -15,7 +15,7 @@ from train.reports.write_report import Publication
 from train.request import Request
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import LEARNED_BEFORE
-from train.running.runs import AnyTask, RunKey, RunRecord
+from train.running.runs import Job, RunKey, RunRecord
 
 OWN_STARTS = "own starts"
 
@@ -103,7 +103,7 @@ class Evaluation(ABC):
         return []
 
     @abstractmethod
-    def tasks(self, done: Done) -> Sequence[AnyTask]:
+    def tasks(self, done: Done) -> Sequence[Job]:
         """Return the tasks for all runs except those that are `done`.
 
         A search whose runs depend on the results of others returns those that can be done now, and is asked again.
@@ -118,7 +118,7 @@ class Evaluation(ABC):
         """Return for each condition the strategies that choose an option of each goal once in a mission."""
 
     @abstractmethod
-    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> AnyTask:
+    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> Job:
         """Return the task of one run in which `options` serve the goals; goal -> option."""
 
     @abstractmethod

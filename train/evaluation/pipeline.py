@@ -16,6 +16,7 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission_end import best_score
 from selector.store.exact_sums import REWARD_LIMIT
 from train.cluster.bits import noted_bits, noting, own_bits
 from train.evaluation.base import Evaluation
@@ -29,7 +30,7 @@ from train.running.exit_codes import FINISHED
 from train.running.finished_runs import Results
 from train.running.progress import progress
 from train.running.run_folder import ASKED, CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
-from train.running.runs import AnyTask, RunKey, RunRecord
+from train.running.runs import Job, RunKey, RunRecord
 from train.running.warm_up import compile_first
 
 NO_CONTEXT = np.zeros((1, 0))
@@ -81,14 +82,14 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
     if folder.learned:
         known = knowledge_of(evaluation.mission, evaluation.directories)
         title = f"known at the beginning in the context {evaluation.context!r}"
-        grids = (*publication.grids, learned_scores(known, title, evaluation.mission.time_limit))
+        grids = (*publication.grids, learned_scores(known, title, evaluation.mission))
         publication = replace(publication, grids=grids)
     publish(publication, folder, console)
     if memory is not None:
         if memory.learns:
             _give_scores(evaluation, memory, results.records)
             title = f"known now in the context {memory.context!r}"
-            console.print(on_terminal(learned_scores(memory.now(), title, evaluation.mission.time_limit)))
+            console.print(on_terminal(learned_scores(memory.now(), title, evaluation.mission)))
         memory.close()
     return FINISHED
 
@@ -97,7 +98,7 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
     """Do the runs that are wanted and not done, and those of a search that follow from their results."""
     settings, others = evaluation.request.record, dict.fromkeys(set(evaluation.keys) - set(wanted))
 
-    def missing() -> Sequence[AnyTask]:
+    def missing() -> Sequence[Job]:
         return evaluation.tasks({**others, **{record.key: record for record in results.records}})
 
     tasks = missing()
@@ -121,7 +122,7 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
             left = _count(tasks)
 
 
-def _count(tasks: Sequence[AnyTask]) -> int:
+def _count(tasks: Sequence[Job]) -> int:
     """Return the number of runs of tasks."""
     return sum(len(task.keys) for task in tasks)
 
@@ -173,9 +174,8 @@ def _give_scores(evaluation: Evaluation, memory: Memory, records: Sequence[RunRe
 
 
 def mission_score(mission: MissionConfig, cost: float) -> float:
-    """Return the score of a mission by its `cost` [s]: the share of its time limit that is left [-].
+    """Return the score of a mission by its `cost` [s]; see `best_score`.
 
-    1 is the best possible score. A mission with the score 0 costs as much as its time limit. The lowest score is the
-    lowest reward that a store takes.
+    The lowest score is the lowest reward that a store takes.
     """
-    return max(1.0 - cost / mission.time_limit, -REWARD_LIMIT)
+    return max(best_score(mission) - cost / mission.time_limit, -REWARD_LIMIT)

@@ -20,7 +20,7 @@ MEANS = {
     "excess_s": "excess s",
 }
 """Figure -> head of its column."""
-CLEANING_FIGURES = ("items", "excess_s")
+CLEANING_ONLY = ("items", "excess_s")
 """Those of cleaning alone."""
 
 
@@ -33,7 +33,7 @@ def family_tables(report: FamilyReport) -> list[Grid]:
 
 def _means(report: FamilyReport) -> Grid:
     family, mission = report.runs.family, report.runs.missions[0]
-    shown = [name for name in MEANS if mission.cleans or name not in CLEANING_FIGURES]
+    shown = [name for name in MEANS if mission.cleans or name not in CLEANING_ONLY]
     rows = []
     for label, own in report.summaries.items():
         figures = [f"{own[name].mean:.1f}" for name in shown]

@@ -8,6 +8,8 @@ from datetime import UTC, datetime
 import numpy as np
 from rich.table import Table
 
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.world.mission_end import best_score
 from selector.knowledge import ENOUGH, Knowledge
 from selector.store import Key, StoredKnowledge, StoreError
 from selector.store.stored_knowledge import LearnedEntry
@@ -55,13 +57,13 @@ def one_goal(contents: StoredKnowledge, goal: str) -> Table:
     return table
 
 
-def learned_scores(knowledge: Knowledge, title: str, time_limit: float | None = None) -> Grid:
+def learned_scores(knowledge: Knowledge, title: str, mission: MissionConfig) -> Grid:
     """Return a row for each option: score by the expert and learned, and which of them counts.
 
     Args:
         knowledge: the options, with what was learned of them.
         title: of the table.
-        time_limit: of the mission [s], from which the cost of a mission follows; no cost unless given.
+        mission: whose cost follows from a score.
 
     """
     rows = []
@@ -71,9 +73,10 @@ def learned_scores(knowledge: Knowledge, title: str, time_limit: float | None = 
             count, mean, variance = problem.rewards[:, k].tolist()
             half = half_width(count, variance)
             score = EMPTY_CELL if not count else _with_interval(mean, half, ".4f")
-            cost = EMPTY_CELL
-            if count and time_limit is not None:
-                cost = _with_interval((1.0 - mean) * time_limit, None if half is None else half * time_limit, ".1f")
+            cost, limit = EMPTY_CELL, mission.time_limit
+            if count:
+                spent = best_score(mission) - mean
+                cost = _with_interval(spent * limit, None if half is None else half * limit, ".1f")
             counts = f"{problem.scores[k]:.4g} {'expert' if problem.scores[k] == option.score else 'learned'}"
             taken = "taken" if k == int(np.argmax(problem.scores)) else ""
             name = f"{goal} - {option.name}"

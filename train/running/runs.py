@@ -145,16 +145,16 @@ class Work(Protocol):
         """Do the runs, and yield each when it is done."""
 
 
-class AnyTask(Work, Protocol):
+class Job(Work, Protocol):
     """Runs of an evaluation or a study that one process does."""
 
     def run(self) -> list[RunRecord]:
         """Do the runs, and return them in the order of the task."""
 
-    def beginning(self) -> "AnyTask":
+    def beginning(self) -> "Job":
         """Return a task that does only the beginning of one run, which compiles the kernels that all runs call."""
 
-    def recorded(self, settings: RecordSettings) -> "AnyTask":
+    def recorded(self, settings: RecordSettings) -> "Job":
         """Return a task that does the same runs and records each."""
 
 

@@ -23,7 +23,7 @@ from train.deciders.decider import Decided, Decider, columns_of
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
 from train.running.engine import Round
 from train.running.run_folder import RunFolder
-from train.running.runs import AnyTask, RunRecord
+from train.running.runs import Job, RunRecord
 from train.running.trials import TrialSettings, each_trial
 from train.studies.journal import MissionJournal
 from train.studies.space import Varied
@@ -120,7 +120,7 @@ class AvoidanceWatch(Decider):
         return avoided / decisions
 
 
-TaskMaker = Callable[[str, Candidate, tuple[int, ...]], AnyTask]
+TaskMaker = Callable[[str, Candidate, tuple[int, ...]], Job]
 """Makes the task of some scenarios of a stage for a candidate."""
 
 

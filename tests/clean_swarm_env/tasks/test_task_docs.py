@@ -1,22 +1,17 @@
-"""The examples of docs/goal_environments.md run, and its tables are those of the code."""
+"""The examples of docs/goal_environments.md and docs/own_task.md run, and the table of tasks is that of the code."""
 
 import re
 
 import pytest
-from clean_swarm_env.goals.goal_batch import GoalBatch
-from clean_swarm_env.goals.observer import TERMS_OF_GOALS
-from clean_swarm_env.goals.settings import key_of
-from clean_swarm_env.scenes import find, goals
 
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.tasks import TASKS
+from clean_swarm_env.world.task_parts import key_of
 from tests.clean_swarm_env.courses import long_course
 from tests.paths import ROOT
 
 PAGE = (ROOT / "docs" / "goal_environments.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
-
-
-def rows(name):
-    return PAGE.split(f"<!-- begin: {name} -->\n")[1].split(f"<!-- end: {name} -->")[0].splitlines()[2:]
 
 
 @long_course
@@ -25,20 +20,26 @@ def test_the_examples_run(example):
     exec(example, {})
 
 
-def test_the_goals_on_the_page_are_those_of_the_code():
+def test_the_example_of_a_task_of_ones_own_runs(monkeypatch):
+    page = (ROOT / "docs" / "own_task.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setenv("CLEAN_SWARM_IMPORT", "")
+    monkeypatch.setattr(TASKS, "_classes", dict(TASKS._classes))
+    exec(re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)[0], {})
+    assert Batch({"task": {"name": "Shepherding", "sheep": 30}}).worlds.task.around[1].count == 30
+
+
+def test_the_tasks_on_the_page_are_those_of_the_code():
     expected = []
-    for goal in goals():
-        batch, measures = GoalBatch(goal), find(goal).measures
-        names, default = batch.options[goal], int(batch.choices.default[0])
-        options = ", ".join(f"`{name}`" for name in (names[default], *names[:default], *names[default + 1 :]))
+    for name in (name for name in TASKS.names() if name != "Cleaning"):
+        batch = Batch(name)
+        names, default = next(iter(batch.options.values())), int(batch.choices.default[0])
+        measures = batch.worlds.task.measures
+        options = ", ".join(f"`{one}`" for one in (names[default], *names[:default], *names[default + 1 :]))
         keys = ", ".join(f"`{key_of(measure.name)}`" for measure in measures)
         units = [f"{m.target:g}{'' if m.unit == '-' else f' {m.unit}'}" for m in measures]
         ends = [f"or {'less' if measure.better == 'lower' else 'more'}" for measure in measures]
         targets = ", ".join(f"{unit} {end}" for unit, end in zip(units, ends, strict=True))
-        expected.append(f"| `{goal}` | {options} | {keys} | {targets} |")
-    assert rows("goals") == expected
-
-
-def test_the_terms_on_the_page_are_those_of_the_code():
-    assert [row.split("`")[1] for row in rows("goal terms")] == list(TERMS_OF_GOALS)
-    assert all(function.__doc__ for _, function in TERMS_OF_GOALS.values())
+        expected.append(f"| `{name}` | {options} | {keys} | {targets} |")
+    shown = PAGE.split("<!-- begin: tasks -->\n")[1].split("<!-- end: tasks -->")[0]
+    assert shown.splitlines()[2:] == expected

@@ -11,7 +11,7 @@ from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.task_run import TaskRun, run_task, tasks_to_run
 from train.request import Request
-from train.running.runs import AnyTask
+from train.running.runs import Job
 
 EXPERIMENT, FAMILY = "table1", "crowded"
 """What is run: the experiment without batches, and the family with all options."""
@@ -45,7 +45,7 @@ def compile_everything() -> CompiledCode:
     with one_process():
         batches = FamilyEvaluation(Request(FAMILY, ("fixed", "fsm:rule"), scenarios=1)).tasks({})
         single = ExperimentEvaluation(Request(EXPERIMENT, scenarios=1)).tasks({})
-        tasks: list[AnyTask] = [*batches, *single]
+        tasks: list[Job] = [*batches, *single]
         for mission in tasks:
             mission.beginning().run()
         for task in tasks_to_run():

@@ -1,0 +1,231 @@
+"""`clean-swarm run`: a task by an option and by its baseline; tasks of files of the user's own."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from clean_swarm_env.config.tasks import find_task
+from clean_swarm_env.config.types import ConfigurationError
+from docs.figures import write_original
+from selector.configurations.library import Library
+from selector.knowledge import load_knowledge
+from tests.paths import ROOT
+from train.analysis.statistics import summarise
+from train.analysis.task_report import MeasuredStrategy, reached
+from train.cli import run as run_cli
+from train.cli.app import app
+from train.evaluation import task_run
+from train.evaluation.task_run import TaskRunRequest, as_markdown, as_page, run_task, tasks_to_run
+
+runner = CliRunner()
+ORIGINAL = load_knowledge("original")
+
+
+def call(*arguments):
+    return runner.invoke(app, ["run", *arguments])
+
+
+def test_a_task_prints_its_measures_with_target_and_baseline():
+    result = call("MaxValue", "--runs", "3")
+    assert result.exit_code == 0, result.output
+    assert "MaxValue by GossipMax: 20 robots, 12 s, open, 3 runs of seed 0" in result.output
+    row = next(line for line in result.output.splitlines() if "rounds to agreement" in line)
+    assert re.search(r"≤ 6 .* yes +(yes|no)", row), row
+    assert "target of rounds to agreement: 13 m across" in result.output
+
+
+def test_json_holds_the_same_figures_for_equal_seeds():
+    first, again = (call("FindBarycenter", "--runs", "2", "--seed", "4", "--json") for _ in range(2))
+    assert first.exit_code == 0, first.output
+    assert first.stdout == again.stdout
+    given = json.loads(first.stdout)
+    assert (given["option"], given["seed"], given["runs"]) == ("Barycenter", 4, 2)
+    assert given["targets_are_for_this_setting"]
+    assert [measure["unit"] for measure in given["measures"]] == ["m", "-"]
+
+
+def test_options_of_the_command_reach_the_mission():
+    options = ("--robots", "4", "--seconds", "2", "--arena", "open", "--option", "RepulsionGradient", "--runs", "1")
+    result = call("AgentCollisionAvoidance", *options)
+    assert result.exit_code == 0, result.output
+    assert "by RepulsionGradient: 4 robots, 2 s, open, 1 run of seed 0" in result.output
+    assert "targets are stated for 10 robots, 120 s, torus" in result.output
+    given = json.loads(call("AgentCollisionAvoidance", *options, "--json").stdout)
+    assert given["measures"][0]["beats_baseline"] is None  # one run has no interval
+    assert not given["targets_are_for_this_setting"]
+
+
+def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
+    (tmp_path / "knowledge").mkdir()
+    (tmp_path / "mechanisms").mkdir()
+    (tmp_path / "knowledge" / "library.yaml").write_text("goals: {MaxValue: [{configuration: Mine, score: 1.0}]}\n")
+    mine = (
+        "expects: {measured: number}\n"
+        "mechanisms: {gossip: {type: GossipMax, parameters: {value: measured, view_distance: 9.0}}}\n"
+        "behaviours: {Tell: {action: {type: Decide, mechanism: gossip}}}\n"
+    )
+    (tmp_path / "mechanisms" / "Mine.yaml").write_text(mine)
+    given = json.loads(call("MaxValue", "--configs", str(tmp_path), "--runs", "2", "--json").stdout)
+    assert given["option"] == "Mine"
+    assert given["measures"][0]["own"]["mean"] == 1.0  # everybody hears everybody
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ((), "run: expected a task or --all, got neither; the tasks are AgentCollisionAvoidance, "),
+        (("MaxValue", "--all"), "run: expected a task or --all, got both"),
+        (("--all", "--robots", "3"), "--robots: expected one task, not --all"),
+        (("MaxValue", "--output", "x.md"), "--output: expected --all, got one task"),
+        (("MaxValue", "--runs", "0"), "--runs: expected a whole number of at least 1, got 0"),
+        (("MaxValue", "--seconds", "nan"), "--seconds: expected a positive number up to 1e+07, got nan"),
+        (("MaxValue", "--arena", "cave"), "--arena: expected torus or open, got 'cave'"),
+        (("MaxValeu",), "unknown task with a baseline 'MaxValeu'"),
+        (("Cleaning",), "unknown task with a baseline 'Cleaning'"),
+        (("MaxValue", "--option", "Shout"), "goal MaxValue: unknown option 'Shout'"),
+        (("MaxValue", "--configs", "/nowhere"), "/nowhere: no such directory"),
+    ],
+)
+def test_what_cannot_be_meant_is_one_line(arguments, expected):
+    result = call(*arguments)
+    assert isinstance(result.exception, ConfigurationError)
+    assert expected in str(result.exception)
+    assert "\n" not in str(result.exception)
+
+
+def test_all_tasks_go_into_one_page(tmp_path, monkeypatch):
+    monkeypatch.setattr(task_run, "tasks_to_run", lambda: ["FindBarycenter", "MaxValue"])
+    page = tmp_path / "tasks.md"
+    result = call("--all", "--runs", "2", "--output", str(page))
+    assert result.exit_code == 0, result.output
+    text = page.read_text(encoding="utf-8")
+    assert "| FindBarycenter, Barycenter | distance of the elected robot" in text
+    assert find_task("MaxValue").baseline in text
+    assert re.search(r"\d of 2 tasks meet", " ".join(text.split()))
+    assert call("--all", "--runs", "1", "--output", str(tmp_path / "new" / "x.md")).exit_code == 0
+    assert (tmp_path / "new" / "x.md").exists()
+
+
+def compared(measure, own, baseline):
+    own, baseline = np.array(own), np.array(baseline)
+    return MeasuredStrategy("x", measure, summarise(own), summarise(baseline), summarise(own - baseline))
+
+
+def test_a_baseline_is_beaten_by_an_interval_only():
+    lower = find_task("MaxValue").measures[0]
+    assert compared(lower, [3.0, 4.0, 5.0], [9.0, 9.0, 12.0]).beats
+    assert compared(lower, [3.0, 4.0, 9.0], [9.0, 9.0, 4.0]).beats is False
+    assert compared(lower, [9.0, 9.0, 12.0], [3.0, 4.0, 5.0]).beats is False
+    higher = find_task("CollectiveExploration").measures[0]
+    assert compared(higher, [9.0, 9.0, 12.0], [3.0, 4.0, 5.0]).beats
+
+
+def test_a_task_is_reached_by_all_of_its_measures():
+    measures = find_task("MaxValue").measures
+    good = [compared(measure, [1.0, 1.0, 0.5], [9.0, 8.0, 9.0]) for measure in measures]
+    bad = compared(measures[1], [5.0, 6.0, 5.0], [9.0, 8.0, 9.0])
+    assert reached(good)
+    assert not reached((good[0], bad))
+
+
+def test_page_and_content_of_a_real_outcome():
+    outcome = run_task(TaskRunRequest("FindBarycenter", runs=3, seed=7))
+    assert as_markdown([outcome]).count("\n| FindBarycenter") == 2
+    assert "over 3 runs of seed 7" in " ".join(as_page([outcome]).split())
+    assert outcome.content["reached"] == outcome.reached
+
+
+def test_the_command_knows_every_kind_of_ground():
+    assert run_cli.ARENAS == ("torus", "open")
+    assert {TaskRunRequest(name).mission.world.ground for name in tasks_to_run()} == set(run_cli.ARENAS)
+
+
+def test_the_page_in_the_docs_is_about_the_tasks_as_they_are():
+    text = (ROOT / "docs" / "goal_results.md").read_text(encoding="utf-8")
+    assert "14 of 14 tasks meet all their targets" in " ".join(text.split())
+    for name in tasks_to_run():
+        task, ground = find_task(name), TaskRunRequest(name).mission.world.ground
+        assert f"| {name} | {task.story} ({ground}) | {task.baseline} |" in text
+        for measure in task.measures:
+            assert re.search(rf"\| {re.escape(measure.name)}.*\| [≤≥] {measure.target:g} \|", text), measure.name
+
+
+def test_a_task_runs_by_another_expert_knowledge_beside_its_own_baseline():
+    result = call("AgentCollisionAvoidance", "--knowledge", "original", "--runs", "1", "--seconds", "2")
+    assert "AgentCollisionAvoidance by RepulsionGradient" in result.output  # of equal scores the first is taken
+    assert call("Foraging", "--knowledge", "original", "--runs", "1", "--seconds", "2").exit_code == 0
+
+
+def test_expert_knowledge_that_does_not_cover_a_goal_names_those_that_it_does():
+    result = call("CircleFormation", "--knowledge", "cleaning")
+    assert isinstance(result.exception, ConfigurationError)
+    assert "cleaning.yaml: unknown goal 'CircleFormation'" in str(result.exception)
+
+
+def test_every_option_of_the_original_can_be_built_and_serves_a_goal_with_a_task():
+    Library().check(ORIGINAL)
+    assert set(ORIGINAL.goals) == set(load_knowledge("library").goals) == set(tasks_to_run())
+
+
+def test_the_page_of_the_original_is_written_from_runs(monkeypatch):
+    monkeypatch.setattr(write_original, "tasks_to_run", lambda: ["MaxValue"])
+    text = write_original.page(runs=1)
+    assert "| MaxValue | GossipMax | GossipMax | rounds to agreement | ≤ 6 |" in text
+    assert "Of the 1 goals the original's options meet all targets of 1, the library's of 1." in text
+
+
+def test_the_page_of_the_original_shows_the_option_that_is_taken():
+    page = (ROOT / "docs" / "original.md").read_text(encoding="utf-8")
+    for goal in ORIGINAL.goals:
+        best = max(ORIGINAL.options(goal), key=lambda option: option.score)
+        assert f"| {goal} | {best.name} |" in page
+
+
+def test_a_run_gives_the_scores_of_its_option_to_a_store_once(tmp_path):
+    asked = ("MaxValue", "--runs", "2", "--store", str(tmp_path / "s.sqlite"))
+    assert call(*asked, "--learn").exit_code == 0
+    assert "holds what" in str(call(*asked, "--learn").exception)
+    known = json.loads(call(*asked, "--seed", "9", "--json").stdout)["known"]
+    assert known["MaxValue"]["GossipMax"]["count"] == 2
+
+
+def own(*words, cwd):
+    environment = {name: value for name, value in os.environ.items() if name != "CLEAN_SWARM_IMPORT"}
+    command = [sys.executable, "-m", "clean_swarm_env", *words]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, env=environment)
+
+
+EXAMPLE = str(ROOT / "examples" / "own_task.py")
+
+
+def test_a_task_of_a_users_own_runs_and_is_evaluated_recorded_and_replayed(tmp_path):
+    done = own("run", "Shepherding", "--import", EXAMPLE, "--runs", "5", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    (measure,) = json.loads(done.stdout)["measures"]
+    assert measure["own"]["mean"] > measure["baseline"]["mean"]
+    words = ("evaluate", "--family", "Shepherding", "--scenarios", "3", "--workers", "2", "--output", "r", "--record")
+    done = own(f"--import={EXAMPLE}", *words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "sheep in the ring" in (tmp_path / "r" / "table.md").read_text()
+    assert (tmp_path / "r" / "runs.csv").read_text().splitlines()[0].endswith("wall_s,sheep in the ring")
+    assert json.loads((tmp_path / "r" / "manifest.json").read_text())["command"][1:3] == ["--import", EXAMPLE]
+    done = own("--import", EXAMPLE, "replay", "r", "--html", "page.html", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "page.html").stat().st_size > 10_000
+    assert "Shepherding: 12 robots" in own("list", "--import", EXAMPLE, cwd=tmp_path).stdout
+
+
+def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_path):
+    (tmp_path / "own.yaml").write_text(f"name: own\ntask: {EXAMPLE}:Shepherding\n")
+    for mission in ("own.yaml", "Shepherding"):
+        done = own("evaluate", "--family", mission, cwd=tmp_path)
+        assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done.stderr
+    assert "unknown family or task 'Shepherding'" in done.stderr
+    done = own("list", "--import", "no.py", cwd=tmp_path)
+    assert "expected a file of Python code with a task" in done.stderr
