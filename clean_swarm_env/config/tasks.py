@@ -67,7 +67,7 @@ def task_stories() -> dict[str, str]:
     """Return the stories of all tasks by name; their sources are read, not run: imports of tasks take a second."""
     here = Path(__file__).parents[1]
     stories: dict[str, str] = {}
-    for file in (here / "world" / "cleaning.py", *sorted(here.glob("tasks/*.py")), *map(Path, own_files())):
+    for file in (here / "world/cleaning/cleaning_task.py", *sorted(here.glob("tasks/*.py")), *map(Path, own_files())):
         stories |= _declared(file)
     return dict(sorted(stories.items()))
 
