@@ -6,8 +6,8 @@ import numpy as np
 from pydantic import Field
 
 from clean_swarm_env.config.tasks import TASKS
-from clean_swarm_env.tasks import Measure, Start, Task, TaskSettings, TaskState, Thing, kept
-from selforg.arrays import Floats
+from clean_swarm_env.tasks import Measure, Task, TaskSettings, TaskState, Things, WorldStart
+from selforg.arrays import KEPT, Floats
 
 
 class ShepherdingSettings(TaskSettings):
@@ -20,7 +20,7 @@ class ShepherdingSettings(TaskSettings):
 class Flock(TaskState):
     """Where the sheep are."""
 
-    places: Floats = kept("W sheep 2")  # [m]
+    places: Annotated[Floats, "W sheep 2", KEPT]  # [m]
 
 
 class Shepherding(Task[ShepherdingSettings, Flock]):
@@ -31,15 +31,15 @@ class Shepherding(Task[ShepherdingSettings, Flock]):
     goal = "CollectiveExploration"
     mission: ClassVar = {"world": {"width": 8.0, "height": 6.0}, "robots": {"count": 6}, "time_limit": 20.0}
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots and sheep anywhere."""
         super().place(start)
         self.state.places[start.world] = start.scattered(self.settings.sheep, 0.3)
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return the ring, and the sheep, which move."""
         ring = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
-        return (Thing("ring", ring, goal_radius=1.5), Thing("sheep", self.state.places, -1, moves=True))
+        return (Things("ring", ring, goal_radius=1.5), Things("sheep", self.state.places, -1, moves=True))
 
     def after_moving(self) -> None:
         """Move the sheep away from the nearest robots."""
