@@ -21,7 +21,7 @@ from train.analysis.task_report import MeasuredStrategy, reached
 from train.cli import run as run_cli
 from train.cli.app import app
 from train.evaluation import task_run
-from train.evaluation.task_run import TaskRunRequest, as_markdown, as_page, run_task, tasks_to_run
+from train.evaluation.task_run import TaskRun, as_markdown, as_page, run_task, tasks_to_run
 
 runner = CliRunner()
 ORIGINAL = load_knowledge("original")
@@ -135,7 +135,7 @@ def test_a_task_is_reached_by_all_of_its_measures():
 
 
 def test_page_and_content_of_a_real_outcome():
-    outcome = run_task(TaskRunRequest("FindBarycenter", runs=3, seed=7))
+    outcome = run_task(TaskRun("FindBarycenter", scenarios=3, seed=7))
     assert as_markdown([outcome]).count("\n| FindBarycenter") == 2
     assert "over 3 runs of seed 7" in " ".join(as_page([outcome]).split())
     assert outcome.content["reached"] == outcome.reached
@@ -143,14 +143,14 @@ def test_page_and_content_of_a_real_outcome():
 
 def test_the_command_knows_every_kind_of_ground():
     assert run_cli.ARENAS == ("torus", "open")
-    assert {TaskRunRequest(name).mission.world.ground for name in tasks_to_run()} == set(run_cli.ARENAS)
+    assert {TaskRun(name).mission.world.ground for name in tasks_to_run()} == set(run_cli.ARENAS)
 
 
 def test_the_page_in_the_docs_is_about_the_tasks_as_they_are():
     text = (ROOT / "docs" / "goal_results.md").read_text(encoding="utf-8")
     assert "14 of 14 tasks meet all their targets" in " ".join(text.split())
     for name in tasks_to_run():
-        task, ground = find_task(name), TaskRunRequest(name).mission.world.ground
+        task, ground = find_task(name), TaskRun(name).mission.world.ground
         assert f"| {name} | {task.story} ({ground}) | {task.baseline} |" in text
         for measure in task.measures:
             assert re.search(rf"\| {re.escape(measure.name)}.*\| [≤≥] {measure.target:g} \|", text), measure.name
