@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections import deque
 from collections.abc import Iterator
-from types import FunctionType, MethodType, ModuleType
+from types import FunctionType, MethodType, ModuleType, UnionType
 from typing import Annotated, Any, NamedTuple, Protocol, get_args, get_origin, get_type_hints, runtime_checkable
 
 import numpy as np
@@ -78,7 +78,9 @@ def fields_of(kind: type) -> dict[str, Declaration]:
 
 
 def make_arrays(owner: Any, **sizes: int) -> None:  # noqa: ANN401
-    """Give an object all arrays that its class declares, but those that it only reads: zeros, of `sizes` by letter.
+    """Give an object all arrays that its class declares, as zeros of `sizes` by letter.
+
+    Left out are lists, arrays that may be None, and what is READ or OUTSIDE.
 
     >>> from selforg.arrays import KEPT, Floats
     >>> class Flock:
@@ -90,7 +92,7 @@ def make_arrays(owner: Any, **sizes: int) -> None:  # noqa: ANN401
 
     """
     for name, field in fields_of(type(owner)).items():
-        if field.mark not in (READ, OUTSIDE) and get_origin(field.hint) is not list:
+        if field.mark not in (READ, OUTSIDE) and get_origin(field.hint) not in (list, UnionType):
             shape = [int(axis) if axis.isdecimal() else sizes[axis] for axis in field.axes]
             setattr(owner, name, np.zeros(shape, scalar_of(field.hint)))
 

@@ -40,11 +40,13 @@ def kernels() -> dict[str, Kernel]:
     """Return all compiled functions by module and name."""
     found = {}
     for name, tree in sources().items():
-        for node in tree.body:
+        classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+        inside = [(f"{one.name}.", node) for one in classes for node in one.body]
+        for prefix, node in [*(("", node) for node in tree.body), *inside]:
             if isinstance(node, ast.FunctionDef):
                 used = {leaf.id for one in node.decorator_list for leaf in ast.walk(one) if isinstance(leaf, ast.Name)}
                 if used & (COMPILED | {"register_jitable"}):
-                    found[f"{name}.{node.name}"] = Kernel(importlib.import_module(name), node)
+                    found[f"{name}.{prefix}{node.name}"] = Kernel(importlib.import_module(name), node)
     return found
 
 

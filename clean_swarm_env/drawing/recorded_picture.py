@@ -40,7 +40,7 @@ CHANNELS = {
     "thing_y": THING,
 }
 """Channels of which a picture is made, and what each has a number for."""
-OF_CLEANING = ("cargo", "recycled", "item_x", "item_y", "item_stage", "item_leftover", "station_x", "station_y")
+CARGO_CHANNELS = ("cargo", "recycled", "item_x", "item_y", "item_stage", "item_leftover", "station_x", "station_y")
 """Channels that recordings of other tasks need not have."""
 HELD = "held/"
 """Beginning of the channels with the option that each robot holds, to be followed by a goal."""
@@ -107,7 +107,7 @@ class RecordedCourse:
         moving = 1 + max((thing.moves for thing in self._things), default=-1)
         counts = {ROBOT: head["robots"], ITEM: head["items"], THING: moving}
         kinds = CHANNELS | {f"{HELD}{goal}": ROBOT for goal in self._options}
-        spare = (*(() if shown.things is None else OF_CLEANING), *(() if moving else ("thing_x", "thing_y")))
+        spare = (*(() if shown.things is None else CARGO_CHANNELS), *(() if moving else ("thing_x", "thing_y")))
         lacking = [name for name in spare if name not in recording]
         self._names = [name for name in kinds if name not in lacking]
         for name in self._names:

@@ -6,7 +6,6 @@ w*N .. (w+1)*N - 1). A world of a batch has, bit for bit, the course that it has
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Unpack
@@ -44,7 +43,6 @@ from clean_swarm_env.world.states import Opened
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats, Ints
-from selforg.sealing import sealed, unsealed
 
 
 class Batch:
@@ -178,8 +176,7 @@ class Batch:
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the states of `worlds` (K,), or of all, as sealed bytes that say their version."""
-        states = [self._states.get(world) for world in self._numbers(worlds)]
-        return sealed("batch", [pickle.dumps(state, 5) for state in states])
+        return self._states.sealed_of("batch", worlds)
 
     def open_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Opened:
         """Return a state, opened, of this or another batch of the same frame, options and terms; see `set_state`.
@@ -188,13 +185,7 @@ class Batch:
         """
         if self.recorder is not None:
             raise ValueError(NO_JUMPS)
-        packed, chosen = unsealed("batch", state), self._numbers(worlds)
-        if len(packed) not in (1, len(chosen)):
-            raise ValueError(f"state: expected one world, or {len(chosen)}, got {len(packed)}")
-        states = [(world, pickle.loads(packed[number % len(packed)])) for number, world in enumerate(chosen)]
-        for _, of_world in states[: len(packed)]:
-            self._states.check(of_world)
-        return states
+        return self._states.opened("batch", state, worlds)
 
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
         """Make `worlds` (K,), or all, go on from `get_state`; return the observations (R, F).
@@ -216,14 +207,6 @@ class Batch:
         self._finished.clear()
         self.observer.observe(self._final, np.array(chosen))  # the phases; what is seen is in the state
         return self.observations
-
-    def _numbers(self, worlds: Sequence[int] | None) -> list[int]:
-        """Return the numbers of `worlds`, or of all; ValueError for one that does not exist."""
-        chosen = list(range(self.count)) if worlds is None else [int(world) for world in worlds]
-        for world in chosen:
-            if not 0 <= world < self.count:
-                raise ValueError(f"worlds: expected 0 to {self.count - 1}, got {world}")
-        return chosen
 
     def steps(self, world: int) -> int:
         """Return how many decision periods of its mission a world has done."""

@@ -5,9 +5,10 @@ A task other than cleaning has its measures in place of figures of garbage.
 
 from __future__ import annotations
 
-from clean_swarm_env.learning.interface import FigureColumns, key_of
+from clean_swarm_env.learning.interface import FigureColumns
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.mission_end import COMPLETED
+from clean_swarm_env.world.task_parts import key_of
 from clean_swarm_env.world.worlds import Worlds
 
 TEAM = {

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission import MissionResult
+from clean_swarm_env.world.task_parts import key_of
 from selforg.arrays import Flags, Floats
 
 FigureColumns = dict[str, list[Any]]
@@ -54,8 +54,3 @@ class Finished:
         if result.measures:
             return figures | {key_of(name): value for name, value in result.measures.items()}
         return figures | {"garbage_done": result.garbage_done}
-
-
-def key_of(measure: str) -> str:
-    """Return the name of a measure as infos and rewards have it: letters, digits and underscores."""
-    return re.sub(r"\W+", "_", measure)

@@ -49,7 +49,7 @@ class Thinking(NamedTuple):
     inner: tuple[InnerNetwork, ...]
 
 
-OF_CLEANING = ("recycled", "item_stage", "item_leftover")
+CLEANING_CHANNELS = ("recycled", "item_stage", "item_leftover")
 """Channels that missions of other tasks do not have, beside the places of items and stations."""
 
 
@@ -58,7 +58,9 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
     robots, items = ("robot", worlds.robots), ("item", worlds.garbage.stage.shape[1])
     garbage, consequences, cleans = worlds.garbage, worlds.floor.consequences, worlds.mission.cleans
     cargo = garbage.cargo if cleans else np.full(worlds.rows, NOTHING)
-    lacking = () if cleans else OF_CLEANING if CARRYING in worlds.minds.memory.kinds else (*OF_CLEANING, "cargo")
+    lacking = (
+        () if cleans else CLEANING_CHANNELS if CARRYING in worlds.minds.memory.kinds else (*CLEANING_CHANNELS, "cargo")
+    )
     named = [
         (robots, "present", worlds.physics.present, "1 where the robot is there, at work or failed"),
         (robots, "working", worlds.team.working, "1 where the robot is at work"),

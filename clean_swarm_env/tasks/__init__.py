@@ -6,11 +6,11 @@
 from clean_swarm_env.config.tasks import TASKS as TASKS
 from clean_swarm_env.config.tasks import TaskSettings as TaskSettings
 from clean_swarm_env.world.cleaning.cleaning_task import Cleaning as Cleaning
-from clean_swarm_env.world.placing import WorldStart as WorldStart
-from clean_swarm_env.world.task import Measure as Measure
 from clean_swarm_env.world.task import Task as Task
-from clean_swarm_env.world.task import TaskState as TaskState
-from clean_swarm_env.world.task import Things as Things
+from clean_swarm_env.world.task_parts import Measure as Measure
+from clean_swarm_env.world.task_parts import TaskState as TaskState
+from clean_swarm_env.world.task_parts import Things as Things
+from clean_swarm_env.world.task_parts import WorldStart as WorldStart
 from clean_swarm_env.world.view import World as World
 from selforg.registry import import_modules
 

@@ -2,7 +2,8 @@
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.order import nearest_neighbours, unevenness
-from clean_swarm_env.world.task import Measure, Task, TaskState
+from clean_swarm_env.world.task import Task
+from clean_swarm_env.world.task_parts import Measure, TaskState
 from selforg.arrays import Floats
 
 

@@ -7,24 +7,22 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final, Generic, Literal, TypeVar, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.reception import Reception
+from clean_swarm_env.world.task_parts import Measure, TaskState, Things, WorldStart
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import network_of
-from selforg.arrays import KEPT, READ, Flags, Floats
+from selforg.arrays import KEPT, Flags, Floats
 from selforg.commands import Commands
-from selforg.declared import fields_of, make_arrays
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
@@ -34,109 +32,8 @@ from selforg.randomness import DirectionStream
 
 AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of things: gradients at one place are one thing."""
-MOST_RATIO: Final = 100.0
-"""Largest ratio of a measure and its target that counts."""
 WALK: Final = 2.0
 """Time for which a robot on a random walk keeps its direction [s]."""
-
-
-@dataclass(frozen=True)
-class Measure:
-    """A figure of success in a task.
-
-    Attributes:
-        name: name of the figure.
-        unit: "-" for a pure number.
-        better: whether lower or higher values are better.
-        target: value to reach in the task's own mission, stated before anything was run.
-        reason: reason for the target.
-        guard: whether the figure is a price: it has to meet its target, but need not beat the baseline.
-
-    """
-
-    name: str
-    unit: str
-    better: Literal["lower", "higher"]
-    target: float
-    reason: str
-    guard: bool = False
-
-    def met(self, value: float) -> bool:
-        """Return whether a value reaches the target."""
-        return value <= self.target if self.better == "lower" else value >= self.target
-
-    def ratio(self, values: Floats) -> Floats:
-        """Return values by the target, 1 where it is just met and less where they are better, from 0.01 to 100."""
-        target, least = abs(self.target) or 1.0, 1.0 if self.guard else 1.0 / MOST_RATIO
-        better = values / target if self.better == "lower" else target / np.maximum(values, target / MOST_RATIO)
-        ratio: Floats = np.clip(better, least, MOST_RATIO)
-        return np.where(ratio > 1.0, ratio, 1.0 / MOST_RATIO) if self.guard else ratio
-
-
-@dataclass(frozen=True)
-class Things:
-    """Things of one kind, which robots sense as gradients of a channel.
-
-    Attributes:
-        channel: name by which mechanisms find the gradients.
-        places: (W, M, 2) [m], the same array all the time; see `moves`.
-        attraction: +1 or -1.
-        diffusion, goal_radius: [m], one or (M,).
-        moves: whether the task moves the things during a mission.
-
-    """
-
-    channel: str
-    places: Annotated[Floats, "W M 2", READ]
-    attraction: int = 1
-    diffusion: Annotated[float | Floats, "M", READ] = 1.0
-    goal_radius: Annotated[float | Floats, "M", READ] = 0.0
-    moves: bool = False
-
-    @property
-    def count(self) -> int:
-        """Number of things of a world, M."""
-        return int(self.places.shape[1])
-
-    def show(self, buffer: SoBuffer, world: int, now: float) -> None:
-        """Store the gradients of a world in a buffer whose teams are the worlds."""
-        places = self.places[world]
-        buffer.store_static(
-            np.full(len(places), world),
-            self.channel,
-            places,
-            now,
-            attraction=self.attraction,
-            diffusion=np.broadcast_to(self.diffusion, len(places)),
-            goal_radius=np.broadcast_to(self.goal_radius, len(places)),
-        )
-
-
-class TaskState:
-    """Arrays of all worlds, each with its axes and a mark; zero at each reset. States and copies follow from it.
-
-    Axes are W or R first, then numbers, N, settings of the task or names in `Task.sizes`. `KEPT` arrays go on from one
-    tick to the next, `CLOCKED` ones hold times of the clock, `SCRATCH` is overwritten in each tick.
-
-    >>> class Flock(TaskState):
-    ...     places: Annotated[Floats, "W sheep 2", KEPT]
-    >>> Flock({"W": 3, "sheep": 5}).places.shape
-    (3, 5, 2)
-
-    """
-
-    def __init__(self, sizes: Mapping[str, int]) -> None:
-        for name, field in fields_of(type(self)).items():
-            unknown = [axis for axis in field.axes if axis not in sizes and not axis.isdigit()]
-            if unknown or field.axes[:1] not in (("W",), ("R",)):
-                expected = f"W or R, then any of {', '.join(sizes)} and numbers"
-                raise ConfigurationError(f"{type(self).__name__}.{name}: expected axes {expected}, got {field.axes}")
-        make_arrays(self, **sizes)
-
-    def reset(self, world: int, rows: slice) -> None:
-        """Set the arrays of a world to zero."""
-        for name, field in fields_of(type(self)).items():
-            getattr(self, name)[rows if field.axes[0] == "R" else world] = 0
 
 
 S = TypeVar("S", bound=TaskSettings)

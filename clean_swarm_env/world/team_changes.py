@@ -37,19 +37,21 @@ class Team:
     working: Annotated[Flags, "R", KEPT]
     joined: Annotated[Ints, "W", KEPT]
     _listed: Annotated[Flags, "1", derived(False)]  # whether `_at_work` is what follows from `working`
-    _at_work: Annotated[Ints, "K", SCRATCH]
+    _at_work: Annotated[Ints | None, "K", SCRATCH]
 
     def __init__(self, mission: MissionConfig, floor: Floor, minds: Minds, clock: Clock) -> None:
         self._mission = mission
         self._floor, self._minds, self._clock = floor, minds, clock
-        make_arrays(self, R=minds.rows, W=floor.worlds, K=0)
+        make_arrays(self, R=minds.rows, W=floor.worlds)
+        self._at_work = None
 
     @property
     def at_work(self) -> Ints | None:
         """The rows (K,) that work, or None if all do."""
         if not self._listed[0]:
-            self._at_work, self._listed[0] = np.flatnonzero(self.working), True
-        return None if len(self._at_work) == len(self.working) else self._at_work
+            self._at_work = None if self.working.all() else np.flatnonzero(self.working)
+            self._listed[0] = True
+        return self._at_work
 
     def reset(self, world: int, places: Floats) -> None:
         """Put the first robots of a world at `places` (K, 3), x [m], y [m], heading [rad]; the others are absent."""

@@ -20,9 +20,9 @@ from clean_swarm_env.world.cleaning.cleaning_task import Cleaning
 from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
-from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.states import KeptStates, WorldState
 from clean_swarm_env.world.task import Task
+from clean_swarm_env.world.task_parts import WorldStart
 from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.view import World
 from selector.coordination.coordinator import hold_options

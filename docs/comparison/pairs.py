@@ -12,7 +12,7 @@ from selforg.arrays import Floats
 from train.analysis.claims import Claim, claims_of
 from train.analysis.family_report import excesses_of
 from train.deciders.named import FIXED
-from train.evaluation.claims import family_runs
+from train.evaluation.choosing.claims import family_runs
 from train.reports.text_table import markdown_table
 
 

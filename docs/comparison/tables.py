@@ -17,8 +17,8 @@ from train.analysis.family_report import excesses_of, limit_ratios, unfinished_o
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
 from train.deciders.named import FIXED
+from train.evaluation.choosing.claims import family_runs
 from train.evaluation.choosing.look_ahead import LOOKING, shares_of
-from train.evaluation.claims import family_runs
 from train.evaluation.entrants import RANDOM
 from train.reports.text_table import interval_cell, markdown_table
 

@@ -109,18 +109,20 @@ class MovementMechanism(Mechanism):
             raise ValueError(
                 f"{type(self).__name__}: directions must have {rows} rows, got {len(self.directions.cursor)}"
             )
+        self._all_rows: Ints = np.arange(rows, dtype=np.int64)
+        self._vectors: Floats = np.zeros((rows, dim))
+        self._active: Flags = np.zeros(rows, dtype=np.bool_)
 
     @final
     def move(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> tuple[Floats, Flags]:
         """Return movements (R, D) [m/s] of `rows` (R,), each at most once (None: all), and whether there is one (R,).
 
-        Without a movement the vector is zero. A movement may be zero too: gradients in view that cancel out.
+        Without a movement the vector is zero. A movement may be zero too: gradients in view that cancel out. Movements
+        of all rows are valid until the next call.
         """
-        number = self.poses.rows
-        vectors, active = np.zeros((number, self.poses.space.dim)), np.zeros(number, dtype=np.bool_)
-        chosen: Ints = np.arange(number) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        self.move_into(float(now), chosen, vectors, active)
-        return (vectors, active) if rows is None else (vectors[chosen], active[chosen])
+        chosen = self._all_rows if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
+        self.move_into(float(now), chosen, self._vectors, self._active)
+        return (self._vectors, self._active) if rows is None else (self._vectors[chosen], self._active[chosen])
 
     @abstractmethod
     def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:

@@ -18,7 +18,7 @@ from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight
 from selforg.mechanisms.base import MoveOptions, at_least
-from selforg.mechanisms.formula import Kernel, KernelMechanism
+from selforg.mechanisms.formula import KernelMechanism
 from selforg.mechanisms.movement import limit
 
 BOID_OFFSET = 0  # and the two columns after it [m]
@@ -45,8 +45,8 @@ class Flock(NamedTuple):
     low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
     boids: Annotated[Floats, "P BOID", SCRATCH]  # room for as many boids as pairs; columns BOID_
     total: Annotated[Floats, "3", SCRATCH]  # room for a sum
-    own: Annotated[Floats, "3", READ]  # room for what boids are compared with
-    change: Annotated[Floats, "3", READ]  # room for a change of the velocity [m/s2]
+    own: Annotated[Floats, "3", SCRATCH]  # room for what boids are compared with
+    change: Annotated[Floats, "3", SCRATCH]  # room for a change of the velocity [m/s2]
 
 
 FLOCK = Recording(Flock)
@@ -76,6 +76,10 @@ class FlockMechanism(KernelMechanism):
     least_poses: ClassVar[int] = 1
     see_bits: ClassVar[int] = c.SEE_MOVING | c.SKIP_OWN
 
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls._kernel = staticmethod(flock_rows.of(cls.term))
+
     def __init__(self, buffer: SoBuffer | OwnPoses, *, max_speed: float = 1.0, **options: Unpack[MoveOptions]) -> None:
         poses = buffer if isinstance(buffer, OwnPoses) else buffer.poses
         options["channels"] = tuple(options.get("channels", ())) or (poses.channel,)
@@ -86,11 +90,8 @@ class FlockMechanism(KernelMechanism):
         self._flock: Packed[Flock] | None = None
 
     @property
-    def _kernel(self) -> Kernel:
-        return flock_rows.of(type(self).term)
-
-    def _rule(self) -> Words[Flock]:
-        """Return what the kernel takes of the mechanism, with room for as many boids as pairs."""
+    def _packed(self) -> Packed[Flock]:
+        """The record of the mechanism, with room for as many boids as pairs."""
         if self._flock is None or len(self._flock.record.boids) < len(self._room.pairs):
             self._flock = FLOCK.pack(
                 Flock(
@@ -113,7 +114,7 @@ class FlockMechanism(KernelMechanism):
                     change=np.zeros(3),
                 )
             )
-        return self._flock.words
+        return self._flock
 
 
 @template(moved)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.choosing import CHOOSE_NEAREST, choose
 from selforg.gradients.pair import Own, Pair, attraction_balch, pair_at, repulsion_balch
 from selforg.gradients.store.records import Sight, open_sight
@@ -47,7 +47,7 @@ class ChemotaxisBalch(FormulaMechanism):
 
     @staticmethod
     @part
-    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
+    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Written[Rule]) -> bool:
         """Add attraction to the nearest attractive gradient and all repulsions; False without any."""
         pairs = open_sight(sight).pairs
         goal = choose(CHOOSE_NEAREST, pairs, found, own)
@@ -71,7 +71,7 @@ class ChemotaxisGe(ChemotaxisBalch):
 
     @staticmethod
     @part
-    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
+    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Written[Rule]) -> bool:
         """Do as `ChemotaxisBalch` does; every repulsive gradient pushes towards the goal, too."""
         pairs = open_sight(sight).pairs
         goal = choose(CHOOSE_NEAREST, pairs, found, own)

@@ -5,7 +5,7 @@ from typing import Unpack
 import numpy as np
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import Own, Pair
 from selforg.gradients.poses import OwnPoses
@@ -26,7 +26,7 @@ class Exploration(FormulaMechanism):
 
     @staticmethod
     @part
-    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
+    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Written[Rule]) -> bool:
         """Look at no gradient: the sum is a random direction of 1 m/s."""
         m = open_rule(rule)
         m.total[0], m.total[1], m.total[2] = next_direction(m.directions, m.cursor, m.low, row)

@@ -46,7 +46,7 @@ class FlockingReynolds(FlockMechanism):
     @staticmethod
     @part
     def term(
-        row: int, found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
+        row: int, found: int, sight: Words[Sight], flock: Written[Flock], poses: Words[Poses], store: Words[Store]
     ) -> None:
         """Add separation + cohesion + alignment to the sum."""
         own, f = open_poses(poses).own, open_flock(flock)

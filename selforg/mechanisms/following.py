@@ -1,7 +1,7 @@
 """Following: all gradients, or the one that a rule chooses, by the potentials of Balch & Hybinette (2000)."""
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.choosing import (
     CHOOSE_FARTHEST,
     CHOOSE_LEAST_REACH,
@@ -70,7 +70,7 @@ class FollowStrongest(FormulaMechanism):
 
     @staticmethod
     @part
-    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
+    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Written[Rule]) -> bool:
         """Follow the gradient that is chosen; False if none is."""
         pairs = open_sight(sight).pairs
         chosen = choose(open_rule(rule).chooses, pairs, found, own)

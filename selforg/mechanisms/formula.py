@@ -8,7 +8,7 @@ from typing import Any, ClassVar, TypeAlias, Unpack
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.decorators import inlined, part
+from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Packed, Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.choosing import CHOOSE_NEAREST
@@ -38,6 +38,9 @@ Kernel: TypeAlias = Callable[..., int]
 class KernelMechanism(MovementMechanism):
     """What movement mechanisms share that run a kernel over rows: random directions, and room for what rows see."""
 
+    _kernel: ClassVar[Kernel]
+    """What is called as `move_rows` is."""
+
     def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
         super().__init__(buffer, **options)
         self._room = PairRoom(self.buffer)
@@ -46,19 +49,18 @@ class KernelMechanism(MovementMechanism):
         """Do what `MovementMechanism.move_into` does, with a longer table whenever a row sees too much for it."""
         if self.directions.low[0]:
             self.directions.refill()
-        kernel, poses, store = self._kernel, self.poses.packed.words, self.buffer.table.packed.words
-        sight = self._room.sight(now, self.channels)
-        while (done := kernel(now, rows, vectors, active, sight, self._rule(), poses, store)) < len(rows):
+        poses, store, sight = (
+            self.poses.packed.words,
+            self.buffer.table.packed.words,
+            self._room.sight(now, self.channels),
+        )
+        while (done := self._kernel(now, rows, vectors, active, sight, self._packed.words, poses, store)) < len(rows):
             rows, sight = rows[done:], self._room.double()
 
     @property
     @abstractmethod
-    def _kernel(self) -> Kernel:
-        """What is called as `move_rows` is."""
-
-    @abstractmethod
-    def _rule(self) -> Words[Any]:
-        """Return the record of the mechanism that its kernel takes."""
+    def _packed(self) -> Packed[Any]:
+        """The record of the mechanism that its kernel takes."""
 
 
 class FormulaMechanism(KernelMechanism):
@@ -103,6 +105,13 @@ class FormulaMechanism(KernelMechanism):
         """Return the length of the contribution of a pair [m or -]."""
         raise NotImplementedError
 
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        sums = cls.combine is combined
+        cls._kernel = staticmethod(
+            move_rows.of(sum_of(cls.formula), cls.formula) if sums else move_rows.of(cls.combine)
+        )
+
     def __init__(
         self,
         buffer: SoBuffer | OwnPoses,
@@ -114,14 +123,6 @@ class FormulaMechanism(KernelMechanism):
         super().__init__(buffer, **options)
         self.max_speed = at_least(self, "max_speed", self.max_speed if max_speed is None else max_speed, 0.0)
         self.min_speed = at_least(self, "min_speed", self.min_speed if min_speed is None else min_speed, 0.0)
-
-    @property
-    def _kernel(self) -> Kernel:
-        formula, combine = type(self).formula, type(self).combine
-        return move_rows.of(sum_of(formula), formula) if combine is combined else move_rows.of(combine)
-
-    def _rule(self) -> Words[Rule]:
-        return self._packed.words
 
     @cached_property
     def _packed(self) -> Packed[Rule]:
@@ -152,7 +153,7 @@ def sum_of(formula: Formula) -> Combination:
     """Return what sums `formula` over all pairs of a row."""
     length_of = inlined(formula)
 
-    @part
+    @inlined
     def sum_all(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
         m, pairs = open_rule(rule), open_sight(sight).pairs
         x, y, z = 0.0, 0.0, 0.0

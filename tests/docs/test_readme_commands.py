@@ -92,7 +92,7 @@ def test_a_command_runs(line, empty, monkeypatch):
     words, _ = parts(line)
     if words[:2] == ["train", "ppo"] and find_spec("torch") is None:
         pytest.skip("needs the extra 'train'")
-    if words[0] == "tune" or (words[1] == "configure" and find_spec("optuna") is None):
+    if {"tune", "configure"} & set(words[:2]) and find_spec("optuna") is None:
         pytest.skip("needs the extra 'tune'")
     if "policy:results/mine/policy" in words and not (empty / "results" / "mine" / "policy").is_dir():
         pytest.skip("needs the extra 'train'")

@@ -16,7 +16,7 @@ def claims_command(
     ] = "",
 ) -> None:
     """Compare strategies over several families, with intervals and p-values that are corrected for their number."""
-    from train.evaluation.claims import claims_over, claims_table  # imports SciPy and Numba
+    from train.evaluation.choosing.claims import claims_over, claims_table  # imports SciPy and Numba
     from train.reports.text_table import on_terminal
 
     wide_console().print(on_terminal(claims_table(*claims_over(results, strategy, against))))

@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.ground import Ground
-from clean_swarm_env.world.task import Things
+from clean_swarm_env.world.task_parts import Things
 from selforg.arrays import Flags, Floats, Ints
 from selforg.elementary import unit_vectors
 
@@ -82,7 +82,7 @@ class TaskTerm(Term):
     def __init__(self, observed: Observed) -> None:
         super().__init__(observed)
         self.components = tuple(
-            part for name, values in observed.worlds.task.observe().items() for part in parts_of(name, values)
+            part for name, values in observed.worlds.task.observe().items() for part in component_names(name, values)
         )
 
     def write(self, rows: Ints, out: Floats) -> None:
@@ -91,7 +91,7 @@ class TaskTerm(Term):
             out[:] = np.clip(np.concatenate(shown, axis=1).T, -1.0, 1.0)
 
 
-def parts_of(name: str, values: Floats) -> Sequence[str]:
+def component_names(name: str, values: Floats) -> Sequence[str]:
     """Return the names of the components of values (R,) or (R, K), which are numbered from 0."""
     return (name,) if values.ndim == 1 else [f"{name}_{k}" for k in range(values.shape[1])]
 

@@ -24,7 +24,8 @@ from clean_swarm_env.world.cleaning.tick_kernels import (
 )
 from clean_swarm_env.world.minds import ITEM_CHANNEL
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.task import Measure, Task, TaskState
+from clean_swarm_env.world.task import Task
+from clean_swarm_env.world.task_parts import Measure, TaskState
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork

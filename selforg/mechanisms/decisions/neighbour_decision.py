@@ -30,7 +30,7 @@ class DecisionRule(NamedTuple):
     key: int  # code of the payload entry that is compared
     before: Annotated[Floats, "N", READ]  # values up to now
     values: Annotated[Floats, "N", SCRATCH]  # room for values
-    states: Annotated[Ints, "N", READ]  # room for states; they come in as they are up to now
+    states: Annotated[Ints, "N", SCRATCH]  # room for states; they come in as they are up to now
     decided: Annotated[Flags, "N", SCRATCH]  # room for whether there is a decision
 
 

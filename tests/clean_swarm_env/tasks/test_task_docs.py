@@ -5,8 +5,8 @@ import re
 import pytest
 
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.interface import key_of
 from clean_swarm_env.tasks import TASKS
+from clean_swarm_env.world.task_parts import key_of
 from tests.clean_swarm_env.courses import long_course
 from tests.paths import ROOT
 

@@ -5,7 +5,7 @@ import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
 from train.analysis.claims import claims_of, holm
-from train.evaluation.claims import claims_over
+from train.evaluation.choosing.claims import claims_over
 
 
 def test_holm_is_between_nothing_and_bonferroni():

@@ -1,0 +1,206 @@
+"""Parts of tasks: measures, things, arrays, and the start of one world."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Final, Literal
+
+import numpy as np
+
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.world.ground import Ground
+from selforg.arrays import READ, Floats
+from selforg.declared import fields_of, make_arrays
+from selforg.gradients.buffer import SoBuffer
+
+PLACE_TRIES = 10_000
+"""Draws for one place before the placement fails."""
+MOST_RATIO: Final = 100.0
+"""Largest ratio of a measure and its target that counts."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A figure of success in a task.
+
+    Attributes:
+        name: name of the figure.
+        unit: "-" for a pure number.
+        better: whether lower or higher values are better.
+        target: value to reach in the task's own mission, stated before anything was run.
+        reason: reason for the target.
+        guard: whether the figure is a price: it has to meet its target, but need not beat the baseline.
+
+    """
+
+    name: str
+    unit: str
+    better: Literal["lower", "higher"]
+    target: float
+    reason: str
+    guard: bool = False
+
+    def met(self, value: float) -> bool:
+        """Return whether a value reaches the target."""
+        return value <= self.target if self.better == "lower" else value >= self.target
+
+    def ratio(self, values: Floats) -> Floats:
+        """Return values by the target, 1 where it is just met and less where they are better, from 0.01 to 100."""
+        target, least = abs(self.target) or 1.0, 1.0 if self.guard else 1.0 / MOST_RATIO
+        better = values / target if self.better == "lower" else target / np.maximum(values, target / MOST_RATIO)
+        ratio: Floats = np.clip(better, least, MOST_RATIO)
+        return np.where(ratio > 1.0, ratio, 1.0 / MOST_RATIO) if self.guard else ratio
+
+    def score(self, values: Floats) -> Floats:
+        """Return the scores of values: 1 where the target is just met, 0 as far from it as it is from 0."""
+        sign = -1.0 if self.better == "lower" else 1.0
+        return 1.0 + sign * (values - self.target) / (abs(self.target) or 1.0)
+
+
+def key_of(measure: str) -> str:
+    """Return the name of a measure as infos and rewards have it: letters, digits and underscores."""
+    return re.sub(r"\W+", "_", measure)
+
+
+@dataclass(frozen=True)
+class Things:
+    """Things of one kind, which robots sense as gradients of a channel.
+
+    Attributes:
+        channel: name by which mechanisms find the gradients.
+        places: (W, M, 2) [m], the same array all the time; see `moves`.
+        attraction: +1 or -1.
+        diffusion, goal_radius: [m], one or (M,).
+        moves: whether the task moves the things during a mission.
+
+    """
+
+    channel: str
+    places: Annotated[Floats, "W M 2", READ]
+    attraction: int = 1
+    diffusion: Annotated[float | Floats, "M", READ] = 1.0
+    goal_radius: Annotated[float | Floats, "M", READ] = 0.0
+    moves: bool = False
+
+    @property
+    def count(self) -> int:
+        """Number of things of a world, M."""
+        return int(self.places.shape[1])
+
+    def show(self, buffer: SoBuffer, world: int, now: float) -> None:
+        """Store the gradients of a world in a buffer whose teams are the worlds."""
+        places = self.places[world]
+        buffer.store_static(
+            np.full(len(places), world),
+            self.channel,
+            places,
+            now,
+            attraction=self.attraction,
+            diffusion=np.broadcast_to(self.diffusion, len(places)),
+            goal_radius=np.broadcast_to(self.goal_radius, len(places)),
+        )
+
+
+class TaskState:
+    """Arrays of all worlds, each with its axes and a mark; zero at each reset. States and copies follow from it.
+
+    Axes are W or R first, then numbers, N, settings of the task or names in `Task.sizes`. `KEPT` arrays go on from one
+    tick to the next, `CLOCKED` ones hold times of the clock, `SCRATCH` is overwritten in each tick.
+
+    >>> class Flock(TaskState):
+    ...     places: Annotated[Floats, "W sheep 2", KEPT]
+    >>> Flock({"W": 3, "sheep": 5}).places.shape
+    (3, 5, 2)
+
+    """
+
+    def __init__(self, sizes: Mapping[str, int]) -> None:
+        for name, field in fields_of(type(self)).items():
+            unknown = [axis for axis in field.axes if axis not in sizes and not axis.isdigit()]
+            if unknown or field.axes[:1] not in (("W",), ("R",)):
+                expected = f"W or R, then any of {', '.join(sizes)} and numbers"
+                raise ConfigurationError(f"{type(self).__name__}.{name}: expected axes {expected}, got {field.axes}")
+        make_arrays(self, **sizes)
+
+    def reset(self, world: int, rows: slice) -> None:
+        """Set the arrays of a world to zero."""
+        for name, field in fields_of(type(self)).items():
+            getattr(self, name)[rows if field.axes[0] == "R" else world] = 0
+
+
+class WorldStart:
+    """One world at its start, into which a task puts robots and things.
+
+    Attributes:
+        world: number of the world.
+        robots: number of robots.
+        ground: the ground.
+        rng: generator of all draws.
+        poses: (robots, 3) x [m], y [m] and heading [rad], once they are put.
+        given: whether the robots were placed by whoever began the mission; `put_robots` then changes nothing.
+
+    """
+
+    def __init__(
+        self, world: int, robots: int, ground: Ground, rng: np.random.Generator, poses: Floats | None = None
+    ) -> None:
+        self.world, self.robots, self.ground, self.rng = world, robots, ground, rng
+        self.given = poses is not None
+        self.poses: Floats = np.zeros((robots, 3)) if poses is None else poses
+
+    @property
+    def places(self) -> Floats:
+        """Places (robots, 2) [m] of the robots."""
+        return self.poses[:, :2]
+
+    def put_robots(self, places: Floats, headings: Floats | None = None) -> None:
+        """Put the robots at places (robots, 2) [m] with headings (robots,) [rad], any unless given."""
+        if not self.given:
+            turned = self.rng.uniform(-np.pi, np.pi, size=self.robots) if headings is None else headings
+            self.poses[:] = np.column_stack((places, turned))
+
+    def scattered(
+        self,
+        count: int,
+        apart: float,
+        side: float = 0.0,
+        away: float = 0.0,
+        *,
+        free_of: Floats | None = None,
+        gap: float | Floats = 0.0,
+    ) -> Floats:
+        """Return (count, 2) uniform places [m] at least `apart` [m] from each other.
+
+        Args:
+            count: number of places.
+            apart: least distance between places [m].
+            side: side of the square in the middle in which they lie; 0: the whole ground [m].
+            away: least distance from the middle [m].
+            free_of: other places (K, 2) [m] that stay free.
+            gap: least distance from these [m], one or one for each.
+
+        Raises:
+            ConfigurationError: no room for so many places.
+
+        """
+        ground, taken = self.ground, np.zeros((0, 2)) if free_of is None else free_of
+        sides = ground.size if side == 0.0 else np.full(2, side)
+        places = np.empty((count, 2))
+        for placed in range(count):
+            for _ in range(PLACE_TRIES):
+                place = ground.space.wrap(ground.centre + (self.rng.uniform(size=2) - 0.5) * sides)
+                if (
+                    (ground.distances(place, places[:placed]) >= apart).all()
+                    and (ground.distances(place, taken) >= gap).all()
+                    and float(ground.distances(place, ground.centre)) >= away
+                ):
+                    places[placed] = place
+                    break
+            else:
+                raise ConfigurationError(
+                    f"robots.count: expected room for {count} places {apart:g} m apart on {sides[0]:g} m x "
+                    f"{sides[1]:g} m, got stuck after {placed} of them"
+                )
+        return places
