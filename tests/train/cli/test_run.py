@@ -214,7 +214,7 @@ def test_a_task_of_a_users_own_runs_and_is_evaluated_recorded_and_replayed(tmp_p
     assert done.returncode == 0, done.stderr
     assert "sheep in the ring" in (tmp_path / "r" / "table.md").read_text()
     assert (tmp_path / "r" / "runs.csv").read_text().splitlines()[0].endswith("wall_s,sheep in the ring")
-    assert json.loads((tmp_path / "r" / "manifest.json").read_text())["command"][1:3] == ["--import", EXAMPLE]
+    assert f"--import={EXAMPLE}" in json.loads((tmp_path / "r" / "manifest.json").read_text())["command"]
     done = own("--import", EXAMPLE, "replay", "r", "--html", "page.html", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "page.html").stat().st_size > 10_000

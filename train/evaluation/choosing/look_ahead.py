@@ -96,7 +96,8 @@ class LookingTeam:
         self._base = _Base(looking.base, base, self._decided)
         self.alternatives = self._base.alternatives
         worlds = len(self.alternatives) * looking.copies
-        self._ahead = batch(worlds, begin_anew=False, reward={"cost": -1.0})
+        costs = {"cost": -1.0} if scenario.mission.cleans else None  # other tasks pay what their measures gain
+        self._ahead = batch(worlds, begin_anew=False, reward=costs)
         self._copies, period = looking.copies, self._batch.decision_period
         self._hold, self._horizon = (max(round(length / period), 1) for length in (looking.hold, looking.horizon))
         self._random = np.random.default_rng([task.seed, number])
