@@ -39,7 +39,7 @@ LEFT_OUT = {"annotation", "returns", "decorator_list", "bases", "type_params"}
 CHECKS_ONLY = {"strict", "encoding"}
 """Arguments that change no result."""
 COMPILED = ("clean_swarm_env", "selector", "selforg/network", "selforg/compiler")
-UNCOMPILED = ("clean_swarm_env/physics", "clean_swarm_env/scenes", "selforg/network/planning", "selforg/network/step")
+UNCOMPILED = ("clean_swarm_env/physics", "clean_swarm_env/tasks", "selforg/network/planning", "selforg/network/step")
 """Folders whose tests run with compiled code, and those in them whose tests are faster without, as elsewhere."""
 ELSEWHERE = {"selector/vocabulary": "tests/selector/configurations"}
 """Folders whose tests lie in another one."""

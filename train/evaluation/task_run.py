@@ -210,7 +210,7 @@ def outcome_grid(outcome: TaskOutcome) -> Grid:
 
 PAGE = """# Tasks
 
-Every task but cleaning (`clean_swarm_env/tasks`), its goal served by the option of the highest score, over {runs}.
+Every task but cleaning (`clean_swarm_env/tasks`), over {runs}. Robots hold the option of the highest score.
 Mechanism and baseline have the same starts. Intervals are Student's 95 % intervals; those of the difference are paired
 by run. A target, stated in the task's file with its reason, is met when the mean reaches it; a baseline is beaten when
 the interval of the difference lies on the better side of zero. A measure without an entry there is a price that must

@@ -1,17 +1,24 @@
-"""The examples of docs/goal_environments.md and docs/own_task.md run, and the table of tasks is that of the code."""
+"""The examples of docs/tasks.md and docs/own_task.md run, and the tables of tasks and terms are those of the code."""
 
 import re
 
 import pytest
 
+from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import TASK_TERMS
+from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.world.task_parts import key_of
 from tests.clean_swarm_env.courses import long_course
 from tests.paths import ROOT
 
-PAGE = (ROOT / "docs" / "goal_environments.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "tasks.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+
+
+def rows(name):
+    return PAGE.split(f"<!-- begin: {name} -->\n")[1].split(f"<!-- end: {name} -->")[0].splitlines()[2:]
 
 
 @long_course
@@ -41,5 +48,21 @@ def test_the_tasks_on_the_page_are_those_of_the_code():
         ends = [f"or {'less' if measure.better == 'lower' else 'more'}" for measure in measures]
         targets = ", ".join(f"{unit} {end}" for unit, end in zip(units, ends, strict=True))
         expected.append(f"| `{name}` | {options} | {keys} | {targets} |")
-    shown = PAGE.split("<!-- begin: tasks -->\n")[1].split("<!-- end: tasks -->")[0]
-    assert shown.splitlines()[2:] == expected
+    assert rows("tasks") == expected
+
+
+def test_the_terms_on_the_page_are_those_of_the_code():
+    expected = []
+    for name in TASK_TERMS:
+        seen = Batch("Foraging", observation={"terms": [name]}).observer.names if name != "task" else ()
+        components = ", ".join(f"`{component}`" for component in seen) or "none"
+        expected.append(f"| `{name}` | {TERMS.find(name).meaning()} | {components} |")
+    assert rows("terms") == expected
+
+
+def test_the_infos_on_the_page_are_those_of_the_code():
+    env = clean_swarm_v0.parallel_env({"task": "Foraging", "time_limit": 2.0})
+    env.reset(seed=1)
+    infos = env.step(dict.fromkeys(env.agents, 0))[-1]["robot_0"]
+    listed = re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.*?) \|", PAGE.partition("## Infos")[2], re.MULTILINE)))
+    assert set(infos) - {"items_brought_per_minute"} == set(listed) - set(TASK_TERMS)
