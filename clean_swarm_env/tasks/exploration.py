@@ -6,12 +6,15 @@ from typing import Annotated, TypeVar
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.tasks.measures.coverage import UNSEEN, area, idleness, mark
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.task_parts import Measure, TaskState, WorldStart
 from selforg.arrays import KEPT, Floats, Ints
 
 ROBOT_SIGHT, PITCH = 0.5, 0.25  # [m]
+MOST_CELLS = 2**27
+"""Most cells of all maps of a batch: they take a gigabyte."""
 SETTLING = 0.5
 """Share of the mission before idleness counts: at the start no place has been idle for long."""
 
@@ -42,8 +45,13 @@ class Looking(Task[TaskSettings, Map]):
     """Robots look at the ground while they move; they draw on the map of their world, or on their own."""
 
     def sizes(self) -> Mapping[str, int]:
-        """Return the cells of a map along a side."""
-        return {"cells": int(self.mapped // PITCH)}
+        """Return the cells of a map along a side; ConfigurationError if all maps have no room in memory."""
+        cells, maps = int(self.mapped // PITCH), len(np.unique(self.maps))
+        if maps * cells * cells > MOST_CELLS:
+            most = PITCH * int((MOST_CELLS / maps) ** 0.5)
+            expected = f"at most {most:g} m on each side that robots can reach"
+            raise ConfigurationError(f"world: expected {expected} with the task {self.name}, got {self.mapped:g}")
+        return {"cells": cells}
 
     @property
     def mapped(self) -> float:

@@ -7,12 +7,12 @@ that deposits gradients does so in `deposit`, called after all movements of the 
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar, Self, TypedDict, Unpack, final
+from typing import Annotated, Any, ClassVar, Self, TypedDict, Unpack, final
 
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
@@ -99,6 +99,10 @@ class MovementMechanism(Mechanism):
 
     """
 
+    _all_rows: Annotated[Ints, "N", READ]
+    _vectors: Annotated[Floats, "N D", SCRATCH]
+    _active: Annotated[Flags, "N", SCRATCH]
+
     def __init__(
         self, buffer: SoBuffer | OwnPoses, *, directions: DirectionStream | None = None, **options: Unpack[LookOptions]
     ) -> None:
@@ -109,9 +113,9 @@ class MovementMechanism(Mechanism):
             raise ValueError(
                 f"{type(self).__name__}: directions must have {rows} rows, got {len(self.directions.cursor)}"
             )
-        self._all_rows: Ints = np.arange(rows, dtype=np.int64)
-        self._vectors: Floats = np.zeros((rows, dim))
-        self._active: Flags = np.zeros(rows, dtype=np.bool_)
+        self._all_rows = np.arange(rows, dtype=np.int64)
+        self._vectors = np.zeros((rows, dim))
+        self._active = np.zeros(rows, dtype=np.bool_)
 
     @final
     def move(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> tuple[Floats, Flags]:

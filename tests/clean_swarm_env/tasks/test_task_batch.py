@@ -129,6 +129,16 @@ FORAGING = {"task": "Foraging"}
         ({"mission": {**FORAGING, "robots": {"count": 0}}}, ConfigurationError, "robots.count: "),
         ({"mission": {**FORAGING, "time_limit": -1.0}}, ConfigurationError, "time_limit: "),
         ({"mission": {**FORAGING, "world": {"ground": "moon"}}}, ConfigurationError, "world.ground: "),
+        (
+            {"mission": {"task": "CollectiveExploration", "world": {"width": 9000.0, "height": 9000.0}}},
+            ConfigurationError,
+            "world: expected at most 2896.25 m",
+        ),
+        (
+            {"mission": {"task": "ExplorationPatrol", "world": {"ground": "open", "width": 9000.0, "height": 9000.0}}},
+            ConfigurationError,
+            "world: expected at most",
+        ),
         ({"mission": {"world": {"ground": "open"}}}, ConfigurationError, "world.ground: .*task Cleaning"),
         (
             {"mission": {"task": "MaxValue", "robots": {"count": 1}}},
