@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from docs.comparison.manifest import Ablations, Compared, Configured, Learner, Manifest, Pairs
-from docs.figures.update_readme import CLEAN_SWARM, ROOT
+from docs.figures.update_results import CLEAN_SWARM, ROOT
 from selector.documents.find import load_file
 from selector.documents.reading import as_yaml, read_mapping
 from selector.documents.writing import write_whole

@@ -66,15 +66,6 @@ class Results:
             tables["pairs"] = pairs_table(self._manifest.pairs, self._folder, _ratio)
         return tables
 
-    def summary(self) -> str:
-        """Return learners with as many seeds as the claimed one, rules and chance beside the best fixed option."""
-        learners, rows = self._manifest.learners, []
-        seeds = len(learners[self._manifest.claimed].seeds)
-        for label in (*(name for name, one in learners.items() if len(one.seeds) >= seeds), *self._by_hand):
-            claims = self.claims(label)
-            rows.append([f"`{label}` / best fixed", *(_ratio(claims[name]) for name in self._manifest.families)])
-        return markdown_table(["", *(f"`{name}`" for name in self._manifest.families)], rows)
-
     def broken(self) -> list[str]:
         """Return what does not hold of the main claims: the selector costs less than each baseline."""
         claimed = self._manifest.claimed

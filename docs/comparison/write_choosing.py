@@ -1,8 +1,7 @@
 """Trains a selector and others, compares them with every fixed choice, and writes a page such as docs/choosing.md.
 
-`python -m docs.comparison.write_choosing [MANIFEST]`: MANIFEST is docs/comparison/choosing.yaml unless given, which
-fills the table of the README, too. What results/NAME holds already is kept. Tables of a manifest without a page are
-printed. What has to hold is checked.
+`python -m docs.comparison.write_choosing [MANIFEST]`: MANIFEST is docs/comparison/choosing.yaml unless given. What
+results/NAME holds already is kept. Tables of a manifest without a page are printed. What has to hold is checked.
 """
 
 import sys
@@ -11,7 +10,7 @@ from pathlib import Path
 from docs.comparison.manifest import Manifest
 from docs.comparison.runs import make
 from docs.comparison.tables import Results
-from docs.figures.update_readme import README, ROOT, put
+from docs.figures.update_results import ROOT, put
 from selector.documents.errors import validated
 from selector.documents.reading import read_mapping
 
@@ -38,8 +37,6 @@ def main(arguments: list[str]) -> int:
             results.draw_curves(DOCS / "pictures" / f"{manifest.name}.png")
     else:
         print("\n\n".join(results.tables().values()))
-    if given.resolve() == OWN:
-        README.write_text(put(README.read_text(encoding="utf-8"), "choosing", results.summary()), encoding="utf-8")
     for line in wrong:
         print(line)
     return 1 if wrong else 0

@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
-from docs.figures.update_readme import CLEAN_SWARM
+from docs.figures.update_results import CLEAN_SWARM
 from selector.documents.reading import read_value
 from selector.knowledge import Knowledge, knowledge_from
 

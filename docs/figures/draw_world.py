@@ -1,4 +1,4 @@
-"""Draws the README's picture, a real mission after a minute: `python -m docs.figures.draw_world [FILE] [SECONDS]`."""
+"""Draws what `render()` returns a minute into a mission: `python -m docs.figures.draw_world [FILE] [SECONDS]`."""
 
 import sys
 from pathlib import Path

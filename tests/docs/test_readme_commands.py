@@ -1,12 +1,13 @@
-"""Every line of the README's commands runs word for word, one after the other, in an empty directory.
+"""Every line of the commands in README.md and docs/commands.md runs word for word, in order, in an empty directory.
 
-What takes long runs with the smallest numbers here, and says its minutes if that is more than one. `make long` runs all
-of it whole.
+The directory has the examples that lines name. What takes long runs with the smallest numbers here, and says its
+minutes if that is more than one. `make long` runs all of it whole.
 """
 
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import threading
@@ -21,7 +22,9 @@ from train.cli.app import app
 from train.live.server import LiveServer
 
 LONG = os.environ.get("CLEAN_SWARM_LONG") == "1"
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Experiments")[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+SETUP = r"<!-- ci: (?:run|test|train) -->\n```sh.*?```\n"
+TEXT = re.sub(SETUP, "", README, flags=re.DOTALL) + (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
 LINES = [
     line
     for block in re.findall(r"\n```sh\n(.*?)```\n", TEXT, re.DOTALL)
@@ -36,6 +39,7 @@ SHORT = {
     "study configure RepulsionGradient": ("--trials", "2", "--method", "random", "--configs", "small"),
     "study score crowded": ("--scenarios", "1", "--configs", "small"),
     "run --all": ("--runs", "2"),
+    "examples/sb3_ppo.py": ("--steps", "5120"),
 }
 """Beginning of a line that takes long -> words behind it that make it short."""
 MINUTES = ("train ppo", "tune keep-apart", "study configure RepulsionGradient")
@@ -65,8 +69,9 @@ SMALL = {
 
 @pytest.fixture(scope="module")
 def empty(tmp_path_factory):
-    """An empty directory in which the commands run; beside LONG, small documents of the same names."""
+    """A directory with the examples only, in which the commands run; beside LONG, small documents of the same names."""
     folder = tmp_path_factory.mktemp("empty")
+    shutil.copytree(ROOT / "examples", folder / "examples")
     for place, changes in () if LONG else SMALL.items():
         content = yaml.safe_load((SHIPPED / f"{place}.yaml").read_text(encoding="utf-8"))
         path = folder / "small" / f"{place}.yaml"
@@ -76,10 +81,10 @@ def empty(tmp_path_factory):
 
 
 def parts(line):
-    """Return the words of a line after `clean-swarm`, and its remark."""
+    """Return the words of a line after `clean-swarm` or `python`, and its remark."""
     command, _, remark = line.partition("#")
     program, *words = shlex.split(command)
-    assert program == "clean-swarm", line
+    assert program == ("python" if words[0].startswith("examples/") else "clean-swarm"), line
     return words, remark.strip()
 
 
@@ -90,16 +95,19 @@ def shortened(words):
 @pytest.mark.parametrize("line", LINES, ids=lambda line: " ".join(parts(line)[0][:3]))
 def test_a_command_runs(line, empty, monkeypatch):
     words, _ = parts(line)
-    if words[:2] == ["train", "ppo"] and find_spec("torch") is None:
+    trains = words[:2] == ["train", "ppo"] or words[0] == "examples/sb3_ppo.py"
+    if trains and find_spec("torch") is None:
         pytest.skip("needs the extra 'train'")
     if {"tune", "configure"} & set(words[:2]) and find_spec("optuna") is None:
         pytest.skip("needs the extra 'tune'")
-    if "policy:results/mine/policy" in words and not (empty / "results" / "mine" / "policy").is_dir():
+    trained = {"policy:results/mine/policy": "results/mine/policy", "velocity:sb3_ppo.zip": "sb3_ppo.zip"}
+    if any(word in words and not (empty / file).exists() for word, file in trained.items()):
         pytest.skip("needs the extra 'train'")
     monkeypatch.chdir(empty)
-    if LONG and words[0] != "play":
-        own = os.environ | {"PYTHONPATH": str(ROOT)}
-        assert subprocess.run([sys.executable, "-m", "clean_swarm_env", *words], env=own).returncode == 0
+    if words[0] != "play" and (LONG or any(word.startswith("examples/") for word in words)):
+        program = () if words[0].startswith("examples/") else ("-m", "clean_swarm_env")
+        own, small = os.environ | {"PYTHONPATH": str(ROOT)}, () if LONG else shortened(words)
+        assert subprocess.run([sys.executable, *program, *words, *small], env=own).returncode == 0
         return
     if words[0] == "play":  # until Ctrl-C, here once its page is served
         monkeypatch.setattr(LiveServer, "start", lambda *_: threading.Timer(0.0, lambda: None).start() or interrupt())
@@ -111,6 +119,15 @@ def test_a_command_runs(line, empty, monkeypatch):
 
 def interrupt():
     raise KeyboardInterrupt
+
+
+def test_the_ten_lines_train_a_selector(empty, monkeypatch):
+    pytest.importorskip("stable_baselines3")
+    (lines,) = re.findall(r"<!-- ci: learn -->\n```python\n(.*?)```\n", README, re.DOTALL)
+    assert len([line for line in lines.splitlines() if line]) <= 10
+    monkeypatch.chdir(empty)
+    exec(lines if LONG else lines.replace("worlds=24", "worlds=2").replace("1_000_000", "2_000"), {})
+    assert (empty / "mine.zip").exists()
 
 
 def test_what_takes_more_than_a_minute_says_how_long_and_nothing_has_to_be_filled_in():

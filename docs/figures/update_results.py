@@ -1,4 +1,4 @@
-"""Puts real output into the README, between its `begin` and `end` marks: `python -m docs.figures.update_readme`.
+"""Puts real output into docs/results.md, between its `begin` and `end` marks: `python -m docs.figures.update_results`.
 
 The table of `clean-swarm evaluate`, what 100 random start configurations give, the reference experiment (where its
 file lies beside the repository) and the speed that `make bench` has recorded. Takes some minutes.
@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
-README = ROOT / "README.md"
+PAGE = ROOT / "docs" / "results.md"
 REFERENCE = ROOT.parent / "shared" / "table1" / "reference.json"
 SEED, SCENARIOS = 1, 100
 CLEAN_SWARM = (sys.executable, "-c", "from train.cli import main; main()")
@@ -87,20 +87,20 @@ def put(text: str, name: str, block: str) -> str:
     begin, end = f"<!-- begin: {name} -->\n", f"\n<!-- end: {name} -->"
     before, found, rest = text.partition(begin)
     if not found or end not in rest:
-        raise ValueError(f"{README}: expected the marks {begin.strip()} and {end.strip()}")
+        raise ValueError(f"expected the marks {begin.strip()} and {end.strip()}")
     return before + begin + block + end + rest.partition(end)[2]
 
 
 def main() -> None:
     """Fill all marks that can be filled here."""
-    text = README.read_text(encoding="utf-8")
+    text = PAGE.read_text(encoding="utf-8")
     text = put(text, "table1", f"```text\n{evaluate()[0]}\n```")
     many = evaluate("--scenarios", str(SCENARIOS), "--seed", str(SEED))[1]
     text = put(text, "many", of_many(many))
     if REFERENCE.exists():
         text = put(text, "reference", of_reference(evaluate("table1-reference", "--starts", str(REFERENCE))[1]))
     text = put(text, "speed", of_speed())
-    README.write_text(text, encoding="utf-8")
+    PAGE.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
