@@ -13,7 +13,7 @@ from clean_swarm_env.world.task_parts import Measure, TaskState, WorldStart
 from selforg.arrays import KEPT, Floats, Ints
 
 ROBOT_SIGHT, PITCH = 0.5, 0.25  # [m]
-MOST_CELLS = 2**27
+MOST_MAPPED = 2**27
 """Most cells of all maps of a batch: they take a gigabyte."""
 SETTLING = 0.5
 """Share of the mission before idleness counts: at the start no place has been idle for long."""
@@ -47,8 +47,8 @@ class Looking(Task[TaskSettings, Map]):
     def sizes(self) -> Mapping[str, int]:
         """Return the cells of a map along a side; ConfigurationError if all maps have no room in memory."""
         cells, maps = int(self.mapped // PITCH), len(np.unique(self.maps))
-        if maps * cells * cells > MOST_CELLS:
-            most = PITCH * int((MOST_CELLS / maps) ** 0.5)
+        if maps * cells * cells > MOST_MAPPED:
+            most = PITCH * int((MOST_MAPPED / maps) ** 0.5)
             expected = f"at most {most:g} m on each side that robots can reach"
             raise ConfigurationError(f"world: expected {expected} with the task {self.name}, got {self.mapped:g}")
         return {"cells": cells}
