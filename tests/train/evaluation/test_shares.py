@@ -118,10 +118,6 @@ def test_what_cannot_be_gathered_is_one_line(run, tmp_path):
         ),
         (("study", "score", "crowded", "--store", "s", "--share", "1/2"), "--share: expected --output"),
         (
-            ("study", "score", "ReachGoal", "--store", "s", "--output", "r", "--share", "1/2"),
-            "--share and --on: expected missions, got the scene of ReachGoal, one batch",
-        ),
-        (
             ("evaluate", "--store", "s", "--learn", "--workers", 1, "--on", "tcp://127.0.0.1:1"),
             "--on: expected no --learn, where missions learn in turn",
         ),
