@@ -1,7 +1,7 @@
 """The top-level packages beside this one, found by their place and not by the order of `sys.path`.
 
 `selector` and `train` are plain words: a file of that name next to a user's script would otherwise be imported instead
-of ours.
+of ours (docs/decisions/0080-own-siblings.md).
 """
 
 import sys

@@ -165,7 +165,8 @@ def learned_from(content: object, where: str) -> LearnedScores:
 def believed(scores: Floats, rewards: Floats) -> Floats:
     """Return the scores (O,) that count: the mean reward where `ENOUGH` are known, else the expert's (O,).
 
-    Of fewer rewards and the expert the lower one counts: few can show that a claim is too high, not make a claim.
+    Of fewer rewards and the expert the lower one counts: few can show that a claim is too high, not make a claim
+    (docs/decisions/0060-learned-scores.md).
 
     Args:
         scores: (O,) by the expert.

@@ -1,7 +1,8 @@
 """Sealed states: bytes that say their version and kind, their length and a checksum, and then hold a pickle.
 
 Whatever happens to the bytes, `unsealed` notices before anything is unpickled. The checksum finds damage, not intent: a
-state is a pickle, and runs what its maker wants. Load your own only.
+state is a pickle, and runs what its maker wants. Load your own only
+(docs/decisions/0209-sealed-states.md).
 """
 
 from __future__ import annotations

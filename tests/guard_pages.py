@@ -4,6 +4,8 @@ Each array that is made after `guard` lies on pages of its own, with its end at 
 before and behind cannot be accessed, and those of an array that is gone neither, for ever. An address that outlives its
 array is thus a SIGSEGV, and so is an index behind the end. Not guarded: arrays made before, memory inside compiled
 functions and of libraries, and up to seven bytes between an array and the page behind it.
+
+AddressSanitizer would not see what Numba compiles, and Valgrind would interpret the compiler, too.
 """
 
 import ctypes

@@ -95,6 +95,16 @@ def test_pages_that_the_code_cites_exist():
     assert sorted(page for page in cited if not (ROOT / page).exists()) == []
 
 
+def test_every_decision_is_linked_from_what_it_protects():
+    records = sorted((ROOT / "docs" / "decisions").glob("[0-9]*.md"))
+    pages = [page for page in PAGES if page.parent != ROOT / "docs" / "decisions"]
+    cited = {
+        name for path in [*sources(), *pages] for name in re.findall(r"decisions/([\w-]+\.md)", path.read_text("utf-8"))
+    }
+    assert records
+    assert [record.name for record in records if record.name not in cited] == []
+
+
 def test_every_numbered_quirk_that_the_code_cites_is_explained():
     explained = set(re.findall(r"^\*\*([QMB]\d+)\*\*", (ROOT / "docs" / "quirks.md").read_text("utf-8"), re.MULTILINE))
     assert {f"Q{number}" for number in range(1, 34)} <= explained

@@ -127,6 +127,8 @@ class Request:
 def without_secrets(word: str) -> str:
     """Return a typed word without the password and the values of options in a URL.
 
+    What else is hidden, and what is not: docs/decisions/0069-passwords.md.
+
     >>> without_secrets("--store=postgresql://me:secret@host/db?password=secret")
     '--store=postgresql://me:***@host/db?password=...'
     """

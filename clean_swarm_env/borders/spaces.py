@@ -22,7 +22,7 @@ OPTION, CORRECTION = "option", "correction"
 
 NAMES = "names"
 """Attribute of a space: names of the components of an observation, or goal -> names of its options. Whatever keeps a
-space, as the files of Stable-Baselines3 do, keeps the names."""
+space, as the files of Stable-Baselines3 do, keeps the names (docs/decisions/0220-spaces-have-names.md)."""
 
 
 def observation_space(batch: Batch, robots: int = 1) -> spaces.Box:

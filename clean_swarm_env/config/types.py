@@ -1,4 +1,7 @@
-"""Types that all models of the configuration share, with their bounds and the reasons for these."""
+"""Types that all models of the configuration share, with their bounds and the reasons for these.
+
+Why every number has bounds: docs/decisions/0066-bounds.md.
+"""
 
 from typing import Annotated
 

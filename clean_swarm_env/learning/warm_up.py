@@ -1,4 +1,7 @@
-"""Compile the kernels before the first mission of a machine, in one process, and say so."""
+"""Compile the kernels before the first mission of a machine, in one process, and say so.
+
+Why this takes so long, and what was tried: docs/decisions/0184-first-start.md.
+"""
 
 import os
 import sys

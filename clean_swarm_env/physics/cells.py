@@ -2,6 +2,7 @@
 
 Cells save time only in worlds with many points. A cell is at least as wide as the distance that is asked for, so that
 everything within that distance lies in the same cell or in one of the eight around it.
+The cells of gradients are slower here: docs/decisions/0116-two-kinds-of-cells.md.
 """
 
 from typing import Final

@@ -4,7 +4,8 @@ A call from Python costs about as much as the work of a small space. `contact_sp
 same through pymunk's public interface where compiled code cannot call C.
 
 A space lives for one tick at most. What Chipmunk keeps from step to step (impulses, corrections of overlaps, the order
-in which it meets contacts) is therefore no part of the state of a world, and a copy of the arrays is a copy of it.
+in which it meets contacts) is therefore no part of the state of a world, and a copy of the arrays is a copy of it
+(docs/decisions/0070-a-space-a-tick.md).
 """
 
 from typing import Annotated, NamedTuple

@@ -28,6 +28,7 @@ class Clock:
         self.tick = 0
         # Floats hold times on this grid exactly, so sums of them need no rounding and an age does not depend on when
         # its world was reset. The step is rounded up, so that a period of whole ticks is over with its last tick.
+        # See docs/decisions/0006-buffer-clock.md.
         self._step = float(np.ceil(period / CLOCK_GRID) * CLOCK_GRID)
         self._begun = np.zeros(worlds, dtype=np.int64)
 

@@ -1,5 +1,7 @@
 """The frames of a recording: one compiled loop takes numbers of arrays of the worlds, and notes those that changed.
 
+What else was tried: docs/decisions/0183-changed-numbers.md.
+
 Shapes: W worlds, T frames, K numbers a frame of one world.
 """
 

@@ -78,6 +78,7 @@ def mission_cost(mission: MissionConfig, duration: float, events: int, samples: 
 
     Its `duration` [s], the price of its collisions, and two time limits for each item that was not `done`. Where
     garbage keeps coming, all missions last equally long: there the cost is for each item done.
+    Costs that could be gamed: docs/decisions/0111-bounded-cost.md.
 
     Args:
         mission: the mission.

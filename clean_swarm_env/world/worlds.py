@@ -194,7 +194,7 @@ class Worlds:
         self.world.led = baseline and not self.task.baseline_option
 
     def tick(self) -> Ints:
-        """Run one control period of all worlds.
+        """Run one control period of all worlds; all robots decide at one instant (docs/decisions/0090-one-instant.md).
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """

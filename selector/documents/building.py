@@ -1,4 +1,7 @@
-"""Values of YAML from the events of its parser, within limits: PyYAML's own constructors count nothing."""
+"""Values of YAML from the events of its parser, within limits: PyYAML's own constructors count nothing.
+
+The reasons: docs/decisions/0065-one-reader.md.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -2,7 +2,8 @@
 
 A reward is rounded once to the nearest multiple of 2^-24 (about 6e-8; halves to even). From then on count, sum and sum
 of squares are whole numbers in units of 1, 2^-24 and 2^-48, and adding whole numbers is exact, commutative and
-associative, which adding floats is not. Mean and variance are computed from the sums, each rounded once.
+associative, which adding floats is not. Mean and variance are computed from the sums, each rounded once
+(docs/decisions/0033-whole-number-store.md).
 """
 
 from collections.abc import Mapping, Sequence

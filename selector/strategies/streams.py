@@ -2,7 +2,7 @@
 
 The numbers are a function of the key of a row and the number of its decision (Philox4x32-10; Salmon et al. 2011,
 doi:10.1145/2063384.2063405). Compiled code computes the deviates of other distributions one by one, because array
-functions may round differently in batches of different sizes.
+functions may round differently in batches of different sizes (docs/decisions/0029-decision-randomness.md).
 """
 
 import numpy as np

@@ -2,7 +2,8 @@
 
 Numba's own cache checks only the file of a kernel. Functions that the kernel calls in other files are compiled into it,
 and so are the constants of those files: a change there has to lead to a new folder. The hash covers the file, every
-file of ours that it imports, directly or not, the switches, and the versions of Numba and of its optimiser.
+file of ours that it imports, directly or not, the switches, and the versions of Numba and of its optimiser
+(docs/decisions/0050-kernel-cache.md).
 """
 
 from __future__ import annotations

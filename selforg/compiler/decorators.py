@@ -26,7 +26,9 @@ R = TypeVar("R")
 
 NUMPY_ERRORS = {"error_model": "numpy"}
 LEAN = NUMPY_ERRORS if PLAIN else {**NUMPY_ERRORS, "no_cfunc_wrapper": True, "_nrt": False}
-"""Options of functions that make no arrays: references to arrays are not counted, the caller holds them anyway."""
+"""Options of functions that make no arrays: references to arrays are not counted, the caller holds them anyway.
+
+Counting took 35 ns a pair of robots in place of 3: docs/decisions/0020-no-reference-counts.md."""
 
 
 class WithoutCollector(event.Listener):

@@ -1,6 +1,7 @@
 """Whose compiled code may run: it runs as whoever loads it, so nothing is loaded that another user may have written.
 
-Trusted are the user, root, and the owner of the package, whose sources run anyway.
+Trusted are the user, root, and the owner of the package, whose sources run anyway
+(docs/decisions/0210-owners-of-compiled-code.md).
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 Numba by itself would optimise every function and turn it into machine code, and do both again within each caller. It
 would also compile a function once more for each set of compiler options and for each constant that callers pass. This
 module uses features of Numba that are not documented; CLEAN_SWARM_PLAIN_NUMBA=1 does without.
+It saves a third of the first start: docs/decisions/0055-parts-of-kernels.md.
 """
 
 from collections.abc import Callable, Mapping

@@ -1,7 +1,8 @@
 """Records: named arrays and numbers that compiled code takes as one argument.
 
 Passing one array to a kernel costs about 0.06 us, and a tick passes some two hundred. A record is passed as one array
-of words: the addresses, shapes and numbers, laid out as compiled code wants them. Opening it there costs nothing.
+of words: the addresses, shapes and numbers, laid out as compiled code wants them. Opening it there costs nothing
+(docs/decisions/0046-records.md).
 
 A record is a NamedTuple whose fields say what they hold, and what compiled code that opens it does with them: READ
 only, write what is KEPT or CLOCKED, or overwrite SCRATCH (`selforg.arrays`):

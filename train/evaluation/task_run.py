@@ -94,7 +94,7 @@ class TaskOutcome:
     measured: Sequence[MeasuredStrategy]
     """Measures of the option."""
     known: Knowledge | None = None
-    """What a knowledge store knew of the options at the beginning."""
+    """What a knowledge store knew of the options at the beginning; see docs/decisions/0062-snapshots.md."""
 
     @property
     def task(self) -> Any:  # noqa: ANN401  (a class of tasks)

@@ -84,7 +84,8 @@ class PpoConfig(Closed):
     """Widths of the hidden layers, of policy and value function alike."""
     action: Mode = "option"
     """What the policy learns: the option of the goal, a movement vector in place of the network's, or an option and a
-    correction of the movement."""
+    correction of the movement. What was tried beside a policy of options:
+    docs/decisions/0219-no-corrections-beside-a-chooser.md."""
     deviation: Positive = 1.0
     """Standard deviation of vectors at the beginning, in shares of the largest speed [-]."""
     critic: Literal["own", "team"] = "own"

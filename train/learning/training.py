@@ -1,7 +1,7 @@
 """The base class of all trainings, with checkpoints, validation and the end of a training.
 
 What happens between two checkpoints depends only on the number of the checkpoint, the seed and the saved state. A
-training that is killed and resumed therefore gives the same bits.
+training that is killed and resumed therefore gives the same bits (docs/decisions/0016-checkpoints-begin-anew.md).
 
 A checkpoint is one file that is replaced whole, so that a kill at any moment leaves the old or the new file. Everything
 else in the directory is made from the checkpoint and can be written again.

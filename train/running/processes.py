@@ -1,4 +1,7 @@
-"""Tasks in processes of this machine; each run is returned as soon as it is done, also where its task goes on."""
+"""Tasks in processes of this machine; each run is returned as soon as it is done, also where its task goes on.
+
+Why not a pool or a queue of the standard library: docs/decisions/0068-runs-from-workers.md.
+"""
 
 import multiprocessing
 import os

@@ -1,7 +1,7 @@
 """The journal of a study: the figures of every finished mission.
 
 A study is a function of its seed and of these figures: one that was killed begins anew, finds its missions here, and
-comes to the same trials.
+comes to the same trials (docs/decisions/0170-studies-replay.md).
 """
 
 from __future__ import annotations

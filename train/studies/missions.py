@@ -128,6 +128,7 @@ class CandidateTasks:
     """Makes tasks of the training scenarios of a family, other ones in each stage.
 
     The seeds of scenarios are odd, as in trainings; the even ones validate trainings.
+    Each stage has its own (docs/decisions/0172-fresh-scenarios.md).
 
     Args:
         family: the family.

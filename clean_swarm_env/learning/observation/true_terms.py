@@ -1,4 +1,7 @@
-"""Terms of the whole truth about the others, for comparisons: no robot senses that, or hears it where messages fail."""
+"""Terms of the whole truth about the others, for comparisons: no robot senses that, or hears it where messages fail.
+
+Why they are in no default: docs/decisions/0214-what-robots-have-heard.md.
+"""
 
 from __future__ import annotations
 

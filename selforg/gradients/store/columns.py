@@ -11,7 +11,8 @@ DIFFUSION = 3  # radius over which a gradient weakens [m], may be infinite
 GOAL_RADIUS = 4  # radius of the goal area [m]
 
 # A stored gradient has a row in each of four tables. A walk reads the links of all gradients in the cells that it
-# visits, the near columns of those that lie there, and the far columns and marks of few.
+# visits, the near columns of those that lie there, and the far columns and marks of few. One wide row was slower:
+# docs/decisions/0018-four-tables.md.
 
 # Links, int32 (M, LINK_COLUMNS)
 LINK_NEXT = 0  # next slot in the bucket (or in the list of free slots), -1 at the end

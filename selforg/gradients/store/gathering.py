@@ -29,7 +29,7 @@ from selforg.gradients.store.records import (
 from selforg.grid import CELL_COLUMNS, axis_cells, bucket_of, cell_of, near_cells
 from selforg.space import Space, half_of, shortest
 
-CROWD = 32  # robots of a team
+CROWD = 32  # robots of a team; docs/decisions/0019-crowd-cells.md
 IN_CACHE = 4096  # gradients: so few lie in the cache anyway, and prefetching costs more than it saves
 
 

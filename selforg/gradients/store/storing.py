@@ -86,7 +86,7 @@ def take_place(slot: int, store: Written[Store]) -> int:
     """Move the gradient in `slot`, which is not linked yet, to the slot that was freed last, and return that.
 
     The gradient that it replaces lay there. So neighbours in space stay neighbours in memory, which walks read faster
-    (decision 0113).
+    (docs/decisions/0113-places-in-memory.md).
     """
     s = open_store(store)
     place = take_slot(store)

@@ -79,7 +79,8 @@ class PredictiveSteering(SteeringMechanism):
     of a new velocity is still in the old heading, and beyond `turn_beyond` only half of it is driven, after a turn on
     the spot.
 
-    A robot that did not get on for some time (`patience`) dares more for 1 to 4 s, which dissolves jams.
+    A robot that did not get on for some time (`patience`) dares more for 1 to 4 s, which dissolves jams. Waiting in
+    a queue was tried and cost more (docs/decisions/0100-steer.md).
 
     Args:
         buffer: of the robots, or their poses.

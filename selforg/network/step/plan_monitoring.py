@@ -1,6 +1,7 @@
 """Plan monitoring: when the next step of a plan is due and when a new plan is needed (compiled).
 
-The rules are those of the original (`M1` to `M6`, found from its recorded traces). A new plan is needed when
+The rules are those of the original (`M1` to `M6`, found from its recorded traces;
+docs/decisions/0054-plan-monitoring.md). A new plan is needed when
 
 - there is none, or the network itself changed;
 - a sensor changed in a way that nothing running was expected to bring about. Sensors that only optional conditions read

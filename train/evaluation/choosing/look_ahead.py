@@ -6,7 +6,8 @@ does what cost least on average over its copies: a rollout (Bertsekas et al. 199
 Nobody can know in a mission what copies tell; so this is what choosing for the whole team could bring, not a strategy.
 
 A copy has the random numbers of its world, and would know what is drawn. Therefore in each copy one robot drawn at
-random holds an option drawn at random for the first period: a course that differs a little soon is another one.
+random holds an option drawn at random for the first period: a course that differs a little soon is another one
+(docs/decisions/0191-look-ahead.md).
 
 Shapes: A alternatives, which are the options and a policy, K copies of each, N robots, T scenarios.
 """

@@ -3,6 +3,7 @@
 Only decisions that count are learned from. What a robot is paid until its next decision that counts belongs to the one
 before, each period by the discount more: a semi-Markov decision process (Sutton, Precup & Singh 1999,
 doi:10.1016/S0004-3702(99)00052-1). The loss of PPO is that of Stable-Baselines3.
+docs/decisions/0215-decisions-that-count.md has what it brings.
 
 Shapes: T periods of a rollout, R rows (robots).
 """
