@@ -1,5 +1,7 @@
 """Tasks: what there is to do in a world. A class in one file is a task of your own; see `Task`.
 
+Why there is one world for all of them: docs/decisions/0223-one-world-any-task.md.
+
 Shapes: W worlds of N robots, R = W * N rows (robots).
 """
 
