@@ -29,7 +29,7 @@ if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` c
     from clean_swarm_env.world.mission import run_mission as run_mission
 
 MODULE_OF = {
-    "ConfigurationError": "config.errors",
+    "ConfigurationError": "config.types",
     "FamilyConfig": "config.families",
     "load_family": "config.load",
     "load_mission": "config.load",

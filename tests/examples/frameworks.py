@@ -32,7 +32,7 @@ EXAMPLES = (
         "minari_cloning.py swarm/rule-v0 --epochs 20",
         "minari",
         "policy:minari_cloning.pt",
-        "dataset swarm/rule-v0 --strategy fsm:rule --missions 2",
+        "learn dataset swarm/rule-v0 --strategy fsm:rule --missions 2",
     ),
 )
 

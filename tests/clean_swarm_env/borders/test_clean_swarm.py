@@ -176,7 +176,7 @@ def test_wrong_actions_are_named_and_nothing_moves(actions, message):
 
 
 def test_wrong_use_is_an_error_that_says_what_was_expected():
-    with pytest.raises(ConfigurationError, match=r"unknown mission 'tabel1'.*table1"):
+    with pytest.raises(ConfigurationError, match=r"unknown mission or task 'tabel1'.*table1"):
         clean_swarm_v0.parallel_env("tabel1")
     with pytest.raises(ValueError, match="render_mode: expected None or 'human' or 'rgb_array', got 'ansi'"):
         clean_swarm_v0.parallel_env(render_mode="ansi")

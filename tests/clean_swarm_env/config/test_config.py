@@ -96,7 +96,7 @@ MISTAKES = [
     ("decision_period: 0.3", "", "mission.decision_period: expected a whole multiple of the control period 0.2 s"),
     ("collision_distances: [0]", "", "mission.collision_distances.0: expected greater than or equal to 0.001, got 0"),
     ("patrol: {min_speed: 2}", "", "mission.patrol.min_speed: expected a speed up to max_speed 1 m/s, got 2"),
-    ("base: tabel1", "", "mission.base: unknown mission 'tabel1' (known: "),
+    ("base: tabel1", "", "mission.base: unknown mission or task 'tabel1' (known: "),
     ("", "mision: table1", "mision: unknown key 'mision'"),
     ("", "starts: [{id: 1, robots: [[1, 2]], items: []}]", "starts.0.robots.0.2: missing value"),
     ("", "starts: nowhere", "starts: unknown set of start configurations 'nowhere' (known: table1"),

@@ -189,7 +189,7 @@ def test_the_stations_of_a_kind_stand_at_as_many_places_as_are_drawn():
         ("robots: [5, 4]", "robots: expected the least before the largest, got [5, 4]"),
         ("changes: {number: [1, 2]}", "changes.kinds: expected at least one kind of event, got none"),
         ("robots: [900, 900]", "at most 277 solid robots"),
-        ("mission: nowhere", "unknown mission 'nowhere'"),
+        ("mission: nowhere", "unknown mission or task 'nowhere'"),
         ("starts: table1\nrobots: [4, 4]", "robots: expected the numbers of the given starts, [5], got [4, 4]"),
         ("colour: red", "colour: unknown key 'colour'"),
     ],

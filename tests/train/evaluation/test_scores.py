@@ -308,7 +308,7 @@ def test_scores_of_an_experiment_are_those_of_all_its_options(run, fake_missions
 
 
 def test_scores_of_a_goal_decide_what_serves_it(run):
-    code, out, err = run("study", "score", "ReachGoal", "--store", "s.sqlite", "--runs", ENOUGH)
+    code, out, err = run("study", "score", "ReachGoal", "--store", "s.sqlite", "--scenarios", ENOUGH)
     assert code == 0, err
     assert "ReachGoal - ChemotaxisGe" in out
     code, out, _ = run("run", "ReachGoal", "--runs", 2, "--json")
@@ -321,7 +321,7 @@ def test_scores_of_a_goal_decide_what_serves_it(run):
     assert {one["count"] for one in known.values()} == {ENOUGH}
     code, _, err = run("run", "ReachGoal", "--runs", 2, "--seed", 50, "--store", "s.sqlite", "--learn")
     assert code == 2
-    assert "holds what 'goal ReachGoal, seeds 50-51' learned already" in err
+    assert "holds what 'task ReachGoal, seed 50, 2 runs' learned already" in err
     code, out, _ = run("run", "ReachGoal", "--robots", 3, "--runs", 1, "--store", "s.sqlite", "--json")
     assert json.loads(out)["known"] == {}  # another setting
 
@@ -329,10 +329,10 @@ def test_scores_of_a_goal_decide_what_serves_it(run):
 def test_unknown_names_are_one_line(run):
     code, _, err = run("study", "score", "Nothing", "--store", "s.sqlite")
     assert code == 2
-    assert err.startswith("error: unknown family, experiment or goal 'Nothing' (known: ")
+    assert err.startswith("error: unknown family, experiment or task 'Nothing' (known: ")
     code, _, err = run("study", "score", "chosen", "--store", "s.sqlite", "--knowledge", "library")
     assert code == 2
-    assert "--knowledge: expected a family or a goal" in err
+    assert "--knowledge: expected a family or a task" in err
 
 
 def test_learned_scores_become_expert_knowledge_that_a_mission_names(run, tmp_path):

@@ -9,7 +9,7 @@ from tests.train.commands import run
 from train.studies import installation
 
 
-@pytest.mark.parametrize("words", [("tune", "keep-apart"), ("configure", "Off", "--family", "table1")])
+@pytest.mark.parametrize("words", [("tune", "keep-apart"), ("study", "configure", "Off", "--family", "table1")])
 def test_a_missing_package_is_named_with_the_extra(monkeypatch, capsys, words):
     monkeypatch.setattr(installation, "STUDY_PACKAGES", ("no-such-package",))
     assert run(*words) == 2
@@ -18,7 +18,7 @@ def test_a_missing_package_is_named_with_the_extra(monkeypatch, capsys, words):
     assert error.count("\n") == 1
 
 
-@pytest.mark.parametrize("words", [("tune", "keep-aprt"), ("configure", "Off", "--family", "tabel1")])
+@pytest.mark.parametrize("words", [("tune", "keep-aprt"), ("study", "configure", "Off", "--family", "tabel1")])
 def test_a_mistake_in_the_words_is_told_before_a_missing_package(monkeypatch, capsys, words):
     monkeypatch.setattr(installation, "STUDY_PACKAGES", ("no-such-package",))
     assert run(*words) == 2
