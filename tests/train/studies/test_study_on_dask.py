@@ -11,10 +11,9 @@ pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
 from tests.train.studies.synthetic import SyntheticTask, synthetic
-from tests.train.studies.test_study import CONSOLE, contents, request_of
+from tests.train.studies.test_study import contents, request_of, studied
 from train.running.exit_codes import FINISHED
 from train.running.needs import Machine
-from train.studies.study import run_study
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,7 @@ class Deadly(SyntheticTask):
 
 
 def test_a_study_whose_worker_is_killed_comes_to_the_same(configs, cluster, tmp_path):
-    assert run_study(request_of(configs, tmp_path / "here"), CONSOLE, synthetic) == FINISHED
+    assert studied(request_of(configs, tmp_path / "here"), synthetic) == FINISHED
 
     def deadly(stage, candidate, numbers):
         task = synthetic(stage, candidate, numbers)
@@ -42,6 +41,6 @@ def test_a_study_whose_worker_is_killed_comes_to_the_same(configs, cluster, tmp_
         )
 
     request = request_of(configs, tmp_path / "there", machine=Machine(place=cluster.address))
-    assert run_study(request, CONSOLE, deadly) == FINISHED
+    assert studied(request, deadly) == FINISHED
     assert (tmp_path / "killed").exists()
     assert contents(tmp_path / "there") == contents(tmp_path / "here")
