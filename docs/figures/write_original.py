@@ -39,7 +39,8 @@ Where the original's options miss targets:
 - *Foraging*, *IndividualExploration*: Exploration draws a new direction with every command, and with a command each
   0.2 s a robot gets nowhere. How often the original commands is not known. With directions kept for 10 s (`leg: 10.0`
   in a copy of the file) the same options brought 4.24 [3.53, 4.95] items a minute, and 92.5 [91.1, 93.9] m2, on
-  earlier starts. What else separates the foragers is mostly the evaporation, too coarse to tell the ends of a trail apart.
+  earlier starts. What else separates the foragers is mostly the evaporation, too coarse to tell the ends of a trail
+  apart.
 - *FormationControl*: flocking by unnormalised terms (Q30) keeps robots together without a common direction.
 
 Written by `python -m docs.figures.write_original`. One goal: `clean-swarm run ReachGoal --knowledge original`, and
