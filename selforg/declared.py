@@ -37,7 +37,7 @@ class Shared(Protocol):
         """Return what is kept for a world; it stays as it is when the world goes on."""
 
     def put_part(self, world: int, part: Any, later: float) -> None:  # noqa: ANN401
-        """Replace what is kept for a world by what `part_of` returned `later` [s] ago."""
+        """Replace what is kept for a world by the result of `part_of`, `later` [s] after it."""
 
 
 class Found(NamedTuple):

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final, Protocol, TypeVar
+from typing import Any, Final, Protocol
 
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
@@ -25,7 +25,6 @@ CLEANING: Final = "Cleaning"
 """Name of the task of missions that name none."""
 OWN_FILES: Final = "CLEAN_SWARM_IMPORT"
 """Environment variable with the files of the user's own tasks, which worker processes read, too."""
-TaskClass = TypeVar("TaskClass", bound="type[Any]")
 
 
 class TaskSettings(Closed):

@@ -54,7 +54,7 @@ class GlobalState:
             for c in self._coordinators
             for option in c.model.options
         ]
-        self._facts = () if worlds.mission.cleans else facts_of(worlds)
+        self._facts = () if worlds.mission.cleans else worlds.minds.memory.facts
         own = (*ROBOT[:5], *(ROBOT[5:] if worlds.mission.cleans else self._facts), *holds)
         robots = [f"robot_{k}_{name}" for k in range(worlds.robots) for name in own]
         items = [f"item_{k}_{name}" for k in range(worlds.garbage.stage.shape[1]) for name in ITEM]
@@ -125,11 +125,6 @@ def _flags(numbers: Ints, count: int) -> Floats:
     """Return `numbers` (R,) as rows of `count` flags, one of which is set."""
     flags: Floats = np.eye(count)[numbers]
     return flags
-
-
-def facts_of(worlds: Worlds) -> tuple[str, ...]:
-    """Return the names of the facts that robots know."""
-    return tuple(name for name, kind in worlds.minds.memory.kinds.items() if kind == "fact")
 
 
 def station_names(stations: StationsConfig) -> list[str]:

@@ -101,9 +101,8 @@ class MaxValue(Standing[MeasuredValues]):
         else:
             raise ConfigurationError(f"robots.count: expected as many as form a network, got {start.robots}")
         start.put_robots(places)
-        first = start.world * self.world.robots
         values = start.rng.uniform(0.0, 100.0, size=start.robots)
-        self.state.values[first : first + start.robots] = values
+        self.state.values[start.rows] = values
         self.state.lot[start.world] = rounds_by_calls(hears, values, start.rng, int(self.world.limits[start.world]))
 
     def known(self) -> dict[str, Floats]:

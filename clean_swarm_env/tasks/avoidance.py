@@ -81,9 +81,8 @@ class Crossing(Task[S, E]):
     def place(self, start: WorldStart) -> None:
         """Put robots anywhere; their headings are where they want to go."""
         super().place(start)
-        rows = slice(start.world * self.world.robots, start.world * self.world.robots + start.robots)
-        self.state.wanted[rows] = np.stack(unit_vectors(start.poses[:, 2]), axis=1)
-        self.state.before[rows] = start.places
+        self.state.wanted[start.rows] = np.stack(unit_vectors(start.poses[:, 2]), axis=1)
+        self.state.before[start.rows] = start.places
 
     def command(self, commands: Commands) -> None:
         """Command the errand where a mechanism bends it."""

@@ -55,8 +55,7 @@ class FormationControl(Task[TaskSettings, Order]):
         """Put the robots close together, with headings in one half."""
         headings = start.rng.uniform(-0.5 * np.pi, 0.5 * np.pi, size=start.robots)
         start.put_robots(start.scattered(start.robots, 0.8, 4.0), headings)
-        first = start.world * self.world.robots
-        self.state.outset[first : first + start.robots] = np.stack(unit_vectors(start.poses[:, 2]), axis=1)
+        self.state.outset[start.rows] = np.stack(unit_vectors(start.poses[:, 2]), axis=1)
 
     def command(self, commands: Commands) -> None:
         """Let the robots set out."""

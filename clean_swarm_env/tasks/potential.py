@@ -97,8 +97,7 @@ class FollowMaxPotential(Task[TaskSettings, Sources]):
         sources = start.scattered(len(SOURCE_REACHES), 6.0, 14.0)
         self.state.places[start.world] = sources
         away = start.ground.distances(start.places[:, None], sources)
-        first = start.world * self.world.robots
-        self.state.nearest[first : first + start.robots] = sources[away.argmin(axis=1)]
+        self.state.nearest[start.rows] = sources[away.argmin(axis=1)]
 
     def things(self) -> tuple[Things, ...]:
         """Return the sources."""

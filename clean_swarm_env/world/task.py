@@ -14,6 +14,7 @@ from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, 
 
 import numpy as np
 
+from clean_swarm_env.config.cleaning import PatrolConfig
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
@@ -36,7 +37,6 @@ AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_dista
 """Settings of the buffer of things: gradients at one place are one thing."""
 WALK: Final = 2.0
 """Time for which a robot on a random walk keeps its direction [s]."""
-
 
 S = TypeVar("S", bound=TaskSettings)
 T = TypeVar("T", bound=TaskState)
@@ -182,10 +182,8 @@ class Task(ABC, Generic[S, T]):
 
         In `own_pheromones` each robot finds only its own pheromones.
         """
-        patrol, space = mission.patrol, poses.space
-        trails = BufferSettings(
-            patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion
-        )
+        space = poses.space
+        trails = trail_settings(mission.patrol)
         return {
             "gradients": SoBuffer(AROUND, space, poses),
             "pheromones": SoBuffer(trails, space, poses, reception.delivery()),
@@ -244,6 +242,11 @@ class Task(ABC, Generic[S, T]):
         for measure in self.measures:
             met &= np.array([measure.met(value) for value in values[measure.name].tolist()])
         return met
+
+
+def trail_settings(patrol: PatrolConfig) -> BufferSettings:
+    """Return the settings of buffers of pheromones, of which the strongest at a place counts."""
+    return BufferSettings(patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion)
 
 
 def measures_of(mission: MissionConfig) -> tuple[Measure, ...]:

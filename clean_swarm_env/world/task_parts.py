@@ -53,11 +53,6 @@ class Measure:
         ratio: Floats = np.clip(better, least, MOST_RATIO)
         return np.where(ratio > 1.0, ratio, 1.0 / MOST_RATIO) if self.guard else ratio
 
-    def score(self, values: Floats) -> Floats:
-        """Return the scores of values: 1 where the target is just met, 0 as far from it as it is from 0."""
-        sign = -1.0 if self.better == "lower" else 1.0
-        return 1.0 + sign * (values - self.target) / (abs(self.target) or 1.0)
-
 
 def key_of(measure: str) -> str:
     """Return the name of a measure as infos and rewards have it: letters, digits and underscores."""
@@ -135,6 +130,7 @@ class WorldStart:
 
     Attributes:
         world: number of the world.
+        rows: rows of its robots in arrays of all worlds.
         robots: number of robots.
         ground: the ground.
         rng: generator of all draws.
@@ -144,11 +140,12 @@ class WorldStart:
     """
 
     def __init__(
-        self, world: int, robots: int, ground: Ground, rng: np.random.Generator, poses: Floats | None = None
+        self, world: int, rows: slice, ground: Ground, rng: np.random.Generator, poses: Floats | None = None
     ) -> None:
-        self.world, self.robots, self.ground, self.rng = world, robots, ground, rng
+        self.world, self.rows, self.ground, self.rng = world, rows, ground, rng
+        self.robots: int = rows.stop - rows.start
         self.given = poses is not None
-        self.poses: Floats = np.zeros((robots, 3)) if poses is None else poses
+        self.poses: Floats = np.zeros((self.robots, 3)) if poses is None else poses
 
     @property
     def places(self) -> Floats:
@@ -182,7 +179,7 @@ class WorldStart:
             gap: least distance from these [m], one or one for each.
 
         Raises:
-            ConfigurationError: no room for so many places.
+            ConfigurationError: there is no room for all the places.
 
         """
         ground, taken = self.ground, np.zeros((0, 2)) if free_of is None else free_of

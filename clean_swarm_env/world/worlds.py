@@ -129,23 +129,23 @@ class Worlds:
         self._clock.reset(world)
         self.floor.reset(world, mission, items)
         rows = self.rows_of(world)
+        own = slice(int(rows[0]), int(rows[-1]) + 1)
         self.minds.reset(world, mission, rows, stream)
-        self.team.reset(world, self._placed(world, mission, start, stream))
-        self.task.reset(world, slice(int(rows[0]), int(rows[-1]) + 1))
+        self.team.reset(world, self._placed(world, own, start, stream))
+        self.task.reset(world, own)
         self._agendas.reset(world, mission, stream)
 
-    def _placed(
-        self, world: int, mission: MissionConfig, start: StartConfiguration, stream: np.random.SeedSequence
-    ) -> Floats:
+    def _placed(self, world: int, rows: slice, start: StartConfiguration, stream: np.random.SeedSequence) -> Floats:
         """Return the poses (N, 3) of robots at the start of a world, and let its task place all else."""
+        mission = self.missions[world]
         given = np.array(start.robots) if start.robots else None
         if mission.cleans:
             assert given is not None  # its counts have been checked
             return given
-        rows = self.rows_of(world)
-        self.task.state.reset(world, slice(int(rows[0]), int(rows[-1]) + 1))
+        self.task.state.reset(world, rows)
         own = np.random.SeedSequence(stream.entropy, spawn_key=(*stream.spawn_key, TASK_STREAM))
-        placing = WorldStart(world, mission.robots.count, self.floor.ground, np.random.default_rng(own), given)
+        placed = slice(rows.start, rows.start + mission.robots.count)
+        placing = WorldStart(world, placed, self.floor.ground, np.random.default_rng(own), given)
         self.task.place(placing)
         return placing.poses
 
@@ -158,7 +158,7 @@ class Worlds:
         return KeptStates(root, self.mission, self.missions, self._clock, {**fits, **alike})
 
     def get_state(self, world: int = 0) -> bytes:
-        """Return all that the further course of a world depends on, but for vectors by which it is driven.
+        """Return everything that decides how a world continues, except the vectors that a learner drives it with.
 
         The bytes say their version, and are sealed.
         """

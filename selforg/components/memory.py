@@ -30,6 +30,11 @@ class RobotMemory:
         """Whether each name stands for a fact or a number."""
         return {name: remembered.kind for name, remembered in self._remembered.items()}
 
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """Names of the facts."""
+        return tuple(name for name, kind in self.kinds.items() if kind == "fact")
+
     def __getitem__(self, name: str) -> Remembered:
         """Return the values under a name; an unknown name raises ValueError."""
         if name not in self._remembered:

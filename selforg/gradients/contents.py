@@ -100,7 +100,7 @@ class Contents:
         return TeamContents(store.near[slots], store.far[slots], links, marks, sweeps, *names, payloads, mail)
 
     def put_part(self, team: int, state: TeamContents, later: float) -> None:
-        """Replace what is stored for a team by what `part_of` returned `later` [s] ago; teams have as many rows."""
+        """Replace what is stored for a team by the result of `part_of`, `later` [s] after it; as many rows."""
         self.clear(team)
         near, far, links, marks = state.near.copy(), state.far.copy(), state.links.copy(), state.marks.copy()
         count = len(near)

@@ -64,8 +64,7 @@ class FactsTerm(Term):
 
     def __init__(self, observed: Observed) -> None:
         super().__init__(observed)
-        kinds = observed.worlds.minds.memory.kinds
-        self.components = tuple(name for name, kind in kinds.items() if kind == "fact")
+        self.components = observed.worlds.minds.memory.facts
 
     def write(self, rows: Ints, out: Floats) -> None:
         memory = self.observed.worlds.minds.memory

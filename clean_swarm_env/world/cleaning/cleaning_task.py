@@ -24,7 +24,7 @@ from clean_swarm_env.world.cleaning.tick_kernels import (
 )
 from clean_swarm_env.world.minds import ITEM_CHANNEL
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.task import Task
+from clean_swarm_env.world.task import Task, trail_settings
 from clean_swarm_env.world.task_parts import Measure, TaskState
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
@@ -71,13 +71,10 @@ class Cleaning(Task[TaskSettings, TaskState]):
     @classmethod
     def buffers(cls, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:
         """Return the buffers of garbage, of traces of the patrol, of stations, and of everything else."""
-        patrol, space = mission.patrol, poses.space
+        space = poses.space
         newest = BufferSettings(mission.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0)
-        strongest = BufferSettings(
-            patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion
-        )
         items = SoBuffer(newest, space, poses)
-        pheromones = SoBuffer(strongest, space, poses, reception.delivery())
+        pheromones = SoBuffer(trail_settings(mission.patrol), space, poses, reception.delivery())
         return {
             "gradients": SoBuffer(BufferSettings(), space, poses),
             "items": items,

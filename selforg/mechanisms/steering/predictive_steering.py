@@ -47,7 +47,7 @@ class Foresight(NamedTuple):
         Floats, "K 4", READ
     ]  # direction beside the wanted one [rad], share of its speed; cosine and sine
     others: Annotated[Floats, "N OTHER", SCRATCH]  # columns OTHER_
-    places: Annotated[Floats, "N PLACE", KEPT]  # where each row was when it last got on; columns PLACE_
+    places: Annotated[Floats, "N PLACE", KEPT]  # where each row last made progress; columns PLACE_
     times: Annotated[Floats, "N TIME", CLOCKED]  # columns SINCE and DARING_UNTIL [s]
     directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
     cursor: Annotated[Ints, "N", KEPT]  # next direction of each row
@@ -79,7 +79,7 @@ class PredictiveSteering(SteeringMechanism):
     of a new velocity is still in the old heading, and beyond `turn_beyond` only half of it is driven, after a turn on
     the spot.
 
-    A robot that did not get on for some time (`patience`) dares more for 1 to 4 s, which dissolves jams. Waiting in
+    A robot that made no progress for some time (`patience`) dares more for 1 to 4 s, which dissolves jams. Waiting in
     a queue was tried and cost more (docs/decisions/0100-steer.md).
 
     Args:
@@ -92,8 +92,8 @@ class PredictiveSteering(SteeringMechanism):
         urgency: threat of coming 1 m nearer than `distance`, at once [1/m].
         turn_cost: cost of a turn by 180 degrees [-].
         turn_beyond: heading error from which the drive turns on the spot [rad].
-        patience: time after which a robot that did not get on dares more [s].
-        circle: radius of the circle that a robot that gets on leaves [m].
+        patience: time after which a robot that made no progress dares more [s].
+        circle: radius of the circle that a robot leaves while it makes progress [m].
         daring: factor on `caution` of a robot that dares more [-].
         **options: see `SteeringMechanism`.
 
