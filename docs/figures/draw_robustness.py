@@ -11,7 +11,7 @@ from typing import Any
 from clean_swarm_env.config.load import load_robustness
 from train.analysis.robustness_report import RobustnessReport, RobustnessRuns
 from train.analysis.strategy_comparison import Estimate
-from train.reports.robustness_figure import draw_robustness
+from train.reports.figures import draw_robustness
 
 DOCS = Path(__file__).parents[1]
 PAGE, PICTURE = DOCS / "robustness.md", DOCS / "pictures" / "robustness.png"

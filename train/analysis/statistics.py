@@ -4,8 +4,10 @@ Shapes: C conditions, K scenarios. `std` is the population's (as in the paper's 
 interval. Ratios of means have theirs by the same distribution (`train.analysis.spread`).
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import scipy.stats
@@ -18,6 +20,8 @@ METRICS = ("duration_s", "collision_samples_per_s", "collision_events_per_s")
 """Figures of cleaning that are compared between conditions."""
 COST = "cost_s"
 """That of other tasks."""
+FURTHER_WORLD: Final = re.compile(r"^(test-\d+)\.\d+$")
+"""The name of a scenario in a further world."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,15 @@ def summarise(values: Floats) -> Summary:
     mean, spread = float(values.mean()), MeanError.of(values[None])
     ci95 = None if spread is None else spread.around(mean)
     return Summary(mean, float(np.median(values)), float(values.std()), ci95)
+
+
+def by_scenario(values: Floats, scenarios: Sequence[str]) -> Floats:
+    """Return the means of known `values` (K,) over the worlds of each scenario."""
+    found: dict[str, list[float]] = {}
+    for name, value in zip(scenarios, values.tolist(), strict=True):
+        if np.isfinite(value):
+            found.setdefault(FURTHER_WORLD.sub(r"\1", name), []).append(value)
+    return np.array([np.mean(own) for own in found.values()])
 
 
 def half_width(count: float, variance: float) -> float | None:

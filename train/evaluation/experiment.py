@@ -27,7 +27,6 @@ from train.evaluation.base import OWN_STARTS, Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT
 from train.evaluation.trial_task import StartTask, TrialTask, experiment_tasks, identities
 from train.reports.experiment_tables import all_tables
-from train.reports.figure import draw
 from train.reports.write_report import Publication
 from train.request import Request
 from train.running.estimate import needs_of
@@ -142,12 +141,14 @@ class ExperimentEvaluation(Evaluation):
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return Table 1, ratios between conditions, comparisons with measured figures, and the picture."""
+        from train.reports.figures import draw_experiment  # waits: the runs need no Matplotlib
+
         report = report_of(
             self.experiment, self.seed, records, self.asked.measured, own_starts=self.asked.starts == OWN_STARTS
         )
         about = f"{self.experiment.description}\nSeed {self.seed}; {self.asked.starts_from}."
         heading = f"# {self.experiment.name}\n\n{about}\n\n"
-        return Publication(heading, all_tables(report), summary_json(report), draw(report))
+        return Publication(heading, all_tables(report), summary_json(report), draw_experiment(report))
 
 
 def learning_strategy(condition: ConditionConfig) -> StrategySpec:

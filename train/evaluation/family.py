@@ -21,7 +21,6 @@ from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
-from train.reports.family_figure import draw_front
 from train.reports.family_tables import family_tables
 from train.reports.write_report import Publication
 from train.request import Request
@@ -159,6 +158,8 @@ class FamilyEvaluation(Evaluation):
             fixed=tuple(entrant.label for entrant in self.entrants if entrant.fixed),
             records=records,
         )
+        from train.reports.figures import draw_front  # waits: the runs need no Matplotlib
+
         report = family_report_of(runs)
         heading = f"# {self.family.name}\n\n{self.family.description}\n\n"
         return Publication(heading, family_tables(report), family_summary_json(report), draw_front(report))

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from train.analysis.robustness_report import RobustnessReport, RobustnessRuns, robustness_summary_json
 from train.evaluation.family import FamilyEvaluation
-from train.reports.robustness_figure import draw_robustness
 from train.reports.robustness_tables import robustness_tables
 from train.reports.write_report import Publication
 from train.request import Request
@@ -27,6 +26,8 @@ class RobustnessEvaluation(FamilyEvaluation):
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return completion, duration and collisions of each strategy under each disturbance, and the picture."""
+        from train.reports.figures import draw_robustness  # waits: the runs need no Matplotlib
+
         conditions = {entrant.label: entrant.conditions for entrant in self.entrants}
         runs = RobustnessRuns(self._robustness, self.request.seed, tuple(self.scenarios), conditions)
         report = RobustnessReport.of(runs, {record.key: record.result for record in records})

@@ -4,29 +4,35 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from html import escape
 from importlib.resources import files
+from typing import Final
 
 import numpy as np
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.canvas import OPTION_COLOURS
 from clean_swarm_env.recording.reader import RecordedMission
-from train.report_page.course_charts import learning_curves, selection_by_situation, selection_over_time
-from train.report_page.results import SELECTION_CHANNELS, HeldResults
-from train.report_page.run_charts import (
-    FIGURES,
+from selforg.arrays import Floats
+from train.analysis.statistics import share_cell
+from train.report_page.charts import (
     differences,
     distributions,
+    learning_curves,
     profile,
-    scenario_map,
-    table_of,
-    with_unfinished,
+    selection_by_situation,
+    selection_over_time,
 )
+from train.report_page.results import SELECTION_CHANNELS, HeldResults
+from train.reports.text_table import markdown_table
 from train.running.runs import RunRecord
 
+FIGURES: Final[Mapping[str, Callable[[RunRecord], float]]] = {
+    "cost [s]": lambda record: record.result.cost_s,
+    "duration [s]": lambda record: record.result.duration_s,
+    "collision events [1/s]": lambda record: record.result.collision_events_per_s[0],
+}
 PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
@@ -40,8 +46,8 @@ NOT_CHECKED = (
     "clean-swarm gather and --resume check it."
 )
 EXPLAINED = (
-    "Dots are runs, boxes quartiles, large dots means with their 95 % intervals (Student, by the number of scenarios). "
-    "The pointer on a mark shows its numbers."
+    "Dots are runs, thin lines scenarios, boxes quartiles, diamonds means with their 95 % intervals (Student, by the "
+    "number of scenarios)."
 )
 
 
@@ -63,7 +69,11 @@ def report_of_results(results: Sequence[HeldResults], links: Mapping[str, str]) 
         head = f"<summary>manifest of {escape(str(held.path))}</summary>"
         body.append(f"<details>{head}<p>{NOT_CHECKED}</p><pre>{content}</pre></details>")
     title = f"{'Evaluation' if results[0].records else 'Training'}: {', '.join(names)}"
-    return PAGE.format(title=escape(title), style=_style(), body="\n".join(body))
+    return PAGE.format(
+        title=escape(title),
+        style=(files("train.report_page") / "page.css").read_text(encoding="utf-8"),
+        body="\n".join(body),
+    )
 
 
 def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Iterator[str]:
@@ -74,13 +84,13 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
     for held in results:
         label = f" of {held.path}" if len(results) > 1 else ""
         yield f"<h2>Tables{escape(label)}</h2>" + html_of_markdown(held.tables)
-    tables = {figure: table_of(records, conditions, scenarios, figure) for figure in FIGURES}
     yield "<h2>Distributions</h2>"
     labels = with_unfinished(records, conditions)
-    for figure, values in tables.items():
-        yield f"<h3>{escape(figure)}</h3>" + distributions(values, labels, scenarios, figure)
-    costs = tables["cost [s]"]
-    paired = differences(costs, labels, scenarios, "cost [s]")
+    for figure in FIGURES:
+        values = table_of(records, conditions, scenarios, figure)
+        yield f"<h3>{escape(figure)}</h3>" + distributions(values, scenarios, labels, figure)
+    costs = table_of(records, conditions, scenarios, "cost [s]")
+    paired = differences(costs, scenarios, labels, "cost [s]")
     if paired:
         yield "<h2>Paired differences</h2>"
         yield _note(
@@ -128,13 +138,46 @@ def _training(results: Sequence[HeldResults]) -> Iterator[str]:
     labels = [held.path.name if len(results) > 1 else held.name for held in results]
     yield "<h2>Learning curves</h2>"
     yield learning_curves([(label, held.history) for label, held in zip(labels, results, strict=True)])
-    yield _note("Large dots are checkpoints that were the best so far; the last of them is what was exported.")
+    yield _note("Diamonds are checkpoints that were the best so far; the last of them is what was exported.")
     for label, held in zip(labels, results, strict=True):
         columns = list(dict.fromkeys(name for entry in held.history for name in entry))
-        lines = [_line(columns), _line(["---"] * len(columns))]
-        lines += [_line([_cell(entry.get(name)) for name in columns]) for entry in held.history]
-        yield f"<h2>Checkpoints of {escape(label)}</h2>" + html_of_markdown("\n".join(lines))
+        rows = [[_cell(entry.get(name)) for name in columns] for entry in held.history]
+        yield f"<h2>Checkpoints of {escape(label)}</h2>" + html_of_markdown(markdown_table(columns, rows))
     yield from _selection(results, "train")
+
+
+def table_of(records: Sequence[RunRecord], conditions: Sequence[str], scenarios: Sequence[str], figure: str) -> Floats:
+    """Return a figure of all runs (C, K)."""
+    at = {record.key: FIGURES[figure](record) for record in records}
+    return np.array([[at.get((scenario, name), np.nan) for scenario in scenarios] for name in conditions])
+
+
+def with_unfinished(records: Sequence[RunRecord], conditions: Sequence[str]) -> list[str]:
+    """Return the conditions with their shares of unfinished missions; without them if nobody finished any."""
+    done = {name: [record.result.completed for record in records if record.condition == name] for name in conditions}
+    if not any(map(any, done.values())):
+        return list(conditions)
+    return [f"{name}, {share_cell(1.0 - sum(own) / len(own))} unfinished" for name, own in done.items()]
+
+
+def scenario_map(values: Floats, conditions: Sequence[str], scenarios: Sequence[str], links: Mapping[str, str]) -> str:
+    """Return a table of all runs, the darker the further above the best of the scenario; `links`: run -> page."""
+    heads = "".join(f"<th><span>{escape(name)}</span></th>" for name in conditions)
+    rows = [f"<tr><th></th>{heads}</tr>"]
+    lowest = np.nanmin(values, axis=0)
+    for k, scenario in enumerate(scenarios):
+        cells = [f"<th>{escape(scenario)}</th>"]
+        for c, name in enumerate(conditions):
+            value = values[c, k]
+            if not np.isfinite(value):
+                cells.append("<td>-</td>")
+                continue
+            excess = min(np.log(max(value / max(lowest[k], 1e-9), 1.0)) / np.log(10.0), 1.0)
+            link = links.get(f"{scenario}-{name}")
+            text = f"{value:.4g}" if link is None else f'<a href="{escape(link, quote=True)}">{value:.4g}</a>'
+            cells.append(f'<td style="--excess:{100 * excess:.0f}%">{text}</td>')
+        rows.append(f"<tr>{''.join(cells)}</tr>")
+    return f'<div class="wide"><table class="map">{"".join(rows)}</table></div>'
 
 
 def html_of_markdown(text: str) -> str:
@@ -158,20 +201,8 @@ def html_of_markdown(text: str) -> str:
     return "".join(parts)
 
 
-def _style() -> str:
-    """Return the style, with a class for each colour."""
-    colours = (f".c{k} {{ fill: {c}; stroke: none; background: {c}; }}" for k, c in enumerate(OPTION_COLOURS))
-    strokes = (f"svg .line.c{k} {{ stroke: {c}; }}" for k, c in enumerate(OPTION_COLOURS))
-    sheet = (files("train.report_page") / "page.css").read_text(encoding="utf-8")
-    return "\n".join([*colours, sheet, *strokes])
-
-
 def _note(text: str) -> str:
     return f'<p class="note">{escape(text)}</p>'
-
-
-def _line(cells: Sequence[str]) -> str:
-    return f"|{'|'.join(cells)}|"
 
 
 def _cell(value: object) -> str:

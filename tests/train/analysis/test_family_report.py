@@ -12,8 +12,8 @@ from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.world.mission_end import mission_cost
 from tests.train.records import record
 from train.analysis.family_report import FamilyRuns, family_report_of
-from train.reports.family_figure import draw_front
 from train.reports.family_tables import family_tables
+from train.reports.figures import draw_front
 
 LIMIT, SCENARIOS = 20.0, 8
 

@@ -12,7 +12,7 @@ from rich.console import Console
 from tests.train.records import experiment, record
 from train.analysis.report import report_of, summary_json
 from train.reports.experiment_tables import all_tables, ratios, table_1
-from train.reports.figure import draw
+from train.reports.figures import draw_experiment
 from train.reports.text_table import markdown, on_terminal
 
 
@@ -59,7 +59,7 @@ def test_what_does_not_exist_is_null_and_never_nan():
     content = json.loads(summary_json(report), parse_constant=pytest.fail)
     assert content["conditions"]["a"]["duration_s"]["ci95"] is None
     assert [(c["ratio"], c["ci95"]) for c in content["comparisons"]] == [(1.0, None), (None, None), (None, None)]
-    assert draw(report)
+    assert draw_experiment(report)
     assert "| - | - |" in "".join(markdown(grid) for grid in all_tables(report))
 
 
@@ -138,7 +138,9 @@ def test_many_scenarios_are_left_to_the_file():
 
 @pytest.mark.parametrize("scenarios", [1, 5, 100])
 def test_the_figure_is_a_picture_with_every_condition(scenarios):
-    image = np.asarray(Image.open(io.BytesIO(draw(_report(scenarios, conditions=("a", "b", "c"))))).convert("RGB"))
-    assert image.shape[0] > 500
-    for colour in ((0xC4, 0x4E, 0x52), (0x4C, 0x72, 0xB0), (0x55, 0xA8, 0x68)):
+    image = np.asarray(
+        Image.open(io.BytesIO(draw_experiment(_report(scenarios, conditions=("a", "b", "c"))))).convert("RGB")
+    )
+    assert image.shape[0] > 400
+    for colour in ((0x00, 0x72, 0xB2), (0xE6, 0x9F, 0x00), (0x00, 0x9E, 0x73)):
         assert (np.abs(image.astype(int) - colour).sum(axis=-1) < 6).sum() > 50

@@ -1,0 +1,179 @@
+"""The charts of a page, as SVG: of the runs of an evaluation, of a training, and of recorded runs.
+
+Shapes: C conditions, K scenarios, O options. A figure of a run that is missing is NaN.
+"""
+
+from collections.abc import Sequence, Sized
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from clean_swarm_env.drawing.canvas import OPTION_COLOURS
+from clean_swarm_env.recording.reader import RecordedMission
+from selforg.arrays import Flags, Floats, Ints
+from train.reports.charts import LOG_FROM, colour_of, draw_rows, label_of, log_scale, panels, svg
+
+COST = "/cost_s"
+WIDTH: Final = 9.2
+"""Width of a chart [inch]."""
+FARTHEST_RATIO: Final = 1000.0
+"""Ratios of costs beyond this one are drawn there."""
+SLICES: Final = 60
+"""Times at which shares of options are drawn."""
+CROWDED: Final = 2.0
+"""Distance within which other robots count as near [m]."""
+MOST_PAIRS: Final = 10_000_000
+"""Pairs of robots of a recording that are looked at, over all frames; of longer ones fewer frames are."""
+LEAST_WRITTEN: Final = 0.07
+"""Shares from which on the number is written."""
+
+
+def distributions(values: Floats, scenarios: Sequence[str], labels: Sequence[str], title: str) -> str:
+    """Return a row for each condition: every run (C, K), quartiles, and the mean with its 95 % interval."""
+    known = values[np.isfinite(values)]
+    with panels(1, 1, (WIDTH, 0.8 + 0.42 * len(values))) as (figure, ((axes,),)):
+        draw_rows(axes, values, scenarios, labels, range(len(values)))
+        if known.min() > 0.0 and known.max() > LOG_FROM * known.min():
+            log_scale(axes, "x")
+        axes.set_xlabel(title)
+        return svg(figure)
+
+
+def differences(values: Floats, scenarios: Sequence[str], labels: Sequence[str], title: str) -> str:
+    """Return a row for each condition: its differences to the condition of the lowest mean, on the same scenarios."""
+    best = int(np.nanargmin(np.nanmean(values, axis=1)))
+    apart = values - values[best]
+    others = [c for c in range(len(values)) if c != best and np.isfinite(apart[c]).any()]
+    if not others:
+        return ""
+    with panels(1, 1, (WIDTH, 0.8 + 0.42 * len(others))) as (figure, ((axes,),)):
+        draw_rows(axes, apart[others], scenarios, [labels[c] for c in others], others)
+        axes.axvline(0.0, color="0.5", linewidth=1)
+        axes.set_xlabel(f"{title}, minus that of {label_of(labels[best])} on the same scenario")
+        return svg(figure)
+
+
+def profile(values: Floats, labels: Sequence[str]) -> str:
+    """Return for each condition the share of scenarios whose cost is at most a factor of the lowest one there."""
+    ratios = np.clip(values / np.nanmin(values, axis=0), 1.0, FARTHEST_RATIO)
+    end = 1.05 * max(float(np.nanmax(ratios)), 2.0)
+    with panels(1, 1, (WIDTH, _height(3.4, labels))) as (figure, ((axes,),)):
+        for c, own in enumerate(ratios):
+            found = np.sort(own[np.isfinite(own)])
+            shares = np.arange(len(found) + 1) / values.shape[1]
+            axes.step([1.0, *found, end], [*shares, shares[-1]], where="post", color=colour_of(c), lw=2)
+        log_scale(axes, "x")
+        axes.set(xlim=(1.0, end), ylim=(0.0, 1.02), xlabel="cost as a factor of the lowest on that scenario")
+        _add_key(axes, labels)
+        return svg(figure)
+
+
+def learning_curves(histories: Sequence[tuple[str, Sequence[dict[str, Any]]]]) -> str:
+    """Return the cost on validation scenarios over decisions, for each training and family; diamonds: best so far."""
+    curves: dict[str, list[tuple[float, float, bool]]] = {}
+    for name, history in histories:
+        for entry in history:
+            for key, value in entry.items():
+                if key.endswith(COST) and isinstance(value, int | float):
+                    label = f"{name}: {key.removesuffix(COST)}" if len(histories) > 1 else key.removesuffix(COST)
+                    at = float(entry.get("decisions", entry.get("checkpoint", 0)))
+                    curves.setdefault(label, []).append((at, float(value), bool(entry.get("best"))))
+    if not curves:
+        return ""
+    with panels(1, 1, (WIDTH, _height(3.4, curves))) as (figure, ((axes,),)):
+        for c, curve in enumerate(curves.values()):
+            places, costs, best = zip(*curve, strict=True)
+            axes.plot(places, costs, color=colour_of(c), marker="D", markevery=np.flatnonzero(best).tolist())
+        axes.set(xlabel="decisions", ylabel="cost on validation scenarios [s]")
+        axes.set_xlim(left=0.0)
+        _add_key(axes, list(curves))
+        return svg(figure)
+
+
+def selection_over_time(recordings: Sequence[RecordedMission], goal: str) -> str:
+    """Return the share of robots at work that hold each option, over time; the mean of the runs that go on."""
+    options, end = recordings[0].head["options"][goal], max(float(r.times[-1]) for r in recordings)
+    edges = np.linspace(0.0, end + recordings[0].period, SLICES + 1)
+    counts = np.zeros((SLICES, len(options)))
+    for recording in recordings:
+        held, working = recording[f"held/{goal}"], recording["working"] == 1
+        slices = np.clip(np.searchsorted(edges, recording.times, side="right") - 1, 0, SLICES - 1)
+        for k in range(len(options)):
+            np.add.at(counts[:, k], slices, ((held == k) & working).sum(axis=1))
+    there, used = counts.sum(axis=1) > 0, np.flatnonzero(counts.sum(axis=0)).tolist()
+    shares = counts[there] / counts[there].sum(axis=1, keepdims=True)
+    middles = ((edges[:-1] + edges[1:]) / 2.0)[there]
+    with panels(1, 1, (WIDTH, _height(2.6, used))) as (figure, ((axes,),)):
+        axes.stackplot(middles, shares[:, used].T, colors=[_colour_of_option(k) for k in used])
+        axes.set(xlim=(0.0, end or 1.0), ylim=(0.0, 1.0), xlabel="time [s]", ylabel="share of robots")
+        _add_key(axes, [options[k] for k in used])
+        return svg(figure)
+
+
+def selection_by_situation(recordings: Sequence[RecordedMission], goal: str) -> str:
+    """Return the share of time that robots hold each option, by cargo and by how many others are near."""
+    options = recordings[0].head["options"][goal]
+    counts: dict[str, Floats] = {}
+    for recording in recordings:
+        step = 1 + recording.frames * recording.head["robots"] ** 2 // MOST_PAIRS
+        held = recording[f"held/{goal}"][::step]
+        for name, there in _situations(recording, step).items():
+            own = [np.count_nonzero(held[there] == k) for k in range(len(options))]
+            counts[name] = counts.get(name, np.zeros(len(options))) + own
+    shares = {name: own / own.sum() for name, own in counts.items() if own.any()}
+    used = np.flatnonzero(sum(shares.values(), np.zeros(len(options)))).tolist()
+    with panels(1, 1, (WIDTH, _height(0.8 + 0.3 * len(shares), used))) as (figure, ((axes,),)):
+        begins = np.zeros(len(shares))
+        for k in used:
+            widths = np.array([own[k] for own in shares.values()])
+            bars = axes.barh(list(shares), widths, left=begins, color=_colour_of_option(k))
+            written = [f"{width:.0%}" if width >= LEAST_WRITTEN else "" for width in widths]
+            axes.bar_label(bars, written, label_type="center", fontsize=7, color="black")
+            begins += widths
+        axes.set(xlim=(0.0, 1.0), ylim=(len(shares) - 0.5, -0.5), xlabel="share of time")
+        _add_key(axes, [options[k] for k in used])
+        return svg(figure)
+
+
+def _colour_of_option(place: int) -> str:
+    """Return the colour that an option has in pictures of robots, too."""
+    return OPTION_COLOURS[place % len(OPTION_COLOURS)]
+
+
+def _height(least: float, names: Sized) -> float:
+    """Return the height [inch] of a chart that has the key of these names."""
+    return max(least, 0.3 + 0.17 * len(names))
+
+
+def _add_key(axes: Axes, names: Sequence[str]) -> None:
+    """Write the names beside their colours, at the right of a chart."""
+    artists = axes.get_lines() or axes.collections or [bars[0] for bars in axes.containers]
+    axes.figure.legend(artists, [label_of(name) for name in names], loc="outside right upper", frameon=False)
+
+
+def _situations(recording: RecordedMission, step: int) -> dict[str, Flags]:
+    """Return when robots (T, N) are in each situation, in every `step`-th frame."""
+    cargo, recycled, working = (recording[name][::step] for name in ("cargo", "recycled", "working"))
+    recycled, working, near = recycled == 1, working == 1, _near(recording, step)
+    return {
+        "searching": working & (cargo < 0),
+        "with an item": working & (cargo >= 0) & ~recycled,
+        "with leftovers": working & (cargo >= 0) & recycled,
+        f"nobody within {CROWDED:g} m": working & (near == 0),
+        f"1 or 2 within {CROWDED:g} m": working & ((near == 1) | (near == 2)),
+        f"3 and more within {CROWDED:g} m": working & (near >= 3),
+    }
+
+
+def _near(recording: RecordedMission, step: int) -> Ints:
+    """Return how many others are near each robot (T, N), in every `step`-th frame."""
+    x, y, there = recording["x"][::step], recording["y"][::step], recording["present"][::step] == 1
+    width, height = recording.head["width"], recording.head["height"]
+    near = np.zeros(x.shape, dtype=np.int64)
+    for robot in range(x.shape[1]):
+        dx, dy = x - x[:, [robot]], y - y[:, [robot]]
+        dx, dy = dx - width * np.round(dx / width), dy - height * np.round(dy / height)
+        near += (np.hypot(dx, dy) < CROWDED) & there[:, [robot]]
+    others: Ints = near - there
+    return others

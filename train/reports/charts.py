@@ -1,0 +1,137 @@
+"""Charts by Matplotlib: one style and one set of colours for the pictures of evaluations and for pages of reports.
+
+Shapes: C conditions, K scenarios.
+"""
+
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from io import BytesIO, StringIO
+from typing import Any, Final
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
+
+from clean_swarm_env.drawing.canvas import OPTION_COLOURS
+from selforg.arrays import Flags, Floats
+from train.analysis.spread import Interval
+from train.analysis.statistics import by_scenario, summarise
+
+COLOURS = tuple(colour for colour in OPTION_COLOURS if colour != "#F0E442")
+"""Colours of conditions in turn; without the yellow, which is hardly seen on white."""
+TEXT_COLOUR: Final = "#1b1b1b"
+"""Colour of text and axes; on a page it becomes the colour of the page's text."""
+STYLE: Final[dict[Any, Any]] = {
+    "font.size": 9,
+    "font.sans-serif": ["DejaVu Sans"],
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "#88888844",
+    **dict.fromkeys(("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color"), TEXT_COLOUR),
+    "text.parse_math": False,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "clean-swarm",
+    "pdf.fonttype": 42,
+}
+LOG_FROM: Final = 20.0
+"""Ratio of the largest to the least value from which a scale is logarithmic."""
+LONGEST_LABEL: Final = 44
+"""Letters of a label; longer ones are cut."""
+SPREAD: Final = 0.25
+"""Half the height of the points of a row, in rows."""
+
+
+@contextmanager
+def panels(rows: int, columns: int, size: tuple[float, float], *, shared: bool = False) -> Iterator[tuple[Figure, Any]]:
+    """Yield a figure of `size` [inch] in our style, and its axes (rows, columns); `shared`: y by those of a row."""
+    with mpl.rc_context(STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph")  # letters that the font does not have are boxes
+        figure = Figure(figsize=size, layout="constrained")
+        yield figure, figure.subplots(rows, columns, squeeze=False, sharex="col", sharey="row" if shared else "none")
+
+
+def png(figure: Figure, dpi: int = 150) -> bytes:
+    """Return a figure as a PNG."""
+    image = BytesIO()
+    figure.savefig(image, format="png", dpi=dpi, metadata={"Software": "clean-swarm"})
+    return image.getvalue()
+
+
+def svg(figure: Figure) -> str:
+    """Return a figure as an element of a page, in the colours of its text and background; equal for equal figures."""
+    image = StringIO()
+    unsaid = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+    figure.savefig(image, format="svg", transparent=True, metadata=unsaid)
+    text = image.getvalue()
+    return text[text.index("<svg") :].replace(TEXT_COLOUR, "currentColor")
+
+
+def colour_of(place: int) -> str:
+    """Return the colour of the condition at a place."""
+    return COLOURS[place % len(COLOURS)]
+
+
+def label_of(name: str) -> str:
+    """Return a name, cut if it is too long for a chart."""
+    return name if len(name) <= LONGEST_LABEL else f"{name[: LONGEST_LABEL - 3]}..."
+
+
+def log_scale(axes: Axes, name: str) -> None:
+    """Make the axis x or y logarithmic, with plain numbers."""
+    axes.set(**{f"{name}scale": "log"})
+    axis: Axis = {"x": axes.xaxis, "y": axes.yaxis}[name]
+    for choose in (axis.set_major_formatter, axis.set_minor_formatter):
+        choose(LogFormatter(minor_thresholds=(2.0, 0.8), labelOnlyBase=False))
+
+
+def error_bar(value: float, ci95: Interval | None) -> list[list[float]]:
+    """Return the lengths of an error bar below and above a value, as Matplotlib asks for them."""
+    low, high = ci95 or (value, value)
+    return [[value - low], [high - value]]
+
+
+def draw_rows(
+    axes: Axes,
+    values: Floats,
+    scenarios: Sequence[str],
+    labels: Sequence[str],
+    places: Sequence[int],
+    hollow: Flags | None = None,
+) -> None:
+    """Draw a row for each condition: every run, the quartiles, and the mean with its 95 % interval.
+
+    Args:
+        axes: where to draw.
+        values: (C, K), NaN where there is none.
+        scenarios: their names; the worlds of one count once in the interval.
+        labels: names of the conditions.
+        places: of the conditions among all, for their colours.
+        hollow: (C, K) runs whose points are hollow.
+
+    """
+    heights = np.arange(len(values))[:, None] + SPREAD * np.cos(np.arange(values.shape[1]) * np.pi * (3.0 - 5.0**0.5))
+    axes.plot(values, heights, color="0.6", linewidth=0.5, alpha=max(0.1, min(0.6, 12 / values.shape[1])), zorder=1)
+    for row, place in enumerate(places):
+        colour, known = colour_of(place), np.isfinite(values[row])
+        filled = known if hollow is None else known & ~hollow[row]
+        axes.scatter(values[row, filled], heights[row, filled], s=12, color=colour, alpha=0.6, linewidths=0)
+        axes.scatter(
+            values[row, known & ~filled], heights[row, known & ~filled], s=14, facecolors="none", edgecolors=colour
+        )
+        if not known.any():
+            continue
+        first, third = np.quantile(values[row, known], [0.25, 0.75])
+        axes.barh(row, third - first, 0.5, first, color=colour, alpha=0.2)
+        found = summarise(by_scenario(values[row], scenarios))
+        spread = error_bar(found.mean, found.ci95)
+        axes.errorbar(found.mean, row, xerr=spread, fmt="D", color=colour, mec="white", ms=7, lw=2, zorder=4)
+        interval = "" if found.ci95 is None else "\n[{:.4g}, {:.4g}]".format(*found.ci95)
+        beside = axes.get_yaxis_transform()
+        axes.text(1.02, row, f"mean {found.mean:.4g}{interval}", transform=beside, va="center", fontsize=7)
+    axes.set_yticks(range(len(values)), [label_of(label) for label in labels])
+    axes.set_ylim(len(values) - 0.5, -0.5)
+    axes.grid(axis="x")
