@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from benchmarks.shared.pymunk_space import PymunkSpace, find_copies, push_bodies, wrap_bodies
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.motion import COPY_OFFSETS
-from clean_swarm_env.physics.physics import Physics
-from clean_swarm_env.physics.settings import PhysicsSettings
+from clean_swarm_env.physics.physics import Physics, PhysicsSettings
 
 SUBSTEPS = 4  # a tick
 WARM_UP = 20  # ticks before the measurement: spaces are built, robots have met

@@ -13,13 +13,13 @@ from statistics import median
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.network.explain.recording import Recorder
 from selforg.network.model.activators import Boolean, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.recording import Recorder
 from tests.selforg.network.cleaning import cleaning_model, wandering
 
 # The original on a 2.1 GHz Xeon core, ROS replaced by in-process calls: one step of one robot [s]

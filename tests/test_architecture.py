@@ -17,12 +17,10 @@ PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs")
 BORDERS = {
     "pymunk": {"clean_swarm_env/physics/contact_space.py"},
     "numba": {  # the compiler's own folder, and what calls C from compiled code
-        "selforg/compiler/addresses.py",
+        "selforg/compiler/intrinsics.py",
         "selforg/compiler/cache.py",
         "selforg/compiler/decorators.py",
-        "selforg/compiler/llvm.py",
         "selforg/compiler/parts.py",
-        "selforg/compiler/prefetch.py",
         "selforg/compiler/records.py",
         "selforg/compiler/switches.py",
         "clean_swarm_env/physics/chipmunk_calls.py",

@@ -14,7 +14,7 @@ from pymunk._chipmunk_cffi import ffi, lib
 from clean_swarm_env.physics.chipmunk_calls import COLLISION_SLOP
 from clean_swarm_env.physics.contact_space import COPIES
 from clean_swarm_env.physics.motion import COPY_OFFSETS, SKIN
-from clean_swarm_env.physics.settings import PhysicsSettings
+from clean_swarm_env.physics.physics import PhysicsSettings
 from selforg.arrays import Flags, Floats
 from selforg.compiler.decorators import kernel
 from selforg.space import wrapped

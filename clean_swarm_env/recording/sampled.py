@@ -20,12 +20,12 @@ from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork, at_any_depth
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.network.explain.explanation import in_short
+from selforg.network import plan_state as ps
+from selforg.network import state as st
+from selforg.network.explanation import in_short
 from selforg.network.model.conditions import Condition, Optional, Tree
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import plan_state as ps
-from selforg.network.state import state as st
-from selforg.network.state.reasons import WORDS
+from selforg.network.reasons import WORDS
 
 BEHAVIOUR_TERMS = ("activation", "satisfaction", *st.COMPONENTS)
 """Terms of a behaviour, in the order of the layers of `state`."""

@@ -16,8 +16,8 @@ import numpy as np
 from clean_swarm_env.recording.channels import LARGEST_WHOLE, AnyArray, Channel, PackedFrames
 from clean_swarm_env.recording.stepping import WholeNumbers, pack_steps, rounded
 from selforg.arrays import Ints
-from selforg.compiler.addresses import byte_at, float_at, int_at
 from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.intrinsics import byte_at, float_at, int_at
 from selforg.compiler.switches import COMPILED, PLAIN
 
 BY_ADDRESS = COMPILED and not PLAIN

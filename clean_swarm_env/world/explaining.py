@@ -12,9 +12,9 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork, at_any_depth
-from selforg.network.explain.explanation import Explanation, explain
-from selforg.network.explain.recording import Recorder
+from selforg.network.explanation import Explanation, explain
 from selforg.network.network import BehaviourNetwork
+from selforg.network.recording import Recorder
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings
-from clean_swarm_env.physics.physics import Physics
-from clean_swarm_env.physics.settings import PhysicsSettings
+from clean_swarm_env.physics.physics import Physics, PhysicsSettings
 from clean_swarm_env.world.cleaning.consequences import Consequences
 from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.world.ground import Ground

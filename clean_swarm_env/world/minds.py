@@ -28,7 +28,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms import MovementMechanism, Patrol
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.names import planner_named
+from selforg.network.planning.planner import planner_named
 from selforg.randomness import DirectionStream
 from selforg.registry import unknown
 

@@ -17,8 +17,7 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from selforg.arrays import KEPT, SCRATCH, Floats, Ints
-from selforg.gradients.delivery import Delivery
-from selforg.gradients.pose_delivery import PoseDelivery
+from selforg.gradients.delivery import Delivery, PoseDelivery
 from selforg.gradients.poses import OwnPoses
 
 LOSSES, ERRORS = 0xFFFFFFFD, 0xFFFFFFFC

@@ -20,8 +20,8 @@ from selforg.arrays import KEPT, READ, SCRATCH, Flags, Ints, Within, derived
 from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
 from selforg.declared import make_arrays
+from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import state as st
 
 
 class Coordinator:

@@ -19,16 +19,10 @@ from numba.extending import register_jitable
 
 from selforg.compiler.cache import folder_for
 from selforg.compiler.parts import known_to_kernels
-from selforg.compiler.switches import COMPILED, PLAIN
+from selforg.compiler.switches import COMPILED, LEAN, NUMPY_ERRORS, PLAIN
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-NUMPY_ERRORS = {"error_model": "numpy"}
-LEAN = NUMPY_ERRORS if PLAIN else {**NUMPY_ERRORS, "no_cfunc_wrapper": True, "_nrt": False}
-"""Options of functions that make no arrays: references to arrays are not counted, the caller holds them anyway.
-
-Counting took 35 ns a pair of robots in place of 3: docs/decisions/0020-no-reference-counts.md."""
 
 
 class WithoutCollector(event.Listener):

@@ -16,7 +16,7 @@ from numba.core.compiler import Compiler as NumbaCompiler
 from numba.core.compiler import Flags
 from numba.extending import models, register_model
 
-from selforg.compiler.llvm import Compiler
+from selforg.compiler.intrinsics import Compiler
 
 Given = ParamSpec("Given")
 Result = TypeVar("Result")

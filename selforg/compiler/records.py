@@ -37,7 +37,7 @@ from numba import types
 from numba.extending import intrinsic, register_jitable
 
 from selforg.arrays import Ints, Mark, scalar_of
-from selforg.compiler.llvm import LLVM, Compiler
+from selforg.compiler.intrinsics import LLVM, Compiler
 from selforg.compiler.switches import CHECKED, COMPILED, PLAIN
 
 Record = TypeVar("Record", bound=tuple[Any, ...])

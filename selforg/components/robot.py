@@ -11,9 +11,8 @@ from selforg.arrays import READ, Floats, Ints
 from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
 from selforg.components.actions import Action
-from selforg.components.sensors import SensorComponent, VectorSensor
+from selforg.components.sensors import SensorComponent, VectorReadings, VectorSensor
 from selforg.components.sources import MovementSource, Source
-from selforg.components.vector_readings import VectorReadings
 from selforg.network.network import BehaviourNetwork
 
 Actions = Mapping[str, Action | Sequence[Action]]

@@ -136,7 +136,7 @@ class SoBuffer(Contents):
 
     def deliver(self, now: float) -> None:
         """Store the messages that are due at `now` [s]; call it before the rows look. Does nothing without a delay."""
-        for messages, tags in self.mail.collect(now):
+        for _, messages, tags in self.mail.collect(now):
             self.store_tables(messages, tags, now)
 
     def clear_rows(self, rows: Ints) -> None:

@@ -14,9 +14,9 @@ import numpy.typing as npt
 from selforg.arrays import Floats, Ints, Links
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Words, Written
-from selforg.gradients.delivery import Delivery, Mail
-from selforg.gradients.names import Codes
+from selforg.gradients.delivery import Delivery, Mail, Post
 from selforg.gradients.poses import OwnPoses
+from selforg.gradients.rows import Codes
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.linking import link, take_slot
@@ -39,9 +39,7 @@ class TeamContents(NamedTuple):
     keys: tuple[str, ...]  # names of values, by their numbers
     sources: tuple[str, ...]  # names of senders that are not rows, by their numbers
     payloads: dict[int, Any]  # by MARK_SERIAL
-    mail: list[
-        tuple[float, Floats, Ints]
-    ]  # under way: arrival [s], messages and tags; rows count from the team's first
+    mail: list[Post]  # under way; rows count from the team's first
 
 
 class Contents:

@@ -1,21 +1,28 @@
 """Delivery: which rows receive what is spread, and when.
 
 With ideal delivery (the default) all rows of a team share one content. With a limited range, losses or a delay every
-row has a content of its own, and what is spread is stored once for each row that receives it.
+row has a content of its own, and what is spread is stored once for each row that receives it. Poses are spread to all
+of a team in every tick, and never copied: `PoseDelivery` notes for each member of the team the age, in the history of
+that member, of the last two poses received from it. A row that looks at poses begins with the last one received.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from operator import itemgetter
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import SCRATCH, Floats, Ints
 from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
 from selforg.space import squared_length
+
+Post: TypeAlias = tuple[float, Floats, Ints]
+"""Arrival [s], messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS)."""
 
 
 @dataclass(frozen=True)
@@ -57,41 +64,32 @@ class Delivery:
         return given == 0 and bool(np.isinf(self.reach)) and self.loss == 0 and self.delay == 0
 
 
-@dataclass
 class Mail:
-    """Messages under way: when they arrive [s], and the tables that the buffer will store."""
+    """Messages under way, in the order of posting: when they arrive [s], and the tables that the buffer will store."""
 
-    arrivals: list[float] = field(default_factory=list)
-    messages: list[Floats] = field(default_factory=list)
-    tags: list[Ints] = field(default_factory=list)
+    def __init__(self) -> None:
+        self.posts: list[Post] = []
 
     def add(self, arrival: float, messages: Floats, tags: Ints) -> None:
         """Post messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) that arrive together."""
-        self.arrivals.append(arrival)
-        self.messages.append(messages)
-        self.tags.append(tags)
+        self.posts.append((arrival, messages, tags))
 
-    def collect(self, now: float) -> list[tuple[Floats, Ints]]:
+    def collect(self, now: float) -> list[Post]:
         """Remove and return what has arrived by `now` [s], in the order of arrival, then of posting."""
-        due = sorted((i for i, arrival in enumerate(self.arrivals) if arrival <= now), key=lambda i: self.arrivals[i])
-        taken = [(self.messages[i], self.tags[i]) for i in due]
-        stays = [i for i, arrival in enumerate(self.arrivals) if arrival > now]
-        self.arrivals = [self.arrivals[i] for i in stays]
-        self.messages = [self.messages[i] for i in stays]
-        self.tags = [self.tags[i] for i in stays]
-        return taken
+        due = sorted((post for post in self.posts if post[0] <= now), key=itemgetter(0))
+        self.posts = [post for post in self.posts if post[0] > now]
+        return due
 
-    def to(self, rows: Ints) -> list[tuple[float, Floats, Ints]]:
-        """Return copies of what is under way to `rows` (R,), in the order of posting: arrivals [s], messages, tags."""
-        posts = zip(self.arrivals, self.messages, self.tags, strict=True)
-        addressed = ((*post, np.isin(post[2][:, c.TAG_SPACE], rows)) for post in posts)
+    def to(self, rows: Ints) -> list[Post]:
+        """Return copies of what is under way to `rows` (R,)."""
+        addressed = ((*post, np.isin(post[2][:, c.TAG_SPACE], rows)) for post in self.posts)
         return [(arrival, messages[to], tags[to]) for arrival, messages, tags, to in addressed if to.any()]
 
     def forget(self, rows: Ints) -> None:
         """Delete what is under way to `rows` (R,)."""
-        for i, (messages, tags) in enumerate(zip(self.messages, self.tags, strict=True)):
-            stays = ~np.isin(tags[:, c.TAG_SPACE], rows)
-            self.messages[i], self.tags[i] = messages[stays], tags[stays]
+        stays = [~np.isin(tags[:, c.TAG_SPACE], rows) for _, _, tags in self.posts]
+        posts = zip(self.posts, stays, strict=True)
+        self.posts = [(arrival, messages[kept], tags[kept]) for (arrival, messages, tags), kept in posts]
 
 
 def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -> tuple[Floats, Ints]:
@@ -152,3 +150,74 @@ def find_receivers(
                 which[found], receivers[found] = message, row
                 found += 1
     return found
+
+
+class PoseDelivery:
+    """Delivers poses among the rows of `poses`; call `deliver` after each update of the poses.
+
+    Attributes:
+        reaches: (T,) farthest receiver in each team [m]; the owner may change it.
+        losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
+        generators: one for each row, for the losses of what it spreads; the owner may change it.
+        delay: age of a pose on its arrival [updates].
+
+    Raises:
+        ValueError: poses that were not made with `hearing`.
+
+    """
+
+    _draws: Annotated[Floats, "N MEMBERS", SCRATCH]
+
+    def __init__(
+        self,
+        poses: OwnPoses,
+        reaches: Floats,
+        losses: Floats,
+        generators: Sequence[np.random.Generator],
+        delay: int = 0,
+    ) -> None:
+        if poses.row_table.shape[1] == c.ROW_HEARD:
+            raise ValueError("PoseDelivery: the poses must be made with hearing=True")
+        if not 0 <= delay < max(poses.history, 1):
+            raise ValueError(f"PoseDelivery: delay must lie in the history of {poses.history} poses, got {delay!r}")
+        self.poses, self.delay = poses, delay
+        self.reaches, self.losses, self.generators = reaches, losses, generators
+        self._draws = np.zeros((poses.rows, (poses.row_table.shape[1] - c.ROW_HEARD) // 2))
+
+    def deliver(self) -> None:
+        """Deliver the pose of each row that arrives now to the other rows in range, unless it gets lost.
+
+        Losses are drawn, and ranges measured from where the pose was sent, on its arrival.
+        """
+        lossy = (self.losses > 0.0) & (self.losses < 1.0)
+        if lossy.any():
+            for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
+                self._draws[row] = self.generators[row].random(self._draws.shape[1])
+        deliver_poses(self.poses.packed.words, self.reaches, self.losses, self._draws, self.delay)
+
+
+@kernel
+def deliver_poses(poses: Written[Poses], reaches: Floats, losses: Floats, draws: Floats, delay: int) -> None:
+    """Write for each pair of a team the ages of the last two poses received, -1 for none that is still remembered.
+
+    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads, delay [updates].
+    """
+    p = open_poses(poses)
+    room = (p.rows.shape[1] - c.ROW_HEARD) // 2
+    for team in range(len(reaches)):
+        begin, count = int(p.first[team]), int(p.first[team + 1] - p.first[team])
+        for receiver in range(count):
+            row = int(p.members[begin + receiver])
+            for index in range(count):
+                other = int(p.members[begin + index])
+                age, before = int(p.rows[row, c.ROW_HEARD + index]), int(p.rows[row, c.ROW_HEARD + room + index])
+                age, before = age + 1 if age >= 0 else -1, before + 1 if before >= 0 else -1
+                dx = p.own[other, delay, c.X] - p.own[row, 0, c.X]
+                dy = p.own[other, delay, c.Y] - p.own[row, 0, c.Y]
+                dz = p.own[other, delay, c.Z] - p.own[row, 0, c.Z]
+                lost = losses[team] >= 1.0 or (losses[team] > 0.0 and draws[other, receiver] < losses[team])
+                if not lost and squared_length(dx, dy, dz, p.extent) <= reaches[team] * reaches[team]:
+                    age, before = delay, age
+                known = p.rows[other, c.ROW_POSES] if p.rows[row, c.ROW_POSES] > 0 else 0
+                p.rows[row, c.ROW_HEARD + index] = age if age < known else -1
+                p.rows[row, c.ROW_HEARD + room + index] = before if before < known else -1

@@ -14,6 +14,7 @@ from selforg.mechanisms.decisions.quorum import Quorum as Quorum
 from selforg.mechanisms.depositing import DepositPheromones as DepositPheromones
 from selforg.mechanisms.depositing import DepositPheromonesMin as DepositPheromonesMin
 from selforg.mechanisms.depositing import DepositPheromonesRandom as DepositPheromonesRandom
+from selforg.mechanisms.depositing import Patrol as Patrol
 from selforg.mechanisms.depositing import Pheromone as Pheromone
 from selforg.mechanisms.exploration import Exploitation as Exploitation
 from selforg.mechanisms.exploration import Exploration as Exploration
@@ -27,7 +28,6 @@ from selforg.mechanisms.following import FollowMin as FollowMin
 from selforg.mechanisms.following import FollowMinReach as FollowMinReach
 from selforg.mechanisms.following import FollowStrongest as FollowStrongest
 from selforg.mechanisms.formula import FormulaMechanism as FormulaMechanism
-from selforg.mechanisms.patrol import Patrol as Patrol
 from selforg.mechanisms.repulsion import RepulsionFernandez as RepulsionFernandez
 from selforg.mechanisms.repulsion import RepulsionGradient as RepulsionGradient
 from selforg.mechanisms.spreading import Carried as Carried

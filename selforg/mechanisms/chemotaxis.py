@@ -4,8 +4,7 @@ import numpy as np
 
 from selforg.compiler.decorators import part
 from selforg.compiler.records import Words, Written
-from selforg.gradients.choosing import CHOOSE_NEAREST, choose
-from selforg.gradients.pair import Own, Pair, attraction_balch, pair_at, repulsion_balch
+from selforg.gradients.pair import CHOOSE_NEAREST, Own, Pair, attraction_balch, choose, pair_at, repulsion_balch
 from selforg.gradients.store.records import Sight, open_sight
 from selforg.mechanisms.base import MECHANISMS
 from selforg.mechanisms.formula import FormulaMechanism

@@ -2,14 +2,18 @@
 
 from selforg.compiler.decorators import part
 from selforg.compiler.records import Words, Written
-from selforg.gradients.choosing import (
+from selforg.gradients.pair import (
     CHOOSE_FARTHEST,
     CHOOSE_LEAST_REACH,
     CHOOSE_MOST_REACH,
     CHOOSE_STRONGEST,
+    Own,
+    Pair,
+    attraction_balch,
     choose,
+    pair_at,
+    repulsion_balch,
 )
-from selforg.gradients.pair import Own, Pair, attraction_balch, pair_at, repulsion_balch
 from selforg.gradients.store.records import Sight, open_sight
 from selforg.mechanisms.base import MECHANISMS
 from selforg.mechanisms.formula import FormulaMechanism

@@ -11,10 +11,9 @@ from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Packed, Words
 from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.choosing import CHOOSE_NEAREST
-from selforg.gradients.pair import Own, Pair, pair_at
-from selforg.gradients.pair_room import PairRoom
+from selforg.gradients.pair import CHOOSE_NEAREST, Own, Pair, pair_at
 from selforg.gradients.poses import OwnPoses
+from selforg.gradients.queries import PairRoom
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Sight, open_sight
 from selforg.mechanisms.base import MovementMechanism, MoveOptions, at_least
@@ -83,7 +82,7 @@ class FormulaMechanism(KernelMechanism):
         wakes: whether a gradient in view, of attraction -1, 0, +1, makes a row active though it adds nothing.
         by_own_reach: full repulsion and the longest vector are the own reach, not the gradient's and `max_speed`.
         random: where the sum is zero the direction is random, at `max_speed`.
-        chooses: rule of `selforg.gradients.choosing` by which one gradient is followed.
+        chooses: rule of `selforg.gradients.pair` by which one gradient is followed.
         min_speed, max_speed: limits of the length of a vector that is not zero [m/s]; the class has the defaults.
         angle_xy, angle_yz: view angles [rad] to either side of the heading.
 

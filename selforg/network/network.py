@@ -10,16 +10,15 @@ import numpy as np
 from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Written
+from selforg.network import plan_state as ps
+from selforg.network import state as st
 from selforg.network.model.model import NetworkModel
+from selforg.network.model.packed import scratch_for
+from selforg.network.plan_state import PlanState, RowPlans, open_plans
 from selforg.network.planning.memory import PlanMemory
 from selforg.network.planning.planner import Planner
-from selforg.network.state import plan_state as ps
-from selforg.network.state import state as st
-from selforg.network.state.plan_state import PlanState, RowPlans, open_plans
-from selforg.network.state.reset import reset_rows
-from selforg.network.state.state import NetworkState, RowStates, open_states
+from selforg.network.state import NetworkState, RowStates, open_states, reset_rows
 from selforg.network.step.readings import reading_of, refuse
-from selforg.network.step.scratch import scratch_for
 from selforg.network.step.step import DECIDE, SENSE_AND_DECIDE, step_rows
 
 

@@ -1,8 +1,7 @@
 """Ties (B9): gradients in view that a query for a single one finds equally good, to the last bit."""
 
-from selforg.gradients.choosing import score
 from selforg.gradients.gradient import Gradient
-from selforg.gradients.pair import Own, pair_at
+from selforg.gradients.pair import Own, pair_at, score
 from selforg.gradients.queries import ATTRACTIVE, CHOICES, EVERYTHING, Filter, Queries
 from selforg.gradients.store import columns as c
 from tests.golden.scene import Scene

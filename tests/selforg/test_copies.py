@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from selforg.commands import Commands
-from selforg.gradients.delivery import Delivery
-from selforg.gradients.pose_delivery import PoseDelivery
+from selforg.gradients.delivery import Delivery, PoseDelivery
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism

@@ -20,7 +20,7 @@ from selector.knowledge import load_knowledge
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named
 from selector.strategies.streams import row_keys
-from selforg.network.planning.names import check_planner
+from selforg.network.planning.planner import check_planner
 from selforg.registry import unknown
 from train.analysis.report import report_of, summary_json
 from train.evaluation.base import OWN_STARTS, Asked, Choosers, Done, Evaluation

@@ -6,7 +6,7 @@ from clean_swarm_env.learning.observation.around import Around
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, compiled_term
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined
-from selforg.network.state.state import EXECUTING
+from selforg.network.state import EXECUTING
 
 
 @compiled_term("avoidance", "avoidance_length", "avoiding")

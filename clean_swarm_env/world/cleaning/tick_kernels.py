@@ -26,7 +26,7 @@ from selforg.arrays import Flags
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words, Written
-from selforg.network.state import state as st
+from selforg.network import state as st
 from selforg.space import nearest_image
 
 START_PICK, START_RECYCLE, START_DUMP = range(3)  # columns of `MindsRecord.starting`

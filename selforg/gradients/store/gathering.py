@@ -9,7 +9,7 @@ import numpy as np
 
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel, part
-from selforg.compiler.prefetch import prefetch
+from selforg.compiler.intrinsics import prefetch
 from selforg.compiler.records import Words, Written
 from selforg.elementary import direction
 from selforg.gradients.store import columns as c

@@ -11,7 +11,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Sight, Store, open_sight, open_store
 from selforg.mechanisms.base import MECHANISMS, LookOptions
-from selforg.mechanisms.decisions.neighbour_decision import DecisionRule, NeighbourDecision, open_decision_rule
+from selforg.mechanisms.decisions.base import DecisionRule, NeighbourDecision, open_decision_rule
 from selforg.mechanisms.spreading import Carried
 
 

@@ -8,7 +8,7 @@ from selforg.compiler.records import Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.store.records import Sight, Store
 from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
-from selforg.mechanisms.decisions.neighbour_decision import DecisionRule, NeighbourDecision, open_decision_rule
+from selforg.mechanisms.decisions.base import DecisionRule, NeighbourDecision, open_decision_rule
 from selforg.mechanisms.spreading import Carried
 
 

@@ -79,8 +79,8 @@ class Behaviour:
             raise ValueError(f"behaviour {self.name!r}: ready_threshold must lie in [0, 1], got {self.ready_threshold}")
         if self.timeout is not None and self.timeout < 0:
             raise ValueError(f"behaviour {self.name!r}: timeout must be >= 0 steps or None, got {self.timeout}")
-        if not self.cost > 0.0:
-            raise ValueError(f"behaviour {self.name!r}: cost must be positive, got {self.cost}")
+        if not 0.0 < self.cost < math.inf:
+            raise ValueError(f"behaviour {self.name!r}: cost must be positive and finite, got {self.cost}")
 
     @property
     def interfaces(self) -> list[tuple[int, Interface]]:

@@ -17,13 +17,13 @@ import numpy as np
 from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Packed, Recording, Words, Written
+from selforg.network import plan_state as ps
+from selforg.network import state as st
+from selforg.network.plan_state import MAX_PLAN, RowPlans, open_plans
 from selforg.network.planning.guards import STEPS_PER_UNIT
 from selforg.network.planning.spending import Spent
 from selforg.network.planning.task import Scale
-from selforg.network.state import plan_state as ps
-from selforg.network.state import state as st
-from selforg.network.state.plan_state import MAX_PLAN, RowPlans, open_plans
-from selforg.network.state.state import RowStates, open_states
+from selforg.network.state import RowStates, open_states
 
 BITS_PER_WORD = 60
 FIRST_SIZE = 256

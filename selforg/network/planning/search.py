@@ -9,8 +9,9 @@ registered as task chain, patrol, avoidance gets them in this order wherever cos
 import heapq
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TypeAlias, final
 
 import numpy as np
@@ -18,8 +19,7 @@ import numpy.typing as npt
 
 from selforg.network.planning.guards import guarded_action, in_steps, is_met, make_guard
 from selforg.network.planning.problem import AllOf, PlanningProblem
-from selforg.network.planning.reachability import reachable
-from selforg.network.planning.task import STEP_UNIT, PlanTask
+from selforg.network.planning.task import STEP_UNIT, PlanTask, reachable
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,7 @@ class Search(ABC):
 
     def __init__(self, problem: PlanningProblem) -> None:
         self.problem = problem
+        self.steps = tuple(guarded_action(index, action) for index, action in enumerate(problem.actions))
 
     @final
     def plan(self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64], goals: Sequence[int]) -> Answer:
@@ -121,7 +122,6 @@ class ForwardSearch(Search):
             raise ValueError(f"node_limit must be at least 1, got {node_limit}")
         super().__init__(problem)
         self.node_limit = node_limit
-        self._steps = tuple(guarded_action(index, action) for index, action in enumerate(problem.actions))
         self._tasks: dict[tuple[int, ...], PlanTask] = {}
 
     def plan_from(self, state: State, goals: tuple[int, ...]) -> Answer:
@@ -133,7 +133,7 @@ class ForwardSearch(Search):
         task = self._tasks.get(goals)
         if task is None:
             guard = make_guard(self.goal_condition(goals))
-            task = self._tasks[goals] = PlanTask(self._steps, guard, len(self.problem.numbers))
+            task = self._tasks[goals] = PlanTask(self.steps, guard, len(self.problem.numbers))
         return task
 
     def _search(self, task: PlanTask, start: State) -> Answer:
@@ -167,3 +167,62 @@ class ForwardSearch(Search):
                     promise = (reached[0] + ahead[0], reached[1] * STEP_UNIT + ahead[1])
                     heapq.heappush(frontier, (*promise, reached[2], reached[0], following))
         return Unsolvable()
+
+
+MOST_GOALS_COMBINED = 10
+"""Up to this number of goals, all subsets are tried (2^10 searches at most); of more, goals are given up one by one."""
+
+
+@dataclass(frozen=True)
+class PriorityPlan:
+    """The outcome for the best set of goals that has a plan; `goals` are those that the plan reaches.
+
+    Without a plan for any goal `outcome` is `Unsolvable`, or `Unknown` if a search gave up; `goals` is then empty.
+    `proved`: every set that was tried in vain is proved unsolvable.
+    """
+
+    outcome: Answer
+    goals: tuple[int, ...]
+    proved: bool = True
+
+
+def plan_by_priority(search: Search, state: State, goals: tuple[int, ...]) -> PriorityPlan:
+    """Return a plan for all goals together, else for the best set of goals that has one.
+
+    After the whole set, sets are tried by falling sum of priorities, then falling size, then in the order in which the
+    goals are registered: the goals with the lowest priorities are given up first. Goals that hold already cost nothing
+    by themselves and stay in the set, so that a plan does not destroy them. A set that contains a set already proved
+    unsolvable is not searched.
+
+    Args:
+        search: the planner with its problem.
+        state: facts and numbers as they are now, from `read_state`.
+        goals: indices of the goals wanted now, rising.
+
+    """
+    unsolvable: list[set[int]] = []
+    failure: Answer = Unsolvable()
+    for chosen in goal_sets(goals, [search.problem.goals[goal].priority for goal in goals]):
+        if any(known.issubset(chosen) for known in unsolvable):
+            continue
+        outcome = search.plan_from(state, chosen)
+        if isinstance(outcome, Plan):
+            return PriorityPlan(outcome, chosen, isinstance(failure, Unsolvable))
+        if isinstance(outcome, Unsolvable):
+            unsolvable.append(set(chosen))
+        else:
+            failure = outcome
+    return PriorityPlan(failure, (), isinstance(failure, Unsolvable))
+
+
+def goal_sets(goals: tuple[int, ...], priorities: Sequence[int]) -> Iterator[tuple[int, ...]]:
+    """Yield sets of goals in the order in which they are tried, the whole set first, each without repetition."""
+    yield goals
+    importance = dict(zip(goals, priorities, strict=True))
+    if len(goals) > MOST_GOALS_COMBINED:
+        kept = sorted(goals, key=lambda goal: (-importance[goal], goal))
+        for size in range(len(kept) - 1, 0, -1):
+            yield tuple(sorted(kept[:size]))
+        return
+    sets = [chosen for size in range(1, len(goals)) for chosen in combinations(goals, size)]
+    yield from sorted(sets, key=lambda chosen: (-sum(importance[goal] for goal in chosen), -len(chosen), chosen))

@@ -22,10 +22,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from selforg.network.planning.guards import NumberTest, all_tests, guarded_action, is_met, make_guard
-from selforg.network.planning.priorities import PriorityPlan, plan_by_priority
+from selforg.network.planning.guards import NumberTest, all_tests, is_met, make_guard
 from selforg.network.planning.problem import ChangeNumber, PlanningProblem
-from selforg.network.planning.search import Plan, Search, State
+from selforg.network.planning.search import Plan, PriorityPlan, Search, State, plan_by_priority
 from selforg.network.planning.task import PlanTask
 
 
@@ -72,7 +71,6 @@ class SpendingSearch:
         self.problem, self._spent = problem, spent
         self.search = make_search(problem)
         self._unspent = make_search(_without_spending(problem, spent)) if spent else self.search
-        self._steps = tuple(guarded_action(index, action) for index, action in enumerate(problem.actions))
 
     def plan(
         self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64], goals: tuple[int, ...], reach: int
@@ -103,7 +101,7 @@ class SpendingSearch:
             return True
         bits, numbers = state
         for action in plan.outcome.actions:
-            step = self._steps[action]
+            step = self.search.steps[action]
             if not is_met(step.guard, bits, numbers):
                 return False
             values = list(numbers)

@@ -24,11 +24,11 @@ import numpy as np
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Words, Written
+from selforg.network import plan_state as ps
+from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, open_model
-from selforg.network.state import plan_state as ps
-from selforg.network.state import state as st
-from selforg.network.state.plan_state import RowPlans, open_plans
-from selforg.network.state.state import RowStates, open_states
+from selforg.network.plan_state import RowPlans, open_plans
+from selforg.network.state import RowStates, open_states
 
 
 @inlined

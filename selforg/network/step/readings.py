@@ -15,7 +15,7 @@ from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Words
 from selforg.network.model.behaviours import Sensor
 from selforg.network.model.packed import PackedModel, open_model
-from selforg.network.state.state import RowStates, open_states
+from selforg.network.state import RowStates, open_states
 
 NONE_WRONG = -1
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words, Written
+from selforg.network import state as st
 from selforg.network.model import packed
 from selforg.network.model.activators import activate
-from selforg.network.model.packed import PackedModel, open_model
-from selforg.network.state import state as st
-from selforg.network.state.state import RowStates, open_states
-from selforg.network.step.scratch import Scratch, open_scratch
+from selforg.network.model.packed import PackedModel, Scratch, open_model, open_scratch
+from selforg.network.state import RowStates, open_states
 
 
 @inlined

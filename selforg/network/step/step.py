@@ -5,19 +5,17 @@ from __future__ import annotations
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words, Written
-from selforg.network.model.packed import PackedModel
+from selforg.network import plan_state as ps
+from selforg.network import state as st
+from selforg.network.model.packed import PackedModel, Scratch
+from selforg.network.plan_state import RowPlans, open_plans
 from selforg.network.planning.memory import KnownPlans, recall, write_key
-from selforg.network.state import plan_state as ps
-from selforg.network.state import state as st
-from selforg.network.state.plan_state import RowPlans, open_plans
-from selforg.network.state.state import RowStates, open_states
-from selforg.network.step.activation import activate_row
+from selforg.network.state import RowStates, open_states
+from selforg.network.step.activation import activate_row, share_row
 from selforg.network.step.arbitration import arbitrate_row
 from selforg.network.step.plan_monitoring import monitor_plan
 from selforg.network.step.readings import find_wrong
 from selforg.network.step.satisfaction import satisfy_row
-from selforg.network.step.scratch import Scratch
-from selforg.network.step.sharing import share_row
 
 SENSE_AND_DECIDE, DECIDE = range(2)
 """Phases of a step: the whole step, or the rest of it after a missing plan was made."""

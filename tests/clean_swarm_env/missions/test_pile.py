@@ -5,7 +5,7 @@ import pytest
 
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
-from selforg.network.state.state import EXECUTING
+from selforg.network.state import EXECUTING
 from tests.clean_swarm_env.courses import long_course, mission
 
 ROBOTS = ((1.0, 1.0, 0.0), (3.0, 8.0, 1.0), (9.0, 3.0, 2.0))

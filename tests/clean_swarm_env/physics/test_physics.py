@@ -10,8 +10,7 @@ from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.contact_space import chipmunk_functions
 from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.motion import ALWAYS_TOUCHING, ROBOT_MOTION
-from clean_swarm_env.physics.physics import Physics
-from clean_swarm_env.physics.settings import PhysicsSettings
+from clean_swarm_env.physics.physics import Physics, PhysicsSettings
 from selforg.commands import COMMANDED, Commanded
 
 SIZE = 11.0

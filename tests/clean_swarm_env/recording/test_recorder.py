@@ -15,7 +15,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from selforg.gradients.store import columns as c
-from selforg.network.state import state as st
+from selforg.network import state as st
 from tests.clean_swarm_env.courses import mission
 
 EVENTS = (

@@ -4,7 +4,7 @@ import numpy as np
 
 from clean_swarm_env.world.cleaning.cleaning_robot import OWN_SENSORS
 from clean_swarm_env.world.records import FloorRecord, MindsRecord
-from selforg.network.state.state import MARK_LAYERS
+from selforg.network.state import MARK_LAYERS
 
 
 def floor_record(garbage, robots, extent, **fields):

@@ -8,7 +8,7 @@ from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.world.cleaning.garbage import CARRIED, DONE, LYING, NOTHING, Garbage
 from clean_swarm_env.world.cleaning.tick_kernels import handle_cargo_as_decided
 from clean_swarm_env.world.records import FLOOR, MINDS
-from selforg.network.state.state import STARTED
+from selforg.network.state import STARTED
 from tests.clean_swarm_env.world.records import floor_record, minds_record
 
 EXTENT = np.array([11.0, 7.0])

@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from selforg.network import plan_state as ps
+from selforg.network import state as st
 from selforg.network.model.activators import Boolean, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition, Optional
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import plan_state as ps
-from selforg.network.state import state as st
 from tests.golden.case import Case, SetAside, difference
 from tests.golden.network.traces import RecordedPlanner
 

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from selforg.arrays import Floats, Ints
+from selforg.network import plan_state as ps
+from selforg.network import state as st
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.memory import PlanMemory
 from selforg.network.planning.planner import BuiltInPlanner, Planner
 from selforg.network.planning.problem import PlanningProblem
 from selforg.network.planning.search import Answer, ForwardSearch, State
-from selforg.network.state import plan_state as ps
-from selforg.network.state import state as st
 from tests.golden.case import Case, SetAside, difference
 from tests.golden.network import parts
 from tests.golden.network.wishes import behaviour_wishes, goal_wishes

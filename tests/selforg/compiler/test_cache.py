@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import pytest
 
 from selforg.compiler import cache
-from selforg.compiler.owners import doubt_about
+from selforg.compiler.cache import doubt_about
 from tests.paths import ROOT
 
 PART = """

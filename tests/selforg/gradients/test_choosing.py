@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from selforg.gradients import choosing
-from selforg.gradients.choosing import choose
-from selforg.gradients.pair import Own
+from selforg.gradients.pair import Own, choose
 from selforg.gradients.store import columns as c
 
 OWN = Own(0.5, 1.5, 2.0)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from selforg.gradients.pose_delivery import PoseDelivery
+from selforg.gradients.delivery import PoseDelivery
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.space import Euclidean

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from selforg.commands import Commands
-from selforg.gradients.pose_delivery import PoseDelivery
+from selforg.gradients.delivery import PoseDelivery
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import ApproachLeastBusy
 from selforg.space import Torus

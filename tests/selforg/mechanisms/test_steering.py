@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from selforg.commands import Commands
 from selforg.compiler.decorators import kernel
 from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.pose_delivery import PoseDelivery
+from selforg.gradients.delivery import PoseDelivery
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, ORCA, PredictiveSteering, SteeringMechanism
 from selforg.mechanisms.steering.base import OTHER_COLUMNS, note_others

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import state as st
 from tests.golden.network.wishes import behaviour_wishes, goal_wishes
 from tests.selforg.network.random_models import Draw
 from tests.selforg.network.reference import Node, ReferenceNetwork

@@ -5,8 +5,8 @@ import copy
 import numpy as np
 import pytest
 
+from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import state as st
 from tests.selforg.network.random_models import Draw
 
 ROWS, STEPS = 6, 25

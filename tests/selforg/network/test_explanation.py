@@ -3,17 +3,17 @@ import io
 import numpy as np
 import pytest
 
-from selforg.network.explain.explanation import explain, in_short
-from selforg.network.explain.recording import Recorder, record_at, stacked
-from selforg.network.explain.text import text_of
+from selforg.network import reasons as why
+from selforg.network import state as st
+from selforg.network.explanation import explain, in_short
+from selforg.network.explanation_text import text_of
 from selforg.network.model.activators import Boolean, Greedy, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
-from selforg.network.state import reasons as why
-from selforg.network.state import state as st
+from selforg.network.recording import Recorder, record_at, stacked
 from tests.selforg.network.cleaning import cleaning_model, wandering
 from tests.selforg.network.random_models import Draw
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from selforg.network import state as st
 from selforg.network.model.activators import Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition, Optional
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import state as st
 from selforg.network.step.readings import ReadingError
 from tests.golden.network.wishes import behaviour_wishes, goal_wishes
 

@@ -9,7 +9,7 @@ from benchmarks import ablation
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.mission import Course, MissionRun
-from selforg.network.state import state as st
+from selforg.network import state as st
 from tests.clean_swarm_env.courses import mission, snapshot
 
 

@@ -4,11 +4,9 @@ Aries proves optimality and unsolvability only for hierarchical problems; a chai
 next task, or stop", is one, and holds exactly the plans up to its length.
 """
 
-import numpy as np
 from unified_planning.model.htn import HierarchicalProblem, Method
 
-from selforg.network.planning.engines.unified import environment, to_unified
-from selforg.network.planning.engines.whole_numbers import in_whole_numbers
+from selforg.network.planning.engine import environment, to_unified
 
 
 def best_plan(search, facts, numbers, goals, horizon):
@@ -16,8 +14,7 @@ def best_plan(search, facts, numbers, goals, horizon):
     factory = environment().factory
     if "aries-opt" not in factory.engines:
         factory.add_engine("aries-opt", "up_aries", "AriesOpt")
-    counted, readings = in_whole_numbers(search.problem, search.read_state(facts, numbers))
-    task = chain(to_unified(counted, facts, np.array(readings, dtype=float), goals), horizon)
+    task = chain(to_unified(search, search.read_state(facts, numbers), goals), horizon)
     with factory.OneshotPlanner(name="aries-opt") as planner:
         assert planner.supports(task.kind), task.kind
         result = planner.solve(task, timeout=30)

@@ -5,13 +5,11 @@ import sys
 import numpy as np
 import pytest
 
+from selforg.network import plan_state as ps
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.engines.engine import EngineSearch
-from selforg.network.planning.engines.unified import environment
-from selforg.network.planning.names import check_planner, planner_named
-from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.planning.engine import EngineSearch, environment
+from selforg.network.planning.planner import BuiltInPlanner, check_planner, planner_named
 from selforg.network.planning.search import ForwardSearch
-from selforg.network.state import plan_state as ps
 from tests.selforg.network.cleaning import cleaning_model, wandering
 
 

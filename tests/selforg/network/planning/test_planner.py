@@ -7,7 +7,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from selforg.network.planning.guards import guarded_action, make_guard
-from selforg.network.planning.priorities import goal_sets, plan_by_priority
 from selforg.network.planning.problem import (
     AllOf,
     AnyOf,
@@ -20,7 +19,7 @@ from selforg.network.planning.problem import (
     PlanningProblem,
     SetFact,
 )
-from selforg.network.planning.search import ForwardSearch, Plan, Unknown, Unsolvable
+from selforg.network.planning.search import ForwardSearch, Plan, Unknown, Unsolvable, goal_sets, plan_by_priority
 from selforg.network.planning.task import STEP_UNIT, PlanTask
 from tests.selforg.network.planning.generated_problems import generated
 from tests.selforg.network.planning.planner_reference import as_arrays, best_plan, execute, true_in
@@ -188,35 +187,6 @@ def test_no_reachable_goal_is_said_so():
     problem = PlanningProblem(("a",), (), (), (PlanningGoal("a", FactIs(0)),))
     answer = plan_by_priority(ForwardSearch(problem), (0, ()), (0,))
     assert (answer.outcome, answer.goals) == (Unsolvable(), ())
-
-
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: one_fact_problem(PlanningAction("a", (FactIs(7),), ())), r"action 'a': fact index .* 0\.\.2, got 7"),
-        (lambda: one_fact_problem(PlanningAction("a", (), (ChangeNumber(0, float("nan")),))), "'a'.*'x'.*finite"),
-        (lambda: one_fact_problem(PlanningAction("a", (), (), cost=-1.0)), "'a': cost must be .* got -1"),
-        (
-            lambda: one_fact_problem(PlanningAction("a", (), (SetFact(0), SetFact(0, False)))),
-            "'a' to true and to false",
-        ),
-        (lambda: one_fact_problem(goal=NumberIs(0, "==", 1.0)), "goal 'goal': relation on 'x'"),
-        (lambda: one_fact_problem(facts=("a", "a", "c")), "fact 'a' is declared twice"),
-        (lambda: ForwardSearch(one_fact_problem(), node_limit=0), "node_limit must be at least 1, got 0"),
-        (lambda: solve(one_fact_problem(), number=float("inf")), "number 'x' must be finite, got inf"),
-        (
-            lambda: ForwardSearch(one_fact_problem()).plan(np.zeros(2, bool), np.zeros(1), [0]),
-            r"expected facts \(3,\) and numbers \(1,\), got \(2,\) and \(1,\)",
-        ),
-        (
-            lambda: ForwardSearch(one_fact_problem()).plan(np.zeros(3, bool), np.zeros(1), [1]),
-            r"goal index must be in 0\.\.0, got 1",
-        ),
-    ],
-)
-def test_what_cannot_be_read_is_refused_with_its_place(build, message):
-    with pytest.raises(ValueError, match=message):
-        build()
 
 
 FACT = st.integers(0, 4)

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from selforg.network import plan_state as ps
 from selforg.network.model.activators import Boolean
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
-from selforg.network.state import plan_state as ps
 from tests.selforg.network.cleaning import FACTS, SENSORS, cleaning_model, wandering
 
 CHAIN = ["MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"]

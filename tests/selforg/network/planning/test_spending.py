@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from selforg.network import plan_state as ps
 from selforg.network.model.activators import Boolean, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition
@@ -10,7 +11,6 @@ from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.guards import guarded_action, make_guard
 from selforg.network.planning.planner import BuiltInPlanner
-from selforg.network.planning.priorities import plan_by_priority
 from selforg.network.planning.problem import (
     AllOf,
     ChangeNumber,
@@ -21,10 +21,9 @@ from selforg.network.planning.problem import (
     PlanningProblem,
     SetFact,
 )
-from selforg.network.planning.search import ForwardSearch, Plan
+from selforg.network.planning.search import ForwardSearch, Plan, plan_by_priority
 from selforg.network.planning.spending import SpendingSearch, spent_numbers
 from selforg.network.planning.task import PlanTask
-from selforg.network.state import plan_state as ps
 
 FACTS = 4
 

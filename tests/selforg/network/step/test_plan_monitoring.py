@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from selforg.network import plan_state as ps
+from selforg.network import state as st
 from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition, Optional
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import plan_state as ps
-from selforg.network.state import state as st
 from tests.golden.network.traces import Forgetful
 from tests.selforg.network.planning.test_planning import Counting
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount
+from selforg.network.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount
 
 TERM_TITLES = {
     "preconditions": "situation",

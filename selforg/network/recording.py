@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from selforg.arrays import Floats, Ints
+from selforg.network import plan_state as ps
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import plan_state as ps
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,37 @@
-"""Prefetching: a compiled walk asks for memory that it will read soon. This changes speed, never results.
+"""What compiled code can do beyond Python: read numbers at addresses, and ask for memory that it will read soon.
 
-Measured on 2026-11-21, CPU time: one view with 10^5 stored gradients takes 19 % less with it, with 10^6 24 % less, and
-Patrol in 64 worlds of 3,000 pheromones 27 % less.
+Prefetching changes speed, never results. Measured on 2026-11-21, CPU time: one view with 10^5 stored gradients takes
+19 % less with it, with 10^6 24 % less, and Patrol in 64 worlds of 3,000 pheromones 27 % less. `Compiler` and `LLVM`
+stand for what Numba and LLVM hand to code that generates code; neither has types.
 """
 
+from collections.abc import Callable
+from typing import Any, TypeAlias, cast
+
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from selforg.arrays import Floats, Links
-from selforg.compiler.decorators import LEAN
-from selforg.compiler.llvm import LLVM, Compiler
+from selforg.compiler.switches import LEAN
+
+Compiler: TypeAlias = Any
+LLVM: Compiler = cgutils
+
+
+def _number_at(kind: Compiler) -> Callable[[int], float]:
+    """Return the function that gives compiled code the number at an address."""
+
+    def typed(typing: Compiler, address: Compiler) -> Compiler:
+        def generate(context: Compiler, builder: Compiler, signature: Compiler, arguments: Compiler) -> Compiler:
+            return builder.load(builder.inttoptr(arguments[0], context.get_data_type(kind).as_pointer()))
+
+        return kind(types.int64), generate
+
+    return cast("Callable[[int], float]", intrinsic(typed))
+
+
+float_at, int_at, byte_at = _number_at(types.float64), _number_at(types.int64), _number_at(types.uint8)
 
 READ, KEEP, DATA = 0, 3, 1  # arguments of llvm.prefetch: for reading, into the fastest cache, data and not code
 

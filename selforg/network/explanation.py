@@ -7,16 +7,16 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.network.explain.recording import StepRecord
+from selforg.network import plan_state as ps
+from selforg.network import reasons as why
+from selforg.network import state as st
 from selforg.network.model.activators import Activator
 from selforg.network.model.behaviours import Behaviour
 from selforg.network.model.conditions import Condition, Optional, Tree
 from selforg.network.model.model import NetworkModel
-from selforg.network.state import plan_state as ps
-from selforg.network.state import reasons as why
-from selforg.network.state import state as st
+from selforg.network.model.packed import scratch_for
+from selforg.network.recording import StepRecord
 from selforg.network.step.satisfaction import evaluate_conditions
-from selforg.network.step.scratch import scratch_for
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,0 @@
-"""What a network did and why, in data and in words."""

@@ -1,1 +1,0 @@
-"""Planners of the unified-planning library behind the same interface."""

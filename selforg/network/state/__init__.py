@@ -1,1 +1,0 @@
-"""What changes in a network from step to step."""
