@@ -16,7 +16,7 @@ from numba.extending import intrinsic, overload
 
 from clean_swarm_env.physics.motion import COPY_OFFSETS, RobotMotion, open_robot_motion
 from selforg.arrays import READ, Ints
-from selforg.compiler.decorators import LEAN, part
+from selforg.compiler.decorators import part
 from selforg.compiler.intrinsics import LLVM, Compiler
 from selforg.compiler.records import Recording, Words, Written
 

@@ -61,7 +61,7 @@ def test_a_wrong_model_says_where(parts, message):
         (lambda: Goal("g", ()), "goal 'g': expected at least one condition"),
         (lambda: Behaviour("b", ready_threshold=1.2), r"behaviour 'b': ready_threshold must lie in \[0, 1\], got 1.2"),
         (lambda: Behaviour("b", timeout=-1), "behaviour 'b': timeout must be >= 0 steps or None, got -1"),
-        (lambda: Behaviour("b", cost=0.0), "behaviour 'b': cost must be positive, got 0.0"),
+        (lambda: Behaviour("b", cost=0.0), "behaviour 'b': cost must be positive and finite, got 0.0"),
         (lambda: NetworkSettings(threshold_decay=0.0), r"threshold_decay must lie in \(0, 1\], got 0.0"),
         (lambda: NetworkSettings(activation_decay=1.1), r"activation_decay must lie in \[0, 1\], got 1.1"),
         (lambda: NetworkSettings(max_parallel=0), "max_parallel must be at least 1 or None, got 0"),
