@@ -19,6 +19,7 @@ from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import part
 from selforg.compiler.intrinsics import LLVM, Compiler
 from selforg.compiler.records import Recording, Words, Written
+from selforg.compiler.switches import LEAN
 
 IR: Compiler = LLVM.ir
 TYPES: Compiler = types  # they have no types themselves
