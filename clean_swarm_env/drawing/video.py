@@ -22,7 +22,7 @@ from selector.documents.writing import writing_to
 CODECS: Final = {".webm": "VP80", ".mp4": "vp09"}
 """Codecs of OpenCV by the ending of the file; both store yuv420p, and neither is under the GPL.
 
-Why no H.264: docs/decisions/0131-video-codecs.md."""
+Why no H.264: docs/decisions/0202-videos-picture-by-picture.md."""
 SUFFIXES: Final = (".webp", ".gif", *CODECS)
 
 

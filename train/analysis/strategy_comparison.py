@@ -5,7 +5,7 @@ and the oracle: the best fixed option of each scenario. Both are cross-fitted, s
 fixed option is chosen on one half of the scenarios and judged on the other, both ways round; the lowest of seven noisy
 means would be lower than that of the option that is best. The oracle is chosen on other world seeds of the scenario
 than that on which it is judged. It needs two world seeds or more
-(docs/decisions/0112-cross-fitted-oracle.md, docs/decisions/0213-best-fixed-on-halves.md).
+(docs/decisions/0213-best-fixed-on-halves.md).
 
 The share of the gap between the yardsticks that a strategy closes is (best fixed - strategy) / (best fixed - oracle) of
 means; above 1 the strategy is better than every choice of one option for each scenario. There is a gap where its

@@ -3,7 +3,7 @@
 Missions of one scenario under two options have hardly more in common than any two (docs/tuning.md), but where scenarios
 differ in size, pairs do. The test is Student's of paired differences, one-sided, on the figures that count. It is not
 corrected for the number of candidates: a race may lose candidates, as long as the best is rarely among them.
-Other tests that were tried: docs/decisions/0171-races.md.
+Other tests that were tried: docs/decisions/0172-fresh-scenarios.md.
 
 Shapes: C candidates, J figures that count, n scenarios.
 """
