@@ -31,7 +31,8 @@ from selector.coordination.robot_document import coordinated_goals, load_network
 from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
 from selector.strategies.registry import STRATEGIES
-from train.reports.network_diagram import draw_panels, robot_panels
+from train.reports.network_content import robot_panels
+from train.reports.network_picture import draw_panels
 
 DIRECTORY = Path(__file__).parents[1] / "pictures"
 ROBOT = "cleaning"

@@ -12,7 +12,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import Configs
 
 if TYPE_CHECKING:
-    from train.reports.network_diagram.content import NetworkPanel
+    from train.reports.network_content import NetworkPanel
 
 RobotOrConfiguration = Annotated[
     str, typer.Argument(help="Name of a robot, a mechanism configuration or a state machine, or path to its YAML file.")
@@ -35,8 +35,9 @@ def draw_command(
     """Draw sensors, preconditions, behaviours, effects and goals of a network as a diagram."""
     from selector.documents.reading import read_mapping
     from selector.strategies.machine_file import load_machine
+    from train.reports.charts import PICTURE_SUFFIXES, save_picture
     from train.reports.machine_picture import draw_machine
-    from train.reports.network_diagram.picture import PICTURE_SUFFIXES, draw_panels, save_picture
+    from train.reports.network_picture import draw_panels
 
     if output is not None and output.suffix not in PICTURE_SUFFIXES:
         raise ConfigurationError(f"--output: expected a name that ends in {', '.join(PICTURE_SUFFIXES)}, got {output}")
@@ -80,7 +81,7 @@ def _panels(path: Path, knowledge: str | None, directories: list[Path]) -> "list
     from selector.coordination.robot_document import coordinated_goals
     from selector.documents.reading import read_mapping
     from selector.knowledge import Knowledge, load_knowledge
-    from train.reports.network_diagram.content import configuration_panels, robot_panels
+    from train.reports.network_content import configuration_panels, robot_panels
 
     if "networks" not in read_mapping(path):
         if knowledge is not None:

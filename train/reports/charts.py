@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO, StringIO
+from pathlib import Path
 from typing import Any, Final
 
 import matplotlib as mpl
@@ -35,8 +36,9 @@ STYLE: Final[dict[Any, Any]] = {
     "text.parse_math": False,
     "svg.fonttype": "none",
     "svg.hashsalt": "clean-swarm",
-    "pdf.fonttype": 42,
 }
+PICTURE_SUFFIXES: Final = (".svg", ".png", ".pdf")
+"""Endings of picture files."""
 LOG_FROM: Final = 20.0
 """Ratio of the largest to the least value from which a scale is logarithmic."""
 LONGEST_LABEL: Final = 44
@@ -59,6 +61,13 @@ def png(figure: Figure, dpi: int = 150) -> bytes:
     image = BytesIO()
     figure.savefig(image, format="png", dpi=dpi, metadata={"Software": "clean-swarm"})
     return image.getvalue()
+
+
+def save_picture(figure: Figure, file: Path) -> None:
+    """Write a figure to a file of one of `PICTURE_SUFFIXES`; equal figures give equal files. Raises OSError."""
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[file.suffix]
+    with mpl.rc_context({"svg.hashsalt": "clean-swarm", "pdf.fonttype": 42}):
+        figure.savefig(file, dpi=150, metadata=undated)
 
 
 def svg(figure: Figure) -> str:
