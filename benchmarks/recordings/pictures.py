@@ -19,9 +19,8 @@ from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND
 from clean_swarm_env.drawing.pixels import pixels_of
 from clean_swarm_env.drawing.recorded_picture import RecordedCourse
 from clean_swarm_env.drawing.video import SUFFIXES, check_video, write_video
-from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 
 SIDE = 700

@@ -17,9 +17,8 @@ from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from docs.figures.draw_replay import chromium, opened
 from docs.figures.draw_replay import record as record_pair

@@ -2,14 +2,21 @@
 
 A change is made at the beginning of a control period, before anybody decides. So a mission with the same changes at the
 same periods has the same course, bit for bit. They are made in the first world of a batch.
+
+A function below is a change: its name is the change's `do`, its parameters after the worlds are its further keys. It
+raises ValueError, of one line, for what is impossible, and then nothing has changed.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Callable
+from functools import reduce
+from inspect import Parameter, signature
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, create_model
 
 from clean_swarm_env.config.types import Index
 from clean_swarm_env.world.cleaning.cleaning_task import cleaning_of
@@ -19,179 +26,27 @@ from selector.documents.fields import Closed, Number, Share
 from selforg.arrays import Floats
 
 WORLD = 0
+Item = Annotated[int, Field(strict=True, ge=0)]
+"""Number of an item."""
 _Text = Annotated[str, Field(strict=True, max_length=200)]
 
 
 class Change(Closed):
     """The base class of changes by hand."""
 
+    do: str
+    """Its name."""
     tick: Annotated[int, Field(strict=True, ge=0)]
     """Control period at whose beginning the change is made."""
 
     def make(self, worlds: Worlds) -> None:
         """Change the world; ValueError, of one line, says what is impossible, and then nothing has changed."""
-
-
-class _AtPlace(Change):
-    """The base class of changes at a place."""
-
-    x: Number
-    """[m]."""
-    y: Number
-    """[m]."""
-
-    def place(self, worlds: Worlds) -> Floats:
-        """Return the place (2,) on the torus [m]."""
-        return np.array([self.x, self.y]) % worlds.extent
-
-
-class _OfRobot(Change):
-    """The base class of changes of a robot."""
-
-    robot: Index
-    """Number of the robot."""
-
-    def check_there(self, worlds: Worlds) -> None:
-        """Raise ValueError unless the robot is there, at work or failed."""
-        if self.robot >= worlds.robots or not worlds.physics.present[self.robot]:
-            raise ValueError(f"robot {self.robot}: expected a robot that is there")
-
-    def check_not_last(self, worlds: Worlds) -> None:
-        """Raise ValueError if no robot but this one works."""
-        working = worlds.team.working
-        if working[self.robot] and working.sum() == 1:
-            raise ValueError(f"robot {self.robot}: expected another robot at work, got the last one")
-
-
-class PutRobot(_AtPlace, _OfRobot):
-    """A robot is put at another place; it keeps its heading and all that it knows."""
-
-    do: Literal["put_robot"]
-
-    def make(self, worlds: Worlds) -> None:
-        """Put the robot there, at rest."""
-        self.check_there(worlds)
-        place = self.place(worlds)
-        x, y = place.tolist()
-        if not worlds.team.is_free(WORLD, place, but=self.robot):
-            raise ValueError(f"robot {self.robot}: another robot is at the place [{x:.2f}, {y:.2f}]")
-        worlds.physics.remove(self.robot)
-        worlds.physics.add(self.robot, x, y, float(worlds.physics.headings[self.robot]))
-
-
-class AddRobot(_AtPlace):
-    """A robot joins the team."""
-
-    do: Literal["add_robot"]
-    heading: Number = 0.0
-    """[rad]."""
-
-    def make(self, worlds: Worlds) -> None:
-        """Add the robot at its place."""
-        x, y = self.place(worlds).tolist()
-        worlds.team.add(WORLD, (x, y, self.heading))
-
-
-class RemoveRobot(_OfRobot):
-    """A robot is taken away; its cargo lies where it was."""
-
-    do: Literal["remove_robot"]
-
-    def make(self, worlds: Worlds) -> None:
-        """Take the robot away, at work or failed."""
-        self.check_there(worlds)
-        self.check_not_last(worlds)
-        if worlds.team.working[self.robot]:
-            worlds.team.remove(np.array([self.robot]))
-        else:
-            worlds.physics.remove(self.robot)
-            worlds.minds.poses.silence([self.robot])
-
-
-class FailRobot(_OfRobot):
-    """A robot fails and does not recover."""
-
-    do: Literal["fail_robot"]
-
-    def make(self, worlds: Worlds) -> None:
-        """Let the robot fail; its body stays."""
-        self.check_there(worlds)
-        if not worlds.team.working[self.robot]:
-            raise ValueError(f"robot {self.robot}: expected a robot at work, got one that has failed")
-        self.check_not_last(worlds)
-        worlds.team.fail(np.array([self.robot]))
-
-
-class AddItem(_AtPlace):
-    """An item arrives."""
-
-    do: Literal["add_item"]
-
-    def make(self, worlds: Worlds) -> None:
-        """Put the item at its place."""
-        cleaning_of(worlds.task)
-        place = self.place(worlds)
-        if not worlds.garbage.arrive(WORLD, place):
-            raise ValueError(f"an item more: expected at most {worlds.garbage.stage.shape[1]} lying or carried")
-        worlds.minds.show_items(WORLD, place[None], worlds.now)
-
-
-class _OfItem(Change):
-    """The base class of changes of an item that lies."""
-
-    item: Annotated[int, Field(strict=True, ge=0)]
-    """Number of the item."""
-
-    def lift(self, worlds: Worlds) -> None:
-        """Take the item from where it lies; whoever looks sees it no more."""
-        garbage, task = worlds.garbage, cleaning_of(worlds.task)
-        if self.item >= garbage.stage.shape[1] or garbage.stage[WORLD, self.item] != LYING:
-            raise ValueError(f"item {self.item}: expected an item that lies")
-        here, place = np.array([WORLD]), garbage.positions[WORLD, [self.item]]
-        garbage.stage[WORLD, self.item] = ABSENT
-        task.hide_items(here, place)
-
-
-class PutItem(_AtPlace, _OfItem):
-    """An item that lies is put at another place."""
-
-    do: Literal["put_item"]
-
-    def make(self, worlds: Worlds) -> None:
-        """Put the item there."""
-        place = self.place(worlds)
-        self.lift(worlds)
-        worlds.garbage.positions[WORLD, self.item] = place
-        worlds.garbage.stage[WORLD, self.item] = LYING
-        worlds.minds.show_items(WORLD, place[None], worlds.now)
-
-
-class RemoveItem(_OfItem):
-    """An item that lies is taken away, as if it had never come."""
-
-    do: Literal["remove_item"]
-
-    def make(self, worlds: Worlds) -> None:
-        """Take the item away."""
-        self.lift(worlds)
-        worlds.garbage.arrived[WORLD] -= 1
-
-
-class SetLoss(Change):
-    """The share of messages that get lost changes."""
-
-    do: Literal["set_loss"]
-    loss: Share
-    """Probability that a receiver misses a message from now on [-]."""
-
-    def make(self, worlds: Worlds) -> None:
-        """Set the loss; the range stays."""
-        reception = worlds.minds.reception
-        reception.set(WORLD, float(reception.reaches[WORLD]), self.loss)
+        given = {name: value for name, value in self if name not in Change.model_fields}
+        _MAKERS[self.do](worlds, **given)
 
 
 class HoldOption(Change):
-    """Robots hold an option, whatever the strategy chooses."""
+    """Let robots hold an option, whatever the strategy chooses."""
 
     do: Literal["hold_option"]
     robots: Annotated[tuple[Index, ...], Field(max_length=10_000)] = ()
@@ -201,23 +56,132 @@ class HoldOption(Change):
 
 
 class FollowStrategy(Change):
-    """Another strategy chooses the options of all robots from the next decision on."""
+    """Let another strategy choose the options of all robots from the next decision on."""
 
     do: Literal["follow_strategy"]
     strategy: _Text
     """The strategy, with the digest of its file if it has one."""
 
 
-ByHand = Annotated[
-    PutRobot
-    | AddRobot
-    | RemoveRobot
-    | FailRobot
-    | PutItem
-    | AddItem
-    | RemoveItem
-    | SetLoss
-    | HoldOption
-    | FollowStrategy,
-    Field(discriminator="do"),
-]
+_KINDS: list[type[Change]] = [HoldOption, FollowStrategy]
+_MAKERS: dict[str, Callable[..., None]] = {}
+
+
+def _by_hand(make: Callable[..., None]) -> Callable[..., None]:
+    """Register a function as a change by hand."""
+    _, *given = signature(make, eval_str=True).parameters.values()
+    keys: dict[str, Any] = {"do": Literal[make.__name__]}
+    keys |= {p.name: (p.annotation, ... if p.default is Parameter.empty else p.default) for p in given}
+    _KINDS.append(create_model(make.__name__, __base__=Change, __doc__=make.__doc__, **keys))
+    _MAKERS[make.__name__] = make
+    return make
+
+
+@_by_hand
+def put_robot(worlds: Worlds, robot: Index, x: Number, y: Number) -> None:
+    """Put a robot at another place [m], at rest; it keeps its heading and all that it knows."""
+    _check_there(worlds, robot)
+    place = _place(worlds, x, y)
+    x, y = place.tolist()
+    if not worlds.team.is_free(WORLD, place, but=robot):
+        raise ValueError(f"robot {robot}: another robot is at the place [{x:.2f}, {y:.2f}]")
+    worlds.physics.remove(robot)
+    worlds.physics.add(robot, x, y, float(worlds.physics.headings[robot]))
+
+
+@_by_hand
+def add_robot(worlds: Worlds, x: Number, y: Number, heading: Number = 0.0) -> None:
+    """Add a robot to the team, at a place [m] and with a heading [rad]."""
+    x, y = _place(worlds, x, y).tolist()
+    worlds.team.add(WORLD, (x, y, heading))
+
+
+@_by_hand
+def remove_robot(worlds: Worlds, robot: Index) -> None:
+    """Take a robot away, at work or failed; its cargo lies where it was."""
+    _check_there(worlds, robot)
+    _check_not_last(worlds, robot)
+    if worlds.team.working[robot]:
+        worlds.team.remove(np.array([robot]))
+    else:
+        worlds.physics.remove(robot)
+        worlds.minds.poses.silence([robot])
+
+
+@_by_hand
+def fail_robot(worlds: Worlds, robot: Index) -> None:
+    """Let a robot fail for ever; its body stays."""
+    _check_there(worlds, robot)
+    if not worlds.team.working[robot]:
+        raise ValueError(f"robot {robot}: expected a robot at work, got one that has failed")
+    _check_not_last(worlds, robot)
+    worlds.team.fail(np.array([robot]))
+
+
+@_by_hand
+def add_item(worlds: Worlds, x: Number, y: Number) -> None:
+    """Put a new item at a place [m]."""
+    cleaning_of(worlds.task)
+    place = _place(worlds, x, y)
+    if not worlds.garbage.arrive(WORLD, place):
+        raise ValueError(f"an item more: expected at most {worlds.garbage.stage.shape[1]} lying or carried")
+    worlds.minds.show_items(WORLD, place[None], worlds.now)
+
+
+@_by_hand
+def put_item(worlds: Worlds, item: Item, x: Number, y: Number) -> None:
+    """Put an item that lies at another place [m]."""
+    place = _place(worlds, x, y)
+    _lift(worlds, item)
+    worlds.garbage.positions[WORLD, item] = place
+    worlds.garbage.stage[WORLD, item] = LYING
+    worlds.minds.show_items(WORLD, place[None], worlds.now)
+
+
+@_by_hand
+def remove_item(worlds: Worlds, item: Item) -> None:
+    """Take an item that lies away, as if it had never come."""
+    _lift(worlds, item)
+    worlds.garbage.arrived[WORLD] -= 1
+
+
+@_by_hand
+def set_loss(worlds: Worlds, loss: Share) -> None:
+    """Set the probability that a receiver misses a message from now on; the range stays."""
+    reception = worlds.minds.reception
+    reception.set(WORLD, float(reception.reaches[WORLD]), loss)
+
+
+def _place(worlds: Worlds, x: float, y: float) -> Floats:
+    """Return the place (2,) on the torus [m]."""
+    return np.array([x, y]) % worlds.extent
+
+
+def _check_there(worlds: Worlds, robot: int) -> None:
+    """Raise ValueError unless a robot is there, at work or failed."""
+    if robot >= worlds.robots or not worlds.physics.present[robot]:
+        raise ValueError(f"robot {robot}: expected a robot that is there")
+
+
+def _check_not_last(worlds: Worlds, robot: int) -> None:
+    """Raise ValueError if no robot but this one works."""
+    working = worlds.team.working
+    if working[robot] and working.sum() == 1:
+        raise ValueError(f"robot {robot}: expected another robot at work, got the last one")
+
+
+def _lift(worlds: Worlds, item: int) -> None:
+    """Take an item from where it lies; robots no longer see it. ValueError if none lies there."""
+    garbage, task = worlds.garbage, cleaning_of(worlds.task)
+    if item >= garbage.stage.shape[1] or garbage.stage[WORLD, item] != LYING:
+        raise ValueError(f"item {item}: expected an item that lies")
+    here, place = np.array([WORLD]), garbage.positions[WORLD, [item]]
+    garbage.stage[WORLD, item] = ABSENT
+    task.hide_items(here, place)
+
+
+if TYPE_CHECKING:
+    ByHand = Change
+else:
+    ByHand = Annotated[reduce(or_, _KINDS), Field(discriminator="do")]
+"""Any change, told by its `do`."""

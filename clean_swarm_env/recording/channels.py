@@ -6,12 +6,13 @@ as differences in time. `docs/recordings.md` describes the bytes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import prod
-from typing import Any, Final, NamedTuple
+from typing import Annotated, Any, Final, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ConfigDict, Field, model_validator
+from pydantic.dataclasses import dataclass
 
 from clean_swarm_env.recording.stepping import WholeNumbers, round_values
 
@@ -19,26 +20,36 @@ LARGEST_WHOLE: Final = 2**30 - 1
 """Largest whole number that a channel holds; what is beyond is kept as this number."""
 MILLI: Final = 1000
 """Steps of a metre, of a radian, and of the numbers of a network."""
+MOST_NUMBERS: Final = 2**28
+"""Numbers of a part, in all its frames: a gigabyte of memory; the parts that we write take a twentieth of it."""
 AnyArray = NDArray[Any]
+Amount = Annotated[int, Field(strict=True, ge=0, le=MOST_NUMBERS)]
+Text = Annotated[str, Field(strict=True)]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, config=ConfigDict(extra="forbid"))
 class Channel:
-    """A channel: its name, axes, steps, unit and meaning."""
+    """A channel: its name, axes, steps, unit and meaning; one that is read from a file is checked."""
 
-    name: str
-    axes: tuple[str, ...]
+    name: Text
+    axes: tuple[Text, ...]
     """Names of the axes of a frame."""
-    shape: tuple[int, ...]
+    shape: tuple[Amount, ...]
     """Their lengths."""
-    scale: int
+    scale: Annotated[int, Field(strict=True, ge=1, le=10**9)]
     """Steps of a unit: values are whole numbers divided by this."""
-    order: int
-    """How often differences are taken in time, 1 or 2."""
-    unit: str
+    order: Literal[1, 2]
+    """How often differences are taken in time."""
+    unit: Text
     """Unit of the values, - for pure numbers."""
-    about: str
+    about: Text
     """One line for readers."""
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        if len(self.axes) != len(self.shape) or prod(self.shape) > MOST_NUMBERS:
+            raise ValueError(f"expected axes {self.axes} of a length each and at most {MOST_NUMBERS} numbers together")
+        return self
 
     @property
     def columns(self) -> int:
@@ -68,13 +79,6 @@ class Channel:
 def whole_channel(name: str, axis: tuple[str, int], about: str) -> Channel:
     """Return a channel of whole numbers."""
     return Channel(name, (axis[0],), (axis[1],), 1, 1, "-", about)
-
-
-def point_channels(name: str, axes: tuple[tuple[str, int], ...], about: str, order: int = 1) -> tuple[Channel, Channel]:
-    """Return the channels of the coordinates x and y of points [m]."""
-    names, shape = tuple(axis for axis, _ in axes), tuple(length for _, length in axes)
-    x, y = (f"{name}_x", f"{name}_y") if name else ("x", "y")
-    return Channel(x, names, shape, MILLI, order, "m", about), Channel(y, names, shape, MILLI, order, "m", about)
 
 
 class PackedFrames(NamedTuple):

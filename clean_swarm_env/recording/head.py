@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from clean_swarm_env.recording.by_hand import ByHand
+from clean_swarm_env.recording.channels import MOST_NUMBERS, Amount, Channel, Text
 from selector.documents.fields import Flag, NonNegative, Number, Positive, Share
-
-MOST_NUMBERS = 2**28
-"""Numbers of a part, in all its frames: a gigabyte of memory; the parts that we write take a twentieth of it."""
-Amount = Annotated[int, Field(strict=True, ge=0, le=MOST_NUMBERS)]
-Text = Annotated[str, Field(strict=True)]
 
 
 class _Object(BaseModel):
@@ -22,29 +17,10 @@ class _Object(BaseModel):
     model_config = ConfigDict(extra="allow", frozen=True)
 
 
-class _Channel(BaseModel):
-    """A channel; see `Channel`."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-    name: Text
-    axes: tuple[Text, ...]
-    shape: tuple[Amount, ...]
-    scale: Annotated[int, Field(strict=True, ge=1, le=10**9)]
-    order: Literal[1, 2]
-    unit: Text
-    about: Text
-
-    @model_validator(mode="after")
-    def _possible(self) -> Self:
-        if len(self.axes) != len(self.shape) or math.prod(self.shape) > MOST_NUMBERS:
-            raise ValueError(f"expected axes {self.axes} of a length each and at most {MOST_NUMBERS} numbers together")
-        return self
-
-
 class Head(_Object):
     """The head of a recording."""
 
-    channels: Annotated[tuple[_Channel, ...], Field(min_length=1)]
+    channels: Annotated[tuple[Channel, ...], Field(min_length=1)]
     """What every frame holds."""
     period: Positive
     """Time from frame to frame [s]."""

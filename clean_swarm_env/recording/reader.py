@@ -1,4 +1,4 @@
-"""Recordings as arrays."""
+"""Recordings as arrays, and as tables."""
 
 from __future__ import annotations
 
@@ -14,15 +14,18 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
-from clean_swarm_env.recording.channels import Channel, packed_bytes, unpacked_frames
+from clean_swarm_env.recording.channels import MOST_NUMBERS, AnyArray, Channel, packed_bytes, unpacked_frames
 from clean_swarm_env.recording.file import HEAD, PART, SUFFIX, blocks_of
-from clean_swarm_env.recording.head import MOST_NUMBERS, Directory, Head
+from clean_swarm_env.recording.head import Directory, Head
 from clean_swarm_env.recording.stepping import WholeNumbers
 from selector.documents.errors import validated
 from selector.documents.plain import short
 from selector.documents.reading import json_value
 from selforg.arrays import Floats
 from selforg.registry import unknown
+
+TableColumns = dict[str, AnyArray]
+"""The columns of a table by their names, all of one length."""
 
 
 class NoFrames(ConfigurationError):
@@ -108,7 +111,7 @@ class RecordedParts(Iterator[RecordedStretch]):
             raise ConfigurationError(f"{name}: damaged: expected a recording that begins with its head")
         self.head = _object(content, f"{name}: head")
         listed = validated(Head, self.head, f"{name}: head").channels
-        self.channels = {channel.name: Channel(**channel.model_dump()) for channel in listed}
+        self.channels = {channel.name: channel for channel in listed}
 
     def __next__(self) -> RecordedStretch:
         """Return the next part."""
@@ -204,6 +207,28 @@ def recordings_in(folder: Path, only: tuple[str, ...] = ("",), most: float = mat
             recording = RecordedMission(path, only, most)
             most -= sum(recording.whole(name).size for name in recording)
             yield recording
+
+
+def tables_of(recording: RecordedStretch) -> dict[str, TableColumns]:
+    """Return the tables of a recording, or of a stretch of it.
+
+    Channels with the same axes are columns of one table: `robot` has the poses, `item` the items, `robot-behaviour` the
+    marks of the robots' networks, `AvoidCollision.RepulsionGradient-behaviour` those inside an option. Every table
+    begins with `frame`, `time` [s] and a number for each axis.
+    """
+    tables: dict[str, TableColumns] = {}
+    for name, channel in recording.channels.items():
+        prefix, _, column = name.rpartition("/")
+        if prefix in ("held", "opinion"):  # of goals, about robots
+            prefix, column = "", name.replace("/", "_")
+        own = channel.axes[1:] if prefix else channel.axes
+        title = "-".join(filter(None, (prefix.replace("/", "."), *own)))
+        if title not in tables:
+            places = np.indices((recording.frames, *channel.shape), dtype=np.int32).reshape(1 + len(channel.shape), -1)
+            tables[title] = {"frame": places[0] + np.int32(recording.first), "time": recording.times[places[0]]}
+            tables[title] |= dict(zip(channel.axes, places[1:], strict=True))
+        tables[title][column] = recording[name].reshape(-1)
+    return tables
 
 
 def _object(content: bytes, where: str) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn, SupportsIndex
 
@@ -19,7 +19,7 @@ from clean_swarm_env.recording.messages import MessageLog
 from clean_swarm_env.recording.sampled import Thinking, floor_arrays, mind_arrays, networks_of, points, things_of
 from clean_swarm_env.recording.stepping import DONE, JOINED, copy_poses, look_at_worlds
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
-from clean_swarm_env.world.mission import result_of
+from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
@@ -242,3 +242,17 @@ class MissionRecorder:
             running.file.add(running.first, packed, notes)
             self._by_hand.clear()
             running.first += packed.frames
+
+
+def record_mission(run: MissionRun, settings: RecordSettings, about: Mapping[str, Any]) -> MissionResult:
+    """Run one mission to its end as `run_mission` does, and record it; `about` is plain data for the head."""
+    course = Course(run, explained=settings.minds)
+    recorder = MissionRecorder(course.worlds, replace(settings, thinking=True))
+    recorder.open(0, {"scenario": run.start.id, "seed": run.seed, **about})
+    for goal, values in course.opinions().items():  # they stay: a course teaches its strategies nothing
+        recorder.think(goal, values)
+    while course.in_progress:
+        course.tick()
+        recorder.record()
+    recorder.close()
+    return result_of(course.worlds, 0)

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import MILLI, Channel, point_channels, whole_channel
+from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.cleaning.garbage import NOTHING
 from clean_swarm_env.world.view import CARRYING
@@ -23,7 +23,7 @@ from selforg.compiler.decorators import lean_kernel
 from selforg.network import plan_state as ps
 from selforg.network import state as st
 from selforg.network.explanation import in_short
-from selforg.network.model.conditions import Condition, Optional, Tree
+from selforg.network.model.conditions import Optional, leaves
 from selforg.network.network import BehaviourNetwork
 from selforg.network.reasons import WORDS
 
@@ -106,11 +106,13 @@ def things_of(worlds: Worlds, world: int) -> Iterator[dict[str, Any]]:
 
 
 def points(
-    name: str, axes: tuple[tuple[str, int], ...], places: Floats, about: str, order: int = 1
+    name: str, axes: tuple[tuple[str, int], ...], places: Floats, about: str, order: Literal[1, 2] = 1
 ) -> Iterator[Sampled]:
-    """Yield the two channels of points (..., 2) [m]."""
-    for axis, channel in enumerate(point_channels(name, axes, about, order)):
-        yield Sampled(channel, places[..., axis])
+    """Yield the channels of the coordinates x and y of points (..., 2) [m]."""
+    names, shape = tuple(axis for axis, _ in axes), tuple(length for _, length in axes)
+    for k, coordinate in enumerate("xy"):
+        full = f"{name}_{coordinate}" if name else coordinate
+        yield Sampled(Channel(full, names, shape, MILLI, order, "m", about), places[..., k])
 
 
 def mind_arrays(robots: int, minds: Thinking) -> Iterator[Sampled]:
@@ -190,21 +192,13 @@ def _described(network: BehaviourNetwork) -> dict[str, Any]:
         "behaviours": [behaviour.name for behaviour in model.behaviours],
         "needs": [
             [
-                [tag, condition.sensor, in_short(condition.activator)]
+                [tag, leaf.condition.sensor, in_short(leaf.condition.activator)]
                 for tag, interface in behaviour.interfaces
                 for tree in interface.preconditions
-                for condition in _leaves(tree.of if isinstance(tree, Optional) else tree)
+                for leaf in leaves(tree.of if isinstance(tree, Optional) else tree)
             ]
             for behaviour in model.behaviours
         ],
         "sensors": [sensor.name for sensor in model.sensors],
         "goals": [goal.name for goal in model.goals],
     }
-
-
-def _leaves(tree: Tree) -> Iterator[Condition]:
-    if isinstance(tree, Condition):
-        yield tree
-        return
-    for below in tree.of if isinstance(tree.of, tuple) else (tree.of,):
-        yield from _leaves(below)

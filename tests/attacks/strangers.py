@@ -14,8 +14,7 @@ import yaml
 
 from clean_swarm_env.config.load import load_experiment, load_family, load_mission
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.recording.mission_recording import record_mission
-from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from selector.documents.arrays import load_arrays, save_arrays
 from tests.paths import TRAINED

@@ -26,10 +26,8 @@ from clean_swarm_env.drawing.pixels import pixels_of
 from clean_swarm_env.drawing.recorded_picture import CHANNELS, RecordedCourse
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.file import BLOCK, MAGIC, blocks_of
-from clean_swarm_env.recording.mission_recording import record_mission
-from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.recording.tables import tables_of
+from clean_swarm_env.recording.reader import RecordedMission, tables_of
+from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from selector.documents.arrays import load_arrays, save_arrays
 from selector.documents.errors import DocumentError, shown

@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.recording.by_hand import AddRobot, ByHand, Change, FollowStrategy, HoldOption
+from clean_swarm_env.recording.by_hand import ByHand, Change, FollowStrategy, HoldOption
 from clean_swarm_env.recording.file import end_of
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission_end import RUNNING
@@ -171,7 +171,7 @@ class Session:
 
     def _make(self, change: Change) -> None:
         """Make a change by hand; ValueError if it is impossible."""
-        if isinstance(change, AddRobot) and self._added == SPARE_ROBOTS:
+        if change.do == "add_robot" and self._added == SPARE_ROBOTS:
             raise ValueError(f"a robot more: expected at most {SPARE_ROBOTS} added by hand")
         if isinstance(change, FollowStrategy):
             change = self._follow(change)
@@ -179,7 +179,7 @@ class Session:
             self._hold(change)
         else:
             change.make(self.worlds)
-        self._added += isinstance(change, AddRobot)
+        self._added += change.do == "add_robot"
         self._made.append(change.model_dump())
         self._recorder.note_by_hand(self._made[-1])
 

@@ -10,8 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.recording.reader import RecordedMission, RecordedStretch
-from clean_swarm_env.recording.tables import tables_of
+from clean_swarm_env.recording.reader import RecordedMission, RecordedStretch, tables_of
 from train.running.needs import check_file
 
 MCAP = ".mcap"

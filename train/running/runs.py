@@ -13,8 +13,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start, run_seed
-from clean_swarm_env.recording.mission_recording import record_mission
-from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionResult, MissionRun, run_mission
 from clean_swarm_env.world.task import measures_of
 from selector.coordination.selection import BY_SCORE

@@ -10,9 +10,8 @@ from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording import taking
 from clean_swarm_env.recording.fields import traces_at
-from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings, record_mission
 from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from selforg.gradients.store import columns as c
 from selforg.network import state as st

@@ -11,9 +11,8 @@ from clean_swarm_env.config.tasks import CLEANING, task_names
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.recorded_picture import RecordedCourse
 from clean_swarm_env.drawing.world_picture import canvas_of
-from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.reader import RecordedMission, tables_of
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
-from clean_swarm_env.recording.tables import tables_of
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from train.replay.page_file import page_of

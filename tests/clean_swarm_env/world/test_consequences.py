@@ -8,9 +8,8 @@ import pytest
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import DUMPINGS
-from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.mission import MissionRun
 from tests.clean_swarm_env.courses import CROWD, course, difference, mission, worlds_at_start

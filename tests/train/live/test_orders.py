@@ -15,7 +15,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from clean_swarm_env.recording.by_hand import AddItem, FollowStrategy
+from clean_swarm_env.recording.by_hand import Change, FollowStrategy
 from clean_swarm_env.recording.file import blocks_in
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, frames_from
 from clean_swarm_env.world.cleaning.garbage import CARRIED, LYING
@@ -134,7 +134,7 @@ def test_an_order_that_fails_ends_no_session(tmp_path, monkeypatch):
     def fail(change, worlds):
         raise ZeroDivisionError("what\nwas not thought of")
 
-    monkeypatch.setattr(AddItem, "make", fail)
+    monkeypatch.setattr(Change, "make", fail)
     session = Session(play_of(SMALL), tmp_path / "run.swarm")
     with served(session) as server:
         said = ordered(server, do="add_item", x=1.0, y=1.0)

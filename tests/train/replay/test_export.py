@@ -9,10 +9,8 @@ import pytest
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.file import blocks_of
-from clean_swarm_env.recording.mission_recording import record_mission
-from clean_swarm_env.recording.reader import RecordedMission, RecordedParts
-from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.recording.tables import tables_of
+from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, tables_of
+from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from tests.train.commands import run
 
