@@ -150,7 +150,7 @@ def _look_ahead(folder: Path, manifest: Manifest, family: str, compared: Compare
         (run for run in runs_of(output / JOURNAL) if run.condition == LOOKING),
         key=lambda run: natural_order(run.scenario),
     )
-    counted = sum((Counter(run.taken) for run in looked), Counter())
+    counted = sum((Counter(run.counts) for run in looked), Counter())
     taken = {claimed if name == base else name: number for name, number in counted.items()}
     content = {"excess_s": [run.result.excess_s for run in looked], "taken": taken}
     write_whole(file, json.dumps(content).encode())

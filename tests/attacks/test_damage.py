@@ -213,14 +213,3 @@ def test_a_recording_of_a_play_is_whole_after_a_full_disk_and_goes_on_when_there
     assert path.read_bytes() == session.beginning
     session.close()
     assert RecordedMission(path).frames == 3
-
-
-def test_a_damaged_database_of_a_study_is_named_and_may_be_deleted(tmp_path, monkeypatch):
-    pytest.importorskip("optuna", reason="needs the extra 'tune'")
-    from train.studies.trial_storage import TrialStorage
-
-    monkeypatch.chdir(tmp_path)
-    Path("trials.sqlite").write_bytes(b"no database" * 100)
-    with pytest.raises(DocumentError, match=r"trials\.sqlite: may be deleted, the study makes it again: ") as told_of:
-        TrialStorage("sqlite:///trials.sqlite", own="trials.sqlite")
-    assert len(str(told_of.value).splitlines()) == 1

@@ -7,30 +7,22 @@ import typer
 from train.cli.options import KEEPING, GivenOptions, asking, check_named, check_whole, wide_console
 
 MOST_TRIALS = 100_000
-Storage = Annotated[
-    str | None,
-    typer.Option(
-        help="Where optuna's tools find the trials: sqlite:///PATH, postgresql://..., or journal:PATH on a network "
-        "drive; a file in the directory of the results unless given.",
-        metavar="URL",
-    ),
-]
 
 
 @asking("seed", "store", *KEEPING)
 def tune_command(
     study: Annotated[str, typer.Argument(help="Name of a study, or path to its YAML file.", metavar="STUDY")],
-    storage: Storage = None,
     *,
     given: GivenOptions,
 ) -> None:
     """Search for parameters and scores of options by missions; a last race on fresh training scenarios decides."""
     check_named(given.directories, studies=study)
-    _check_installed()
-    from train.studies.config import load_study
+    from train.studies.config import load_study, study_versions
+
+    study_versions()  # a missing package is an error of one line
     from train.studies.study import run_study
 
-    raise typer.Exit(run_study(load_study(study, given.directories), given.request(study), wide_console(), storage))
+    raise typer.Exit(run_study(load_study(study, given.directories), given.request(study), wide_console()))
 
 
 @asking("seed", "knowledge", "store", *KEEPING)
@@ -39,7 +31,6 @@ def configure_command(
     family: Annotated[str, typer.Option(help="Family of scenarios, by name or by path.")],
     method: Annotated[str, typer.Option(help="random, TPE, CMA-ES, NSGA-II or MAP-Elites.")] = "TPE",
     trials: Annotated[int, typer.Option(help="Candidates of each method.")] = 60,
-    storage: Storage = None,
     *,
     given: GivenOptions,
 ) -> None:
@@ -47,17 +38,12 @@ def configure_command(
     check_whole({"--trials": (trials, 2, MOST_TRIALS)})
     knowledge = given.values["knowledge"]
     check_named(given.directories, families=family, knowledge=knowledge)
-    _check_installed()
+    from train.studies.config import study_versions
+
+    study_versions()
     from train.studies.configured import configured_study
     from train.studies.study import run_study
 
     changes = {"method": method, "trials": trials}
     study = configured_study(option, family, knowledge, changes, given.directories)
-    raise typer.Exit(run_study(study, given.request(option), wide_console(), storage))
-
-
-def _check_installed() -> None:
-    """Raise an error of one line for missing packages."""
-    from train.studies.installation import study_versions
-
-    study_versions()
+    raise typer.Exit(run_study(study, given.request(option), wide_console()))

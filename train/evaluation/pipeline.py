@@ -70,7 +70,7 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
     try:
         _run_missing(evaluation, results, wanted)
     except (KeyboardInterrupt, WorkerLost) as end:
-        kept = f": {len(results.records)} of {max(len(wanted), len(results.records))} runs are kept"
+        kept = f": {len(results.runs)} of {max(len(wanted), len(results.runs))} runs are kept"
         return request.ended(end, folder.path, kept)
     finally:
         results.close()
@@ -99,7 +99,7 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
     settings, others = evaluation.request.record, dict.fromkeys(set(evaluation.keys) - set(wanted))
 
     def missing() -> Sequence[Job]:
-        return evaluation.tasks({**others, **{record.key: record for record in results.records}})
+        return evaluation.tasks({**others, **results.runs})
 
     tasks = missing()
     if tasks and not compiled_before():
@@ -135,7 +135,7 @@ def _lessons(
     The store gets the score of a run once the run is on the disk. Scores of kept runs that it lacks are given first:
     the command was killed, or the database went away, in between.
     """
-    memory, done = evaluation.memory, {record.key: record for record in results.records}
+    memory, done = evaluation.memory, dict(results.runs)
     assert memory is not None
     choosers, choices, given = evaluation.choosers(), "", set()
     held = memory.held()

@@ -100,7 +100,12 @@ class TrialTask:
         for place, result in each_trial(scenarios, self.decider, settings):
             before, began = time.perf_counter(), before
             wall = round(before - began, 3)
-            yield RunRecord(self.family.name, scenarios[place].id, self.seed, self.condition, result, wall)
+            run = (self.family.name, scenarios[place].id, self.seed, self.condition, result, wall)
+            yield RunRecord(*run, counts=self.counts(scenarios[place]))
+
+    def counts(self, scenario: Scenario) -> Mapping[str, int]:
+        """Return what was counted in a mission; see `RunRecord`."""
+        return {}
 
     def knowing(self, learned: Mapping[str, Any]) -> TrialTask:
         """Return the runs that begin with what was learned of options, as a manifest holds it."""

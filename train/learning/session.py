@@ -6,7 +6,6 @@ import json
 import shlex
 from collections.abc import Callable
 from dataclasses import replace
-from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from rich.console import Console
 from rich.progress import TextColumn
 
 from clean_swarm_env.learning.batch import compile_missions
-from selector.documents.errors import DocumentError, within
+from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
 from train.cluster.bits import noted_bits, noting
 from train.knowledge_store import Memory, as_plain
@@ -101,11 +100,7 @@ def _memory(request: Request, config: TrainingConfig) -> Memory | None:
 
 def check_installed(learner: str) -> dict[str, str]:
     """Return the versions of all packages that a learner needs; DocumentError for a missing package."""
-    try:
-        return versions(LEARNER_PACKAGES[learner])
-    except PackageNotFoundError as error:
-        install = "pip install -c constraints.txt '.[train]'"
-        raise DocumentError(f"training by {learner} needs {error.name}, which is not installed: {install}") from error
+    return versions(LEARNER_PACKAGES[learner], f"training by {learner} needs", "train")
 
 
 def _print(console: Console, entry: dict[str, Any]) -> None:

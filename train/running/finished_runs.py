@@ -1,8 +1,8 @@
-"""The finished runs of an evaluation, kept in its directory.
+"""Finished runs, kept in a directory: those of an evaluation, and the missions of a study.
 
-`runs.jsonl` and `runs.csv` get one line for each finished run, which is on the disk before the next run is reported, so
-that no finished run is lost. `runs.jsonl` has complete records, which `--resume` reads. Both files are sorted at the
-end; apart from `wall_s`, equal runs then give equal files.
+`runs.jsonl` gets one line for each finished run, which is on the disk before the next run is reported, so that no
+finished run is lost; `--resume` reads it. At the end it is sorted, and `runs.csv` has the same runs as a table. Apart
+from `wall_s`, equal runs then give equal files.
 """
 
 import csv
@@ -10,7 +10,7 @@ import io
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from clean_swarm_env.config.types import ConfigurationError
@@ -18,17 +18,23 @@ from selector.documents.errors import shown
 from selector.documents.reading import json_value, read_text
 from selector.documents.writing import writing_to
 from train.running.run_folder import RunFolder
-from train.running.runs import MEASURES, RUN_COLUMNS, TAKEN, RunKey, RunRecord
+from train.running.runs import RUN_COLUMNS, RunKey, RunRecord
 
-JOURNAL, RUNS = "runs.jsonl", "runs.csv"
+JOURNAL = "runs.jsonl"
 
 
 class Results:
     """The finished runs in a directory.
 
+    Args:
+        folder: the directory.
+        mistake: returns why a run that is read is not of this evaluation, empty if it is.
+        known: runs that are known from elsewhere, and are kept, too.
+        journal: name of the file.
+
     Attributes:
         folder: the directory.
-        records: the finished runs.
+        runs: the finished runs.
 
     Raises:
         ConfigurationError: a line of the journal is no finished run, or one of another evaluation.
@@ -40,38 +46,33 @@ class Results:
         folder: RunFolder,
         mistake: Callable[[RunRecord], str] = lambda record: "",
         known: Sequence[RunRecord] = (),
+        journal: str = JOURNAL,
     ) -> None:
-        """Read the runs kept in `folder`, and keep those that are `known` from elsewhere.
+        self.folder, self._journal = folder, journal
+        kept = runs_of(folder.path / journal, mistake)
+        self.runs: dict[RunKey, RunRecord] = {record.key: record for record in (*known, *kept)}
+        self.folder.write(journal, "".join(map(_line, self.records)))
 
-        `mistake` returns why a run that is read is not of this evaluation, empty if it is.
-        """
-        self.folder = folder
-        kept = runs_of(folder.path / JOURNAL, mistake)
-        self.records = list({record.key: record for record in (*known, *kept)}.values())
-        self._rewrite()
+    @property
+    def records(self) -> list[RunRecord]:
+        """The finished runs, in the order of the journal."""
+        return list(self.runs.values())
 
     def add(self, record: RunRecord) -> None:
         """Keep a finished run; it is on the disk when the call returns."""
-        self.records.append(record)
-        if len(self.records) == 1:  # which tells the measures
-            self._rewrite()
-            return
-        for name, text in ((JOURNAL, _line(record)), (RUNS, _row(record))):
-            path = self.folder.path / name
-            with writing_to(path), path.open("a", encoding="utf-8", newline="") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
+        self.runs[record.key] = record
+        path = self.folder.path / self._journal
+        with writing_to(path), path.open("a", encoding="utf-8") as file:
+            file.write(_line(record))
+            file.flush()
+            os.fsync(file.fileno())
 
     def close(self) -> None:
-        """Sort all finished runs and write them."""
-        self.records.sort(key=lambda record: (natural_order(record.scenario), record.condition))
-        self._rewrite()
-
-    def _rewrite(self) -> None:
-        self.folder.write(JOURNAL, "".join(map(_line, self.records)))
-        measures = tuple(self.records[0].result.measures) if self.records else ()
-        self.folder.write(RUNS, _cells((*RUN_COLUMNS, *measures)) + "".join(map(_row, self.records)))
+        """Sort the finished runs, and write journal and table."""
+        records = sorted(self.records, key=lambda record: (natural_order(record.scenario), record.condition))
+        self.runs = {record.key: record for record in records}
+        self.folder.write(self._journal, "".join(map(_line, records)))
+        self.folder.write(str(Path(self._journal).with_suffix(".csv")), as_table(records))
 
 
 def runs_of(path: Path, mistake: Callable[[RunRecord], str] = lambda record: "") -> list[RunRecord]:
@@ -110,24 +111,25 @@ def natural_order(scenario: str) -> tuple[tuple[int, int, str], ...]:
     return tuple((0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts)
 
 
+def as_table(records: Collection[RunRecord]) -> str:
+    """Return runs as CSV, with a column for each measure, and the collisions at the first distance only."""
+    text = io.StringIO()
+    measures = tuple(next(iter(records)).result.measures) if records else ()
+    columns = (*RUN_COLUMNS, *measures)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for record in records:
+        cells = {**record.as_mapping(), **record.result.measures}
+        writer.writerow(_cell(cells[column]) for column in columns)
+    return text.getvalue()
+
+
 def _line(record: RunRecord) -> str:
     return json.dumps(record.as_mapping(), allow_nan=False) + "\n"
 
 
-def _data(cell: object) -> object:
-    """Return a cell that no spreadsheet takes for a formula: a text that begins like one gets a quotation mark."""
-    return f"'{cell}" if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@")) else cell
-
-
-def _row(record: RunRecord) -> str:
-    """Return the line of `runs.csv`, with the collisions at the first distance only."""
-    cells = {name: value for name, value in record.as_mapping().items() if name not in (MEASURES, TAKEN)}
-    return _cells((*cells.values(), *record.result.measures.values()))
-
-
-def _cells(values: Iterable[object]) -> str:
-    """Return a line of a table; of several numbers the first one."""
-    text = io.StringIO()
-    firsts = [value[0] if isinstance(value, tuple) else value for value in values]
-    csv.writer(text, lineterminator="\n").writerow(map(_data, firsts))
-    return text.getvalue()
+def _cell(value: object) -> object:
+    """Return a cell: of several numbers the first, and a quotation mark before a text that looks like a formula."""
+    if isinstance(value, tuple):
+        return value[0]
+    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) else value

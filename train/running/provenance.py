@@ -3,9 +3,10 @@
 import hashlib
 import platform
 from collections.abc import Sequence
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from selector.documents.errors import DocumentError
 from selector.documents.find import SHIPPED
 
 PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
@@ -14,14 +15,18 @@ FINGERPRINTED = ("knowledge", "mechanisms", "robots")
 """Kinds of files on which a run depends, besides its configuration."""
 
 
-def versions(more: Sequence[str] = ()) -> dict[str, str]:
+def versions(more: Sequence[str] = (), needed_by: str = "", extra: str = "") -> dict[str, str]:
     """Return the versions of Python, of the packages that every result depends on, and of `more` packages.
 
     Raises:
-        PackageNotFoundError: a package is not installed.
+        DocumentError: a package of `extra` is not installed; `needed_by` begins the text.
 
     """
-    return {"python": platform.python_version(), **{name: version(name) for name in (*PACKAGES, *more)}}
+    try:
+        return {"python": platform.python_version(), **{name: version(name) for name in (*PACKAGES, *more)}}
+    except PackageNotFoundError as error:
+        install = f"pip install -c constraints.txt '.[{extra}]'"
+        raise DocumentError(f"{needed_by} {error.name}, which is not installed: {install}") from error
 
 
 def fingerprints(directories: Sequence[Path] = ()) -> dict[str, str]:

@@ -48,8 +48,8 @@ class RunRecord:
     result: MissionResult
     wall_s: float
     """Time that the run took [s]."""
-    taken: Mapping[str, Annotated[int, Field(ge=0)]] = field(default_factory=dict, kw_only=True)
-    """How often a team that looked ahead took each alternative; nothing for others."""
+    counts: Mapping[str, Annotated[int, Field(ge=0)]] = field(default_factory=dict, kw_only=True)
+    """How often a team that looked ahead took each alternative, or what a study counts; nothing in other runs."""
 
     @property
     def key(self) -> RunKey:
@@ -59,7 +59,7 @@ class RunRecord:
     def as_mapping(self) -> dict[str, Any]:
         """Return the record as a mapping with the keys `RUN_COLUMNS`, and `FURTHER` where there is something."""
         result = asdict(self.result)
-        further = {MEASURES: result.pop(MEASURES), TAKEN: self.taken}
+        further = {MEASURES: result.pop(MEASURES), COUNTED: self.counts}
         own = {name: getattr(self, name) for name in NAMING}
         return {**own, **result, "wall_s": self.wall_s, **{name: value for name, value in further.items() if value}}
 
@@ -116,9 +116,9 @@ NAMING = ("experiment", "scenario", "seed", "condition")
 """Columns that identify a run."""
 MEASURES = "measures"
 """Key of the measures of a task in `runs.jsonl`; in `runs.csv` each has a column of its own name."""
-TAKEN = "taken"
-"""Key of what a run has taken."""
-FURTHER = (MEASURES, TAKEN)
+COUNTED = "counts"
+"""Key of what was counted in a run."""
+FURTHER = (MEASURES, COUNTED)
 _RESULT_COLUMNS = tuple(column.name for column in fields(MissionResult) if column.name != MEASURES)
 _RECORD = TypeAdapter(RunRecord)
 RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
@@ -126,7 +126,7 @@ RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
 
 
 def under(variant: str, condition: str) -> str:
-    """Return the name under which the runs of a condition are kept in a variant of a family; "" is the family."""
+    """Return the name under which the runs of a condition are kept in a variant of a family, or a stage of a study."""
     return f"{variant} - {condition}" if variant else condition
 
 

@@ -1,13 +1,25 @@
-"""The conclusion of a study: what its results cost on scenarios that decided nothing, beside what they must beat."""
+"""The conclusion of a study: what its results cost on scenarios that decided nothing, beside what they must beat.
+
+The results become expert knowledge, in a file and in a knowledge store.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.known import mission_context
+from selector.documents.parameters import Content
+from selector.documents.reading import as_yaml
+from selector.knowledge import knowledge_from
 from selforg.arrays import Floats
 from train.analysis.spread import Ratio
 from train.analysis.statistics import Summary, summarise
+from train.evaluation.pipeline import mission_score
+from train.knowledge_store import StoreRequest
 from train.studies.config import RANDOM, StudyConfig
 from train.studies.missions import COST, FIGURES, LAST_RACE, STATEMENT, Candidate, MissionField
 from train.studies.search import Arm, CandidateSearch
@@ -78,3 +90,63 @@ def conclude(
 def _cost(field: MissionField, candidate: Candidate) -> float:
     """Return the mean cost of a candidate in the last race [s]."""
     return float(field.figures(LAST_RACE, [candidate], field.asked(LAST_RACE, candidate))[0, COST].mean())
+
+
+class FoundKnowledge:
+    """The knowledge that a study found: its results, the unchanged options and Off, with the scores of all.
+
+    Args:
+        study: the study.
+        seed: its seed.
+        family: the family whose missions gave the scores.
+        space: the space of the study.
+        conclusion: what came out.
+
+    """
+
+    def __init__(
+        self, study: StudyConfig, seed: int, family: FamilyConfig, space: StudySpace, conclusion: Conclusion
+    ) -> None:
+        self._study, self._seed, self._family, self._conclusion = study, seed, family, conclusion
+        self._scores: dict[tuple[str, str], Floats] = {}
+        self._goals = dict(conclusion.results[0].candidate.goals)
+        others = [one for one in conclusion.yardsticks if one.label != BEST_RANDOM]
+        for goal in space.goals:
+            options: dict[str, Content] = {}
+            for stated in (*conclusion.results, *others):
+                option = space.served(stated.candidate.goals)[goal]
+                name = stated.label if stated in conclusion.results else str(option["name"])
+                scores = np.array([mission_score(family.mission, cost) for cost in stated.figures[COST].tolist()])
+                self._scores.setdefault((goal, name), scores)
+                options.setdefault(name, {**option, "name": name, "score": round(float(scores.mean()), 6)})
+            self._goals[goal] = list(options.values())
+
+    def text(self) -> str:
+        """Return the file `knowledge/NAME.yaml`."""
+        learned: dict[str, dict[str, Content]] = {}
+        for (goal, name), scores in self._scores.items():
+            figures = {"count": len(scores), "mean": float(scores.mean()), "variance": float(scores.var())}
+            learned.setdefault(goal, {})[name] = figures
+        return as_yaml({"description": self._description(), "goals": self._goals, "learned": learned})
+
+    def give(self, request: StoreRequest) -> None:
+        """Give the options and their scores to a store, with the study as their source, once."""
+        knowledge = knowledge_from({"goals": self._goals}, self._study.name)
+        source = f"study {self._study.name}, seed {self._seed}"
+        memory = request.memory(knowledge, mission_context(self._family.name), source)
+        if memory is None:
+            return
+        if not memory.given():
+            memory.give((goal, name, float(x)) for (goal, name), scores in self._scores.items() for x in scores)
+        memory.close()
+
+    def _description(self) -> str:
+        study, costs = self._study, []
+        for stated in self._conclusion.results:
+            cost, count = stated.summaries["cost_s"], stated.figures.shape[1]
+            interval = "" if cost.ci95 is None else f" [{cost.ci95[0]:.1f}, {cost.ci95[1]:.1f}]"
+            marks = self._conclusion.marks(stated)
+            mark = f", NOT SHOWN TO BEAT {' AND '.join(marks)}" if marks else ""
+            costs.append(f"{stated.label} costs {cost.mean:.1f} s{interval} on {count} fresh scenarios{mark}")
+        about = f"{study.method} on training scenarios of {self._family.name}, seed {self._seed}"
+        return f"{study.description} {about}: {'; '.join(costs)}.".strip()

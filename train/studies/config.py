@@ -13,9 +13,12 @@ from selector.documents.errors import impossible
 from selector.documents.fields import LARGEST_NUMBER, Closed, DocumentName, Flag, Label, Name, Number, Positive
 from selector.documents.find import load_file
 from train.learning.racing import RaceConfig
+from train.running.provenance import versions
 
 WholeNumber = Annotated[int, Field(strict=True, ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
 Method = Literal["random", "TPE", "CMA-ES", "NSGA-II", "MAP-Elites"]
+STUDY_PACKAGES = ("optuna", "cmaes", "ribs")
+"""The packages of the extra `tune`, which everything else here needs."""
 RANDOM: Method = "random"
 MAP_ELITES: Method = "MAP-Elites"
 ONE_NUMBER: tuple[Method, ...] = ("CMA-ES", MAP_ELITES)
@@ -120,3 +123,8 @@ class StudyConfig(Closed):
 def load_study(name: str, directories: Sequence[Path] = ()) -> StudyConfig:
     """Return the study of a name, in `directories` or among those that ship, or of a path to a YAML file."""
     return load_file("studies", name, StudyConfig, directories)
+
+
+def study_versions() -> dict[str, str]:
+    """Return the versions of all packages that a study depends on; DocumentError for a missing one."""
+    return versions(STUDY_PACKAGES, "studies need", "tune")

@@ -8,18 +8,19 @@ Shapes: F figures of a mission, n scenarios that a candidate did.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from optuna.trial import TrialState
 
 from selector.documents.errors import DocumentError
 from selforg.arrays import Floats
 from train.learning.racing import RaceConfig, front, race
 from train.studies.config import Method, StudyConfig
-from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, LAST_RACE, SEARCH, Candidate, MissionField
-from train.studies.proposals import Feedback, proposer_of
-from train.studies.space import StudySpace
+from train.studies.missions import COST, DURATION, EVENT_COUNT, LAST_RACE, SEARCH, Candidate, MissionField
+from train.studies.proposals import MEANS, proposals_of
+from train.studies.space import StudySpace, Varied
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,6 @@ class StudyTrial:
     """A candidate, and what the method was told of it."""
 
     candidate: Candidate
-    feedback: Feedback
     means: tuple[float, ...] = ()
     """Estimated means of the figures, in the order of FIGURES; none where the library refused the values."""
     scenarios: int = 0
@@ -61,20 +61,22 @@ class CandidateSearch:
 
     def arm(self, method: Method, seed: int, on_batch: Callable[[Sequence[StudyTrial]], None]) -> Arm:
         """Search by a method; `on_batch` gets all trials so far after each batch."""
-        study, proposer = self._study, proposer_of(method, self._study, self._space, seed)
+        study, proposals = self._study, proposals_of(method, self._study, self._space, seed)
         trials: list[StudyTrial] = []
         best: list[Candidate] = []
         while len(trials) < study.trials:
-            asked = proposer.ask(min(study.batch, study.trials - len(trials)))
-            batch = [
-                Candidate(f"{method}-{len(trials) + k + 1}", self._space.goals_with(values), values)
-                for k, values in enumerate(asked)
+            asked = [
+                proposals.ask(self._space.distributions) for _ in range(min(study.batch, study.trials - len(trials)))
             ]
+            batch = [self._candidate(f"{method}-{proposal.number + 1}", proposal.params) for proposal in asked]
             able = [candidate for candidate in batch if not self._space.mistake(candidate.goals)]
             best = self._best(race([*best, *able], self._measure(SEARCH), study.race)) if able else best
-            tried = [self._trial(candidate, candidate in able) for candidate in batch]
-            proposer.tell([trial.feedback for trial in tried])
-            trials += tried
+            for proposal, candidate in zip(asked, batch, strict=True):
+                trial = self._trial(candidate) if candidate in able else StudyTrial(candidate)
+                proposal.set_user_attr(MEANS, trial.means)
+                values = [trial.means[k] for k in self._counting] if trial.means else None
+                proposals.tell(proposal, values, TrialState.COMPLETE if values else TrialState.FAIL)
+                trials.append(trial)
             on_batch(trials)
         if not best:
             raise DocumentError(f"{study.name}: {method}: the library refused all {len(trials)} candidates")
@@ -97,13 +99,13 @@ class CandidateSearch:
         reference = self._field.figures(SEARCH, [self._unchanged], rules.block * rules.blocks)[0]
         return estimated(own, reference)
 
-    def _trial(self, candidate: Candidate, able: bool) -> StudyTrial:
-        if not able:
-            return StudyTrial(candidate, Feedback(()))
-        means = self.means(candidate)
-        values = tuple(means[self._counting].tolist())
-        feedback = Feedback(values, float(means[EVENT_COUNT]), float(means[AVOIDING]))
-        return StudyTrial(candidate, feedback, tuple(means.tolist()), self._field.asked(SEARCH, candidate))
+    def _candidate(self, name: str, proposed: Mapping[str, Varied]) -> Candidate:
+        dimensions = zip(self._space.names, self._space.dimensions, strict=True)
+        values = tuple(dimension.plain(proposed[key]) for key, dimension in dimensions)
+        return Candidate(name, self._space.goals_with(values), values)
+
+    def _trial(self, candidate: Candidate) -> StudyTrial:
+        return StudyTrial(candidate, tuple(self.means(candidate).tolist()), self._field.asked(SEARCH, candidate))
 
     def _best(self, left: Iterable[Candidate]) -> list[Candidate]:
         """Return the best of the candidates that are left, at most as many as there are finalists."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
+
+from optuna.distributions import BaseDistribution, CategoricalDistribution, FloatDistribution, IntDistribution
 
 from clean_swarm_env.config.load import with_changes
 from selector.configurations.library import library_of
@@ -38,6 +40,16 @@ class Dimension:
         if self.values.log:
             return self.plain(math.exp(math.log(low) + share * (math.log(high) - math.log(low))))
         return self.plain(low + share * (high - low))
+
+    @property
+    def distribution(self) -> BaseDistribution:
+        """The same as optuna describes it."""
+        given = self.values
+        if isinstance(given, Choices):
+            return CategoricalDistribution(given.choices)
+        if given.whole:
+            return IntDistribution(int(given.low), int(given.high), log=given.log)
+        return FloatDistribution(given.low, given.high, log=given.log)
 
     def plain(self, value: Varied) -> Varied:
         """Return a proposed value as it stands in a document."""
@@ -87,11 +99,16 @@ class StudySpace:
         """The goals whose options vary."""
         return tuple(self._constants)
 
+    @property
+    def distributions(self) -> dict[str, BaseDistribution]:
+        """The dimensions as optuna describes them, by name."""
+        return {name: one.distribution for name, one in zip(self.names, self.dimensions, strict=True)}
+
     def goals_with(self, values: Sequence[Varied]) -> dict[str, list[Content]]:
         """Return the options of all goals, those of the space with `values` in the order of the dimensions."""
         varied = self._constants
         for dimension, value in zip(self.dimensions, values, strict=True):
-            varied = with_changes(varied, _nested(dimension.path, value))
+            varied = with_changes(varied, nested(dimension.path, value))
         return self._all_goals({goal: list(options.values()) for goal, options in varied.items()})
 
     def unchanged(self) -> dict[str, list[Content]]:
@@ -141,60 +158,6 @@ class StudySpace:
                         raise DocumentError(why)
 
 
-def default_space(knowledge: Knowledge, option: str, directories: tuple[Path, ...] = ()) -> dict[str, Any]:
-    """Return a space of every number and flag of an option; numbers from a quarter to four times their value.
-
-    Numbers of at most a millionth stay as they are: they stand for zero. A bound that the library refuses comes nearer.
-
-    Raises:
-        DocumentError: no goal has this option, or nothing of it can vary.
-
-    """
-    found = [(goal, one) for goal in knowledge.goals for one in knowledge.options(goal) if one.name == option]
-    if not found:
-        known = sorted({one.name for goal in knowledge.goals for one in knowledge.options(goal)})
-        raise DocumentError(f"{knowledge.source}: no goal has the option {option!r} (known: {', '.join(known)})")
-    goal, given = found[0]
-    library = library_of(directories)
-    content = given.model_dump(exclude={"name", "configuration", "score"})
-    content["parameters"] = {**library.parameters(given.configuration), **given.parameters}
-
-    def fits(path: tuple[str, ...], value: Varied) -> bool:
-        changed = with_changes(given.model_dump(), _nested(path, value))
-        try:
-            library.of_option(validated(Option, changed, option))
-        except DocumentError:
-            return False
-        return True
-
-    ranges: Content = {}
-    for path, value in _leaves(content, ()):
-        if isinstance(value, bool):
-            ranges = with_changes(ranges, _nested(path, {"choices": [False, True]}))
-            continue
-        whole = isinstance(value, int)
-        bounds = []
-        for factor in (0.25, 4.0):
-            tried = (value * factor ** (1.0 / 2**k) for k in range(3))
-            bounds.append(next((x for x in (float(round(t)) if whole else t for t in tried) if fits(path, x)), value))
-        if bounds[0] < bounds[1]:
-            low, high = (float(f"{bound:.{DIGITS}g}") for bound in bounds)
-            leaf = {"low": low, "high": high, "log": not whole, "whole": whole}
-            ranges = with_changes(ranges, _nested(path, leaf))
-    if not ranges:
-        raise DocumentError(f"{option}: expected an option with numbers or flags, got none that can vary")
-    return {goal: {option: ranges}}
-
-
-def _leaves(content: Content, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], bool | int | float]]:
-    """Yield the path and the value of every flag and every number above a millionth."""
-    for key, value in content.items():
-        if isinstance(value, dict):
-            yield from _leaves(value, (*path, key))
-        elif isinstance(value, bool) or (isinstance(value, int | float) and value > 1e-6):
-            yield (*path, key), value
-
-
 def _split(given: Content, path: tuple[str, ...]) -> tuple[Content, list[Dimension]]:
     """Return the constants of a mapping, and its ranges and choices."""
     constants: Content = {}
@@ -218,6 +181,6 @@ def _is(value: object, mark: str) -> bool:
     return isinstance(value, dict) and mark in value
 
 
-def _nested(path: Sequence[str], value: object) -> Content:
+def nested(path: Sequence[str], value: object) -> Content:
     """Return a mapping that holds only `value` at `path`."""
-    return {path[0]: _nested(path[1:], value) if len(path) > 1 else value}
+    return {path[0]: nested(path[1:], value) if len(path) > 1 else value}

@@ -10,6 +10,7 @@ from rich.progress import MofNCompleteColumn
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compiled_before
 from selector.documents.errors import within
@@ -20,34 +21,31 @@ from train.reports.write_report import Publication, publish
 from train.request import Request
 from train.running.engine import WorkerLost
 from train.running.exit_codes import FINISHED
+from train.running.finished_runs import Results
 from train.running.needs import Workload, check_needs
 from train.running.progress import progress
 from train.running.provenance import fingerprints
 from train.running.run_folder import COMMAND, RunFolder, default_directory
 from train.running.warm_up import compile_first
-from train.studies.conclusion import UNCHANGED, Conclusion, conclude
-from train.studies.config import StudyConfig
-from train.studies.export import Export
-from train.studies.figure import draw_study
-from train.studies.installation import study_versions
-from train.studies.journal import MissionJournal
-from train.studies.missions import FIGURES, STAGES, Candidate, CandidateTasks, MissionField, TaskMaker
-from train.studies.report import study_summary_json, study_tables, trials_csv
+from train.studies.conclusion import UNCHANGED, Conclusion, FoundKnowledge, conclude
+from train.studies.config import StudyConfig, study_versions
+from train.studies.missions import STAGES, Candidate, CandidateTasks, MissionField, TaskMaker
+from train.studies.report import draw_study, importances, study_summary_json, study_tables, trials_csv
 from train.studies.search import Arm, CandidateSearch, StudyTrial
 from train.studies.space import StudySpace
-from train.studies.trial_storage import TrialStorage, importances
+
+MISSIONS = "missions.jsonl"
+"""File with the finished missions. A study is a function of its seed and of these: one that was killed begins anew,
+finds its missions here, and comes to the same trials (docs/decisions/0170-studies-replay.md)."""
 
 
-def run_study(
-    study: StudyConfig, request: Request, console: Console, storage: str | None = None, make: TaskMaker | None = None
-) -> int:
+def run_study(study: StudyConfig, request: Request, console: Console, make: TaskMaker | None = None) -> int:
     """Do or continue a study, write its results and print its tables; return the exit code.
 
     Args:
         study: the study.
         request: the request of the user.
         console: shows the tables; the standard error shows the progress.
-        storage: URL of the storage of trials; an SQLite file in the directory unless given.
         make: makes the tasks of candidates; missions of the family unless given.
 
     """
@@ -63,19 +61,19 @@ def run_study(
     directory = request.output or default_directory(f"{study.name}-seed{request.seed}", resume=request.resume)
     request.bits.add(noted_bits(directory))
     folder = RunFolder(directory, {"identity": identity, COMMAND: list(request.words)}, resume=request.resume)
-    make = make or CandidateTasks(family, request.seed, space.goals[0], folder, directories)
-    own = folder.path / "trials.sqlite"
+    tasks = CandidateTasks(family, request.seed, space.goals[0], folder, directories)
     with noting(folder, request.bits):
-        kept = TrialStorage(storage or f"sqlite:///{own.resolve()}", own="" if storage else str(own))
-        journal = MissionJournal(folder, len(FIGURES))
+        results = Results(folder, tasks.mistake, journal=MISSIONS)
         try:
-            arms, conclusion = _searched(study, request, space, journal, make, kept)
+            arms, conclusion = _searched(study, request, space, results, make or tasks, family.mission)
         except (KeyboardInterrupt, WorkerLost) as end:
-            return request.ended(end, folder.path, f": {journal.missions} missions are kept")
-        export = Export(study, request.seed, family, space, conclusion)
-        folder.write(f"knowledge/{study.name}.yaml", export.text())
+            return request.ended(end, folder.path, f": {len(results.runs)} missions are kept")
+        finally:
+            results.close()
+        found = FoundKnowledge(study, request.seed, family, space, conclusion)
+        folder.write(f"knowledge/{study.name}.yaml", found.text())
         folder.write("trials.csv", trials_csv(arms, space))
-        importance = importances([trial for arm in arms for trial in arm.trials], space)
+        importance = importances(arms, space)
         heading = f"# {study.name}\n\n{study.description}\nFamily {family.name}, seed {request.seed}.\n\n"
         publication = Publication(
             heading,
@@ -84,31 +82,25 @@ def run_study(
             draw_study(arms, conclusion, importance, study.archive),
         )
         publish(publication, folder, console)
-        export.give(request.store)
+        found.give(request.store)
     return FINISHED
 
 
 def _searched(
-    study: StudyConfig,
-    request: Request,
-    space: StudySpace,
-    journal: MissionJournal,
-    make: TaskMaker,
-    storage: TrialStorage,
+    study: StudyConfig, request: Request, space: StudySpace, results: Results, make: TaskMaker, mission: MissionConfig
 ) -> tuple[list[Arm], Conclusion]:
-    """Do the missions that the journal lacks; return what each method found, and the conclusion."""
+    """Do the missions that are not kept; return what each method found, and the conclusion."""
     unchanged, arms = Candidate(UNCHANGED, space.unchanged()), list[Arm]()
     if not compiled_before():
         compile_first(make(STAGES[0], unchanged, (0,)))
     bar = progress(study.method, MofNCompleteColumn(), study.trials)
     with request.engine.rounds() as done, bar as update:
-        missions = MissionField(make, journal, done)
+        missions = MissionField(make, results, done, mission)
         search = CandidateSearch(study, space, missions, unchanged)
         for method in study.methods:
 
             def on_batch(trials: Sequence[StudyTrial], method: str = method) -> None:
-                storage.keep(f"{study.name} {method} {request.seed}", trials, space, study.figures)
-                told = f"trials, {journal.missions:,} missions"
+                told = f"trials, {len(results.runs):,} missions"
                 update(description=method, completed=len(trials), more=told)
 
             arms.append(search.arm(method, request.seed, on_batch))

@@ -291,7 +291,7 @@ def test_ctrl_c_keeps_the_finished_runs_and_says_how_to_go_on(run, tmp_path, wor
 def test_ctrl_c_while_the_workers_start_is_quiet(tmp_path):
     process = _start(tmp_path, "--output", "r", "--workers", "2", seconds="0.3")
     end = time.monotonic() + 60.0
-    while not (tmp_path / "r" / "runs.csv").exists():
+    while not (tmp_path / "r" / "runs.jsonl").exists():
         assert time.monotonic() < end
         time.sleep(0.01)
     time.sleep(0.3)

@@ -51,7 +51,7 @@ def test_with_one_option_the_mission_is_that_of_the_option(tmp_path):
     (alone,) = run_trials([scenario], decider, TrialSettings(directories=(tmp_path,)))
     [record] = task.run()
     assert record.result == alone
-    assert sum(record.taken.values()) == -(-alone.duration_s // 20.0)
+    assert sum(record.counts.values()) == -(-alone.duration_s // 20.0)
     assert RunRecord.of_mapping(record.as_mapping()) == record
 
 

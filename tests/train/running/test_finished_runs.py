@@ -44,6 +44,7 @@ def test_every_finished_run_is_on_the_disk_at_once(tmp_path):
     results.add(record("1", "a", 0.1 + 0.2))
     lines = (results.folder.path / "runs.jsonl").read_text().splitlines()
     assert [json.loads(line)["duration_s"] for line in lines] == [0.1 + 0.2]
+    results.close()
     assert float(_rows(results.folder.path)[0]["duration_s"]) == 0.1 + 0.2
     assert json.loads((results.folder.path / "manifest.json").read_text()) == MANIFEST
 

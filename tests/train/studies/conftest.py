@@ -1,4 +1,14 @@
+import os
+
 import pytest
+
+
+@pytest.fixture(autouse=True, scope="package")
+def unsynced():
+    """Missions that take no time wait for no disk."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda number: None)
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.world.mission import MissionResult
-from train.running.runs import RunRecord
-from train.studies.missions import STAGES, CandidateRun
+from train.running.runs import RunRecord, under
+from train.studies.missions import STAGES, stage_seeds
 
 NOISE = 0.2
 """Standard deviation of the logarithm of the cost of one option, as on `random` (docs/tuning.md)."""
@@ -44,11 +45,18 @@ class SyntheticTask:
                 with Path(self.log).open("a") as file:
                     file.write(f"{self.stage} {self.name} {number}\n")
             words = [STAGES.index(self.stage), zlib.crc32(f"{self.name} {self.excess}".encode()), number]
-            cost = 100.0 * (1.0 + self.excess) * float(np.exp(np.random.default_rng(words).normal(0.0, NOISE)))
-            figures = (cost, 0.8 * cost, self.rate * cost, min(self.excess / 4.0, 1.0), 0.0)
-            result = MissionResult(True, cost, (0.0,), (0.0,), 10, 5, 100, 1.0, cost, 0.0)
-            run = RunRecord("synthetic", f"train-{number + 1}", 0, self.name, result, 0.0)
-            yield CandidateRun(**run.__dict__, number=number, figures=figures)
+            cost = 20.0 * (1.0 + self.excess) * float(np.exp(np.random.default_rng(words).normal(0.0, NOISE)))
+            events, avoiding = (self.rate * cost / 20.0,) * 2, min(round(self.excess * 2500.0), 10_000)
+            result = MissionResult(True, min(0.8 * cost, 200.0), (0.0, 0.0), events, 10, 2, 500, 1.0, cost, 0.0)
+            yield RunRecord(
+                "small",
+                scenario_name("train", number),
+                stage_seeds(3)[self.stage],
+                under(self.stage, self.name),
+                result,
+                0.0,
+                counts={"decisions": 10_000, "avoiding": avoiding},
+            )
 
 
 def synthetic(stage, candidate, numbers, log="") -> SyntheticTask:

@@ -6,12 +6,12 @@ import sys
 import pytest
 
 from tests.train.commands import run
-from train.studies import installation
+from train.studies import config
 
 
 @pytest.mark.parametrize("words", [("tune", "keep-apart"), ("study", "configure", "Off", "--family", "table1")])
 def test_a_missing_package_is_named_with_the_extra(monkeypatch, capsys, words):
-    monkeypatch.setattr(installation, "STUDY_PACKAGES", ("no-such-package",))
+    monkeypatch.setattr(config, "STUDY_PACKAGES", ("no-such-package",))
     assert run(*words) == 2
     error = capsys.readouterr().err
     assert "studies need no-such-package, which is not installed: pip install -c constraints.txt '.[tune]'" in error
@@ -20,7 +20,7 @@ def test_a_missing_package_is_named_with_the_extra(monkeypatch, capsys, words):
 
 @pytest.mark.parametrize("words", [("tune", "keep-aprt"), ("study", "configure", "Off", "--family", "tabel1")])
 def test_a_mistake_in_the_words_is_told_before_a_missing_package(monkeypatch, capsys, words):
-    monkeypatch.setattr(installation, "STUDY_PACKAGES", ("no-such-package",))
+    monkeypatch.setattr(config, "STUDY_PACKAGES", ("no-such-package",))
     assert run(*words) == 2
     assert "did you mean" in capsys.readouterr().err
 

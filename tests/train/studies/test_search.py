@@ -10,24 +10,26 @@ from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.learning.racing import front
+from train.running.engine import in_turn
+from train.running.finished_runs import Results
 from train.running.run_folder import RunFolder
 from train.studies.config import Method, load_study
-from train.studies.journal import MissionJournal
-from train.studies.missions import DURATION, EVENT_COUNT, FIGURES, LAST_RACE, Candidate, MissionField
-from train.studies.space import StudySpace
 
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
+from train.studies.missions import DURATION, EVENT_COUNT, LAST_RACE, Candidate, MissionField
 from train.studies.search import CandidateSearch
+from train.studies.space import StudySpace
 
 
 def search_of(configs, folder, make=synthetic, **changes):
     """Return the search of a study without missions, and its field."""
     study = load_study("planted", [configs]).model_copy(update=changes)
-    space = StudySpace(study, knowledge_of(load_family("small", [configs]).mission, [configs]), (configs,))
-    journal = MissionJournal(RunFolder(folder, {"identity": {}}, resume=False), len(FIGURES))
-    field = MissionField(make, journal, lambda tasks: (run for task in tasks for run in task.each()))
+    family = load_family("small", [configs])
+    space = StudySpace(study, knowledge_of(family.mission, [configs]), (configs,))
+    results = Results(RunFolder(folder, {"identity": {}}, resume=False))
+    field = MissionField(make, results, in_turn, family.mission)
     return CandidateSearch(study, space, field, Candidate("unchanged", space.unchanged())), field
 
 
@@ -36,7 +38,7 @@ def planted_regret(configs, folder, method, seed):
     search, field = search_of(configs, folder, trials=60)
     arm = search.arm(method, seed, lambda trials: None)
     assert len(arm.trials) == 60
-    return regret(search.winners(arm)[0].goals["AvoidCollision"][0]), field.journal.missions
+    return regret(search.winners(arm)[0].goals["AvoidCollision"][0]), len(field.results.runs)
 
 
 @pytest.mark.parametrize("method", ["TPE", "CMA-ES"])
@@ -83,8 +85,8 @@ def test_what_the_library_refuses_is_a_trial_that_failed(configs, tmp_path, monk
     search, _ = search_of(configs, tmp_path / "some", trials=12)
     monkeypatch.setattr(StudySpace, "mistake", far)
     arm = search.arm("TPE", 0, lambda trials: None)
-    assert {bool(trial.feedback.values) for trial in arm.trials} == {True, False}
-    assert all(bool(trial.feedback.values) == (trial.candidate.values[0] <= 1.2) for trial in arm.trials)
+    assert {bool(trial.means) for trial in arm.trials} == {True, False}
+    assert all(bool(trial.means) == (trial.candidate.values[0] <= 1.2) for trial in arm.trials)
     monkeypatch.setattr(StudySpace, "mistake", lambda space, goals: "never")
     with pytest.raises(DocumentError, match="planted: TPE: the library refused all 12 candidates"):
         search.arm("TPE", 0, lambda trials: None)

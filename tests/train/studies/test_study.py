@@ -9,10 +9,7 @@ from rich.console import Console
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
-import optuna
-
 from clean_swarm_env.config.types import ConfigurationError
-from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore
 from tests.train.commands import run
@@ -35,10 +32,10 @@ def request_of(configs, output, **more):
     return Request("planted", seed=3, output=output, directories=(configs,), words=words, **more)
 
 
-def studied(request, make, storage=None, **changes):
+def studied(request, make, **changes):
     """Do the planted study with some changes; return the exit code."""
     study = load_study("planted", request.directories).model_copy(update=changes)
-    return run_study(study, request, CONSOLE, storage, make)
+    return run_study(study, request, CONSOLE, make)
 
 
 def contents(folder):
@@ -116,7 +113,7 @@ def test_a_killed_study_goes_on_where_it_was(configs, tmp_path, whole, share):
     journal = killed / "missions.jsonl"
     kept = journal.read_text()
     journal.write_text(kept[: int(share * len(kept))])  # as a kill leaves it, in the middle of a line
-    for name in (*SAME, "trials.sqlite"):
+    for name in SAME:
         (killed / name).unlink()
     assert studied(request_of(configs, killed, resume=True), synthetic) == FINISHED
     assert contents(killed) == contents(whole)
@@ -162,29 +159,27 @@ def load_text(folder):
     return " ".join((folder / "knowledge" / "planted.yaml").read_text().split())
 
 
-@pytest.mark.parametrize("scheme", ["sqlite:///", "journal:"])
-def test_optuna_reads_the_trials_from_the_storage(configs, tmp_path, scheme):
-    url = f"{scheme}{tmp_path / 'trials.storage'}"
-    for number in range(2):  # the second study finds its own trials there
-        assert studied(request_of(configs, tmp_path / f"run{number}"), synthetic, url) == FINISHED
-    storage = (
-        url
-        if scheme == "sqlite:///"
-        else optuna.storages.JournalStorage(optuna.storages.journal.JournalFileBackend(url.removeprefix(scheme)))
-    )
-    study = optuna.load_study(study_name="planted TPE 3", storage=storage)
-    assert [trial.user_attrs["name"] for trial in study.trials] == [f"TPE-{k}" for k in range(1, 13)]
-    assert set(study.best_params) == {f"parameters.{x}" for x in ("view_distance", "presence_threshold", "full_length")}
-    with pytest.raises(DocumentError, match="holds another trial"):
-        studied(request_of(configs, tmp_path / "other"), synthetic, url, batch=5)
+def test_a_kept_mission_of_another_study_is_refused_in_one_line(configs, tmp_path, whole):
+    folder = tmp_path / "damaged"
+    shutil.copytree(whole, folder)
+    journal = folder / "missions.jsonl"
+    kept = journal.read_text().splitlines()
+    for key, value in {
+        "seed": 4,
+        "experiment": "large",
+        "condition": "race - TPE-1",
+        "counts": {},
+        "ticks": -1,
+    }.items():
+        journal.write_text("\n".join([*kept[:-1], json.dumps({**json.loads(kept[-1]), key: value})]) + "\n")
+        with pytest.raises(ConfigurationError, match=rf"missions\.jsonl: line {len(kept)}: .*expected"):
+            studied(request_of(configs, folder, resume=True), synthetic)
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (("tune", "nothing"), "unknown study 'nothing'"),
-        (("tune", "planted", "--storage", "mongo://x/y"), "unknown database 'mongo'"),
-        (("tune", "planted", "--storage", "journal:/nowhere/at/all"), "--storage journal:/nowhere/at/all: "),
         (("study", "configure", "Far", "--family", "small"), "no goal has the option 'Far'"),
         (("study", "configure", "Near", "--family", "small", "--method", "luck"), "method: expected 'random'"),
     ],

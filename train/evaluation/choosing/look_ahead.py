@@ -75,7 +75,7 @@ class LookAheadTask(TrialTask):
             team = LookingTeam(self, scenario, place[0])
             result, taken = team.result(), dict(team.taken.most_common())
             wall = round(time.perf_counter() - began, 3)
-            yield RunRecord(self.family.name, scenario.id, self.seed, self.condition, result, wall, taken=taken)
+            yield RunRecord(self.family.name, scenario.id, self.seed, self.condition, result, wall, counts=taken)
 
 
 class LookingTeam:
@@ -206,7 +206,7 @@ class LookAheadEvaluation(FamilyEvaluation):
         done, taken = {record.key: record for record in records}, Counter[str]()
         labels, base = [LOOKING, *(entrant.label for entrant in self.entrants)], as_member(self._looking.base)
         for name in self.scenarios:
-            taken += Counter(done[name, LOOKING].taken)
+            taken += Counter(done[name, LOOKING].counts)
         results = {label: [[done[name, label].result for name in self.scenarios]] for label in labels}
         compared = ExcessComparison(self.family, results, dict.fromkeys(labels, base))
         notes = (f"taken by the look-ahead: {shares_of(taken)}",)
