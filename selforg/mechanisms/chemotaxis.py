@@ -5,7 +5,7 @@ import numpy as np
 from selforg.compiler.decorators import part
 from selforg.compiler.records import Words, Written
 from selforg.gradients.pair import CHOOSE_NEAREST, Own, Pair, attraction_balch, choose, pair_at, repulsion_balch
-from selforg.gradients.store.records import Sight, open_sight
+from selforg.gradients.store.records import Poses, Sight, Store, open_sight
 from selforg.mechanisms.base import MECHANISMS
 from selforg.mechanisms.formula import FormulaMechanism
 from selforg.mechanisms.movement import ATTRACTIVE_AND_NEAR_REPULSIVE, BY_REPULSIVE, Rule, add, full_length
@@ -46,7 +46,15 @@ class ChemotaxisBalch(FormulaMechanism):
 
     @staticmethod
     @part
-    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Written[Rule]) -> bool:
+    def combine(
+        row: int,
+        found: int,
+        own: Own,
+        sight: Words[Sight],
+        rule: Written[Rule],
+        poses: Words[Poses],
+        store: Words[Store],
+    ) -> bool:
         """Add attraction to the nearest attractive gradient and all repulsions; False without any."""
         pairs = open_sight(sight).pairs
         goal = choose(CHOOSE_NEAREST, pairs, found, own)
@@ -70,12 +78,20 @@ class ChemotaxisGe(ChemotaxisBalch):
 
     @staticmethod
     @part
-    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Written[Rule]) -> bool:
+    def combine(
+        row: int,
+        found: int,
+        own: Own,
+        sight: Words[Sight],
+        rule: Written[Rule],
+        poses: Words[Poses],
+        store: Words[Store],
+    ) -> bool:
         """Do as `ChemotaxisBalch` does; every repulsive gradient pushes towards the goal, too."""
         pairs = open_sight(sight).pairs
         goal = choose(CHOOSE_NEAREST, pairs, found, own)
         if goal < 0:
-            return balch(row, found, own, sight, rule)
+            return balch(row, found, own, sight, rule, poses, store)
         to = pair_at(goal, pairs, own)
         add(goal, attraction_ge(to), 0.0, row, sight, rule)
         for index in range(found):

@@ -9,7 +9,7 @@ from selforg.compiler.records import Words, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import Own, Pair
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.store.records import Sight
+from selforg.gradients.store.records import Poses, Sight, Store
 from selforg.mechanisms.base import MECHANISMS, SpeedOptions, at_least
 from selforg.mechanisms.chemotaxis import attraction_ge
 from selforg.mechanisms.formula import FormulaMechanism
@@ -26,7 +26,15 @@ class Exploration(FormulaMechanism):
 
     @staticmethod
     @part
-    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Written[Rule]) -> bool:
+    def combine(
+        row: int,
+        found: int,
+        own: Own,
+        sight: Words[Sight],
+        rule: Written[Rule],
+        poses: Words[Poses],
+        store: Words[Store],
+    ) -> bool:
         """Look at no gradient: the sum is a random direction of 1 m/s."""
         m = open_rule(rule)
         m.total[0], m.total[1], m.total[2] = next_direction(m.directions, m.cursor, m.low, row)

@@ -6,9 +6,10 @@ import numpy as np
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.elementary import sine_cosine
 from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.pair import Own
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
@@ -17,13 +18,14 @@ from selforg.mechanisms.boids import (
     BOID_GOAL_RADIUS,
     BOID_OFFSET,
     BOID_VELOCITY,
-    Flock,
     FlockMechanism,
-    open_flock,
     positive,
 )
-from selforg.mechanisms.movement import limit
+from selforg.mechanisms.movement import Rule, limit, open_rule
 from selforg.space import nearest_image
+
+A, B, EPSILON, H, MAX_ACCELERATION = range(5)
+"""Parameters of the formula."""
 
 SHORTEST_TIME = 1e-6
 """Least time [s] that two poses count as apart, so that no velocity becomes infinite."""
@@ -56,45 +58,52 @@ class Flocking(FlockMechanism):
         if not 0.0 <= h < 1.0:
             raise ValueError(f"Flocking: h must lie in [0, 1), got {h!r}")
         positive(self, "view_distance", self.view_distance)
-        self.a, self.b = positive(self, "a", a), positive(self, "b", b)
-        self.epsilon, self.h = positive(self, "epsilon", epsilon), h
-        self.max_acceleration = at_least(self, "max_acceleration", max_acceleration, 0.0)
+        steepness = positive(self, "a", a), positive(self, "b", b)
+        highest = at_least(self, "max_acceleration", max_acceleration, 0.0)
+        self.parameters = np.array([*steepness, positive(self, "epsilon", epsilon), h, highest])
 
     @staticmethod
     @part
-    def term(
-        row: int, found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
-    ) -> None:
+    def combine(
+        row: int,
+        found: int,
+        own: Own,
+        sight: Words[Sight],
+        rule: Written[Rule],
+        poses: Words[Poses],
+        store: Words[Store],
+    ) -> bool:
         """Set the sum to own velocity + limited acceleration; the avoidance distance is the own reach."""
-        p, f = open_poses(poses), open_flock(flock)
-        count = note_velocities(found, sight, flock, poses, store)
+        p, m = open_poses(poses), open_rule(rule)
+        count = note_velocities(found, sight, rule, poses, store)
         elapsed = max(p.own[row, 0, c.POSE_STAMP] - p.own[row, 1, c.POSE_STAMP], SHORTEST_TIME)
         for axis in range(3):
             passed = nearest_image(p.own[row, 0, c.X + axis] - p.own[row, 1, c.X + axis], p.extent[axis])
-            f.own[axis] = passed / elapsed
-            f.change[axis] = 0.0
-        reach = p.own[row, 0, c.DIFFUSION] + p.own[row, 0, c.GOAL_RADIUS]
-        olfati_saber(count, f.own, reach, f.change, f.change, flock)
-        limit(f.change, 0.0, f.max_acceleration)
+            m.velocity[axis] = passed / elapsed
+            m.change[axis] = 0.0
+        olfati_saber(count, m.velocity, own.reach, m.change, m.change, rule)
+        limit(m.change, 0.0, m.parameters[MAX_ACCELERATION])
         for axis in range(3):
-            f.total[axis] = f.own[axis] + f.change[axis]
+            m.total[axis] = m.velocity[axis] + m.change[axis]
+        return True
 
 
 @kernel
 def olfati_saber(
-    count: int, velocity: Floats, avoidance_distance: float, gradient: Floats, consensus: Floats, flock: Words[Flock]
+    count: int, velocity: Floats, avoidance_distance: float, gradient: Floats, consensus: Floats, rule: Words[Rule]
 ) -> None:
     """Add gradient term and velocity consensus over `count` boids to (3,) each; algorithm 1."""
-    f = open_flock(flock)
+    m = open_rule(rule)
+    a, b, epsilon, h = m.parameters[A], m.parameters[B], m.parameters[EPSILON], m.parameters[H]
     for index in range(count):
         squared = 0.0
         for axis in range(3):
-            squared += f.boids[index, BOID_OFFSET + axis] ** 2
-        pull = action(squared, f.epsilon, f.a, f.b, f.h, avoidance_distance, f.view_distance)
-        weight = adjacency(squared, f.epsilon, f.h, f.view_distance)
+            squared += m.boids[index, BOID_OFFSET + axis] ** 2
+        pull = action(squared, epsilon, a, b, h, avoidance_distance, m.view_distance)
+        weight = adjacency(squared, epsilon, h, m.view_distance)
         for axis in range(3):
-            gradient[axis] += pull * f.boids[index, BOID_OFFSET + axis] / np.sqrt(1.0 + f.epsilon * squared)
-            consensus[axis] += weight * (f.boids[index, BOID_VELOCITY + axis] - velocity[axis])
+            gradient[axis] += pull * m.boids[index, BOID_OFFSET + axis] / np.sqrt(1.0 + epsilon * squared)
+            consensus[axis] += weight * (m.boids[index, BOID_VELOCITY + axis] - velocity[axis])
 
 
 @part
@@ -133,13 +142,13 @@ def action(
 
 @part
 def note_velocities(
-    found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
+    found: int, sight: Words[Sight], rule: Words[Rule], poses: Words[Poses], store: Words[Store]
 ) -> int:
     """Write the sources that have two or more of the first `found` pairs as boids; return how many there are.
 
     The position is the newest one, the velocity that from the oldest to the newest one in view.
     """
-    pairs, boids, extent = open_sight(sight).pairs, open_flock(flock).boids, open_poses(poses).extent
+    pairs, boids, extent = open_sight(sight).pairs, open_rule(rule).boids, open_poses(poses).extent
     count = 0
     for index in range(found):
         slot = int(pairs[index, c.PAIR_SLOT])

@@ -8,6 +8,7 @@ from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel, part
 from selforg.compiler.records import Words, Written
 from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.pair import Own
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
@@ -16,12 +17,13 @@ from selforg.mechanisms.boids import (
     BOID_GOAL_RADIUS,
     BOID_OFFSET,
     BOID_VELOCITY,
-    Flock,
     FlockMechanism,
-    open_flock,
     positive,
 )
+from selforg.mechanisms.movement import Rule, open_rule
 from selforg.randomness import next_direction
+
+SEPARATION = 0  # the only parameter of the formula
 
 
 @MECHANISMS.register
@@ -41,67 +43,71 @@ class FlockingReynolds(FlockMechanism):
         **options: Unpack[MoveOptions],
     ) -> None:
         super().__init__(buffer, max_speed=max_speed, **options)
-        self.separation = positive(self, "separation", separation)
+        self.parameters = np.array([positive(self, "separation", separation)])
 
     @staticmethod
     @part
-    def term(
-        row: int, found: int, sight: Words[Sight], flock: Written[Flock], poses: Words[Poses], store: Words[Store]
-    ) -> None:
+    def combine(
+        row: int,
+        found: int,
+        own: Own,
+        sight: Words[Sight],
+        rule: Written[Rule],
+        poses: Words[Poses],
+        store: Words[Store],
+    ) -> bool:
         """Add separation + cohesion + alignment to the sum."""
-        own, f = open_poses(poses).own, open_flock(flock)
-        note_headings(found, sight, flock, poses, store)
-        own_goal, reach = own[row, 0, c.GOAL_RADIUS], own[row, 0, c.DIFFUSION] + own[row, 0, c.GOAL_RADIUS]
-        separation(found, own_goal, reach, row, flock)
-        f.own[:] = 0.0
-        mean_difference(found, BOID_OFFSET, f.own, flock)
-        mean_difference(found, BOID_VELOCITY, own[row, 0, c.POSE_HEADING : c.POSE_HEADING + 3], flock)
+        newest, m = open_poses(poses).own, open_rule(rule)
+        note_headings(found, sight, rule, poses, store)
+        separation(found, own.goal_radius, own.reach, row, rule)
+        m.velocity[:] = 0.0
+        mean_difference(found, BOID_OFFSET, m.velocity, rule)
+        mean_difference(found, BOID_VELOCITY, newest[row, 0, c.POSE_HEADING : c.POSE_HEADING + 3], rule)
+        return True
 
 
 @kernel
-def separation(count: int, own_goal: float, full: float, row: int, flock: Written[Flock]) -> None:
+def separation(count: int, own_goal: float, full: float, row: int, rule: Written[Rule]) -> None:
     """Add to the sum unit vectors away from each of `count` boids, weighted by 1 / (r * clearance); Reynolds (1987).
 
     Overlapping boids count `full` [m] away (deviation Q12: the original draws from the positive octant).
     """
-    f = open_flock(flock)
+    m = open_rule(rule)
     for index in range(count):
         squared = 0.0
         for axis in range(3):
-            squared += f.boids[index, BOID_OFFSET + axis] ** 2
+            squared += m.boids[index, BOID_OFFSET + axis] ** 2
         distance = np.sqrt(squared)
-        clearance = distance - own_goal - f.boids[index, BOID_GOAL_RADIUS]
+        clearance = distance - own_goal - m.boids[index, BOID_GOAL_RADIUS]
         weight = full
         if clearance > 0.0:
-            weight = 1.0 / (f.separation * clearance)
+            weight = 1.0 / (m.parameters[SEPARATION] * clearance)
         if distance > 0.0:
             for axis in range(3):
-                f.total[axis] -= weight * f.boids[index, BOID_OFFSET + axis] / distance
+                m.total[axis] -= weight * m.boids[index, BOID_OFFSET + axis] / distance
         else:
-            x, y, z = next_direction(f.directions, f.cursor, f.low, row)
-            f.total[0] += weight * x
-            f.total[1] += weight * y
-            f.total[2] += weight * z
+            x, y, z = next_direction(m.directions, m.cursor, m.low, row)
+            m.total[0] += weight * x
+            m.total[1] += weight * y
+            m.total[2] += weight * z
 
 
 @kernel
-def mean_difference(count: int, column: int, own: Floats, flock: Words[Flock]) -> None:
+def mean_difference(count: int, column: int, own: Floats, rule: Words[Rule]) -> None:
     """Add to the sum the mean of three columns of `count` boids minus `own` (3,): alignment or cohesion."""
-    f = open_flock(flock)
+    m = open_rule(rule)
     for axis in range(3):
         mean = 0.0
         for index in range(count):
-            mean += f.boids[index, column + axis] / count
+            mean += m.boids[index, column + axis] / count
         if count > 0:
-            f.total[axis] += mean - own[axis]
+            m.total[axis] += mean - own[axis]
 
 
 @part
-def note_headings(
-    found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
-) -> None:
+def note_headings(found: int, sight: Words[Sight], rule: Words[Rule], poses: Words[Poses], store: Words[Store]) -> None:
     """Write the first `found` pairs as boids with headings."""
-    pairs, boids, own = open_sight(sight).pairs, open_flock(flock).boids, open_poses(poses).own
+    pairs, boids, own = open_sight(sight).pairs, open_rule(rule).boids, open_poses(poses).own
     far, rows = open_store(store).far, len(own)
     for index in range(found):
         slot = int(pairs[index, c.PAIR_SLOT])

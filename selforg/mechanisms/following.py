@@ -14,7 +14,7 @@ from selforg.gradients.pair import (
     pair_at,
     repulsion_balch,
 )
-from selforg.gradients.store.records import Sight, open_sight
+from selforg.gradients.store.records import Poses, Sight, Store, open_sight
 from selforg.mechanisms.base import MECHANISMS
 from selforg.mechanisms.formula import FormulaMechanism
 from selforg.mechanisms.movement import (
@@ -74,7 +74,15 @@ class FollowStrongest(FormulaMechanism):
 
     @staticmethod
     @part
-    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Written[Rule]) -> bool:
+    def combine(
+        row: int,
+        found: int,
+        own: Own,
+        sight: Words[Sight],
+        rule: Written[Rule],
+        poses: Words[Poses],
+        store: Words[Store],
+    ) -> bool:
         """Follow the gradient that is chosen; False if none is."""
         pairs = open_sight(sight).pairs
         chosen = choose(open_rule(rule).chooses, pairs, found, own)

@@ -1,9 +1,8 @@
-"""Mechanisms that run a kernel, and the blueprint of a mechanism that is one formula."""
+"""The blueprint of a movement mechanism that is one formula, or makes a movement of pairs by a function of its own."""
 
-from abc import abstractmethod
 from collections.abc import Callable
-from functools import cache, cached_property
-from typing import Any, ClassVar, TypeAlias, Unpack
+from functools import cache
+from typing import ClassVar, Unpack
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from selforg.gradients.pair import CHOOSE_NEAREST, Own, Pair, pair_at
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import PairRoom
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.records import Sight, open_sight
+from selforg.gradients.store.records import Poses, Sight, Store, open_sight
 from selforg.mechanisms.base import MovementMechanism, MoveOptions, at_least
 from selforg.mechanisms.movement import (
     ALL_IN_VIEW,
@@ -31,38 +30,8 @@ from selforg.mechanisms.movement import (
     open_rule,
 )
 
-Kernel: TypeAlias = Callable[..., int]
 
-
-class KernelMechanism(MovementMechanism):
-    """What movement mechanisms share that run a kernel over rows: random directions, and room for what rows see."""
-
-    _kernel: ClassVar[Kernel]
-    """What is called as `move_rows` is."""
-
-    def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
-        super().__init__(buffer, **options)
-        self._room = PairRoom(self.buffer)
-
-    def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
-        """Do what `MovementMechanism.move_into` does, with a longer table whenever a row sees too much for it."""
-        if self.directions.low[0]:
-            self.directions.refill()
-        poses, store, sight = (
-            self.poses.packed.words,
-            self.buffer.table.packed.words,
-            self._room.sight(now, self.channels),
-        )
-        while (done := self._kernel(now, rows, vectors, active, sight, self._packed.words, poses, store)) < len(rows):
-            rows, sight = rows[done:], self._room.double()
-
-    @property
-    @abstractmethod
-    def _packed(self) -> Packed[Any]:
-        """The record of the mechanism that its kernel takes."""
-
-
-class FormulaMechanism(KernelMechanism):
+class FormulaMechanism(MovementMechanism):
     """A movement mechanism that sums one formula over the pairs that a row sees; subclasses define `formula`.
 
     `formula` gets a `Pair` and returns the length of its contribution: towards the gradient if positive, away from it
@@ -80,17 +49,27 @@ class FormulaMechanism(KernelMechanism):
         combine: what makes a vector of pairs in place of a sum, compiled with `part`.
         looks: how far gradients of attraction -1, 0, +1 are seen: NOT_AT_ALL, OWN_GOAL_RADIUS or VIEW_DISTANCE.
         wakes: whether a gradient in view, of attraction -1, 0, +1, makes a row active though it adds nothing.
+        alone: whether a row moves that sees nothing, too; one that looks at nothing always does.
+        least_poses: number of poses that a row must have spread.
         by_own_reach: full repulsion and the longest vector are the own reach, not the gradient's and `max_speed`.
         random: where the sum is zero the direction is random, at `max_speed`.
         chooses: rule of `selforg.gradients.pair` by which one gradient is followed.
         min_speed, max_speed: limits of the length of a vector that is not zero [m/s]; the class has the defaults.
         angle_xy, angle_yz: view angles [rad] to either side of the heading.
+        parameters: numbers that `combine` finds in `Rule.parameters`.
+        boid_columns: columns of the table of boids, 0 for a mechanism without one.
 
     """
+
+    _kernel: ClassVar[Callable[..., int]]
+    """What is called as `move_rows` is."""
 
     combine = staticmethod(combined)
     looks: ClassVar[Signs] = ALL_IN_VIEW
     wakes: ClassVar[Signs] = (0, 0, 0)
+    alone: ClassVar[bool] = False
+    least_poses: ClassVar[int] = 1
+    boid_columns: ClassVar[int] = 0
     by_own_reach: ClassVar[bool] = False
     random: ClassVar[bool] = False
     chooses: ClassVar[int] = CHOOSE_NEAREST
@@ -122,29 +101,52 @@ class FormulaMechanism(KernelMechanism):
         super().__init__(buffer, **options)
         self.max_speed = at_least(self, "max_speed", self.max_speed if max_speed is None else max_speed, 0.0)
         self.min_speed = at_least(self, "min_speed", self.min_speed if min_speed is None else min_speed, 0.0)
+        self.parameters: Floats = np.zeros(0)
+        self._room = PairRoom(self.buffer)
+        self._rule: Packed[Rule] | None = None
 
-    @cached_property
-    def _packed(self) -> Packed[Rule]:
-        """The record of the mechanism, packed when it moves for the first time."""
-        return RULE.pack(
-            Rule(
-                looks=np.array(self.looks),
-                wakes=np.array(self.wakes),
-                by_own_reach=self.by_own_reach,
-                random=self.random,
-                chooses=self.chooses,
-                see_bits=self._see_bits,
-                view_distance=self.view_distance,
-                min_speed=self.min_speed,
-                max_speed=self.max_speed,
-                angle_xy=self.angle_xy,
-                angle_yz=self.angle_yz,
-                directions=self.directions.vectors,
-                cursor=self.directions.cursor,
-                low=self.directions.low,
-                total=np.zeros(3),
-            )
+    def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
+        """Do what `MovementMechanism.move_into` does, with a longer table whenever a row sees too much for it."""
+        if self.directions.low[0]:
+            self.directions.refill()
+        poses, store, sight = (
+            self.poses.packed.words,
+            self.buffer.table.packed.words,
+            self._room.sight(now, self.channels),
         )
+        while (done := self._kernel(now, rows, vectors, active, sight, self._packed.words, poses, store)) < len(rows):
+            rows, sight = rows[done:], self._room.double()
+
+    @property
+    def _packed(self) -> Packed[Rule]:
+        """The record of the mechanism, with room for as many boids as pairs, packed when it moves."""
+        if self._rule is None or len(self._rule.record.boids) < len(self._room.pairs):
+            self._rule = RULE.pack(
+                Rule(
+                    looks=np.array(self.looks),
+                    wakes=np.array(self.wakes),
+                    by_own_reach=self.by_own_reach,
+                    alone=self.alone or not any(self.looks),
+                    least_poses=self.least_poses,
+                    random=self.random,
+                    chooses=self.chooses,
+                    see_bits=self._see_bits,
+                    view_distance=self.view_distance,
+                    min_speed=self.min_speed,
+                    max_speed=self.max_speed,
+                    angle_xy=self.angle_xy,
+                    angle_yz=self.angle_yz,
+                    directions=self.directions.vectors,
+                    cursor=self.directions.cursor,
+                    low=self.directions.low,
+                    parameters=self.parameters,
+                    boids=np.empty((len(self._room.pairs), self.boid_columns)),
+                    velocity=np.zeros(3),
+                    change=np.zeros(3),
+                    total=np.zeros(3),
+                )
+            )
+        return self._rule
 
 
 @cache
@@ -153,7 +155,9 @@ def sum_of(formula: Formula) -> Combination:
     length_of = inlined(formula)
 
     @inlined
-    def sum_all(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
+    def sum_all(
+        row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule], poses: Words[Poses], store: Words[Store]
+    ) -> bool:
         m, pairs = open_rule(rule), open_sight(sight).pairs
         x, y, z = 0.0, 0.0, 0.0
         for index in range(found):

@@ -31,11 +31,13 @@ BY_ANY: Signs = (1, 1, 1)
 
 
 class Rule(NamedTuple):
-    """The parameters of a `FormulaMechanism`, the random directions of a `DirectionStream`, and room for a sum."""
+    """The parameters of a `FormulaMechanism`, the random directions of a `DirectionStream`, and room for sums."""
 
     looks: Annotated[Ints, "3", READ]  # this and the next fields: see `FormulaMechanism`
     wakes: Annotated[Ints, "3", READ]
     by_own_reach: int
+    alone: int
+    least_poses: int
     random: int
     chooses: int
     see_bits: int  # SEE_ bits
@@ -47,6 +49,10 @@ class Rule(NamedTuple):
     directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
     cursor: Annotated[Ints, "N", KEPT]  # next direction of each row
     low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
+    parameters: Annotated[Floats, "PARAMETER", READ]  # of the formula; each mechanism numbers its own
+    boids: Annotated[Floats, "P BOID", SCRATCH]  # room for as many boids as pairs; columns BOID_
+    velocity: Annotated[Floats, "3", SCRATCH]  # room for the own velocity [m/s]
+    change: Annotated[Floats, "3", SCRATCH]  # room for a change of it [m/s2]
     total: Annotated[Floats, "3", SCRATCH]  # room for a sum
 
 
@@ -55,11 +61,13 @@ open_rule = RULE.open
 
 Formula: TypeAlias = Callable[[Pair], float]
 """Length of a contribution [m or -]: towards the gradient if positive; negative infinity is full repulsion."""
-Combination: TypeAlias = Callable[[int, int, Own, Words[Sight], Words[Rule]], bool]
-"""(row, number of pairs, own part, sight, rule) -> whether any gradient contributes; adds to the sum."""
+Combination: TypeAlias = Callable[[int, int, Own, Words[Sight], Words[Rule], Words[Poses], Words[Store]], bool]
+"""(row, number of pairs, own part, sight, rule, poses, store) -> whether it moves; adds to the sum."""
 
 
-def combined(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
+def combined(
+    row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule], poses: Words[Poses], store: Words[Store]
+) -> bool:
     """Stand for the `Combination` of a mechanism."""
     raise NotImplementedError
 
@@ -85,7 +93,7 @@ def move_rows(
     for index in range(len(rows)):
         row, found, moves = int(rows[index]), 0, False
         m.total[:] = 0.0
-        if known[row, c.ROW_POSES] > 0:
+        if known[row, c.ROW_POSES] >= m.least_poses:
             own = own_of(row, m.view_distance, poses)
             if looks:
                 margins = margins_of(own.goal_radius, rule)
@@ -94,8 +102,8 @@ def move_rows(
                 return index
             if ahead:
                 found = keep_ahead(row, found, m.angle_xy, m.angle_yz, sight, poses)
-            if found > 0 or not looks:
-                moves = combined(row, found, own, sight, rule)
+            if found > 0 or m.alone:
+                moves = combined(row, found, own, sight, rule, poses, store)
             if not moves and wakes:
                 moves = gather(look_for_one(row, now, rule, poses), sight, poses, store) > 0
             if moves:

@@ -22,6 +22,9 @@ from __future__ import annotations
     NO_PLACE,
 ) = range(16)
 
+GOES_ON = KEPT, KEPT_BY_HAND, KEPT_STUBBORN
+"""Reasons of behaviours that go on."""
+
 WORDS = {
     UNKNOWN: "not part of the network, or no step yet",
     STARTED_READY: "started: ready and active enough",

@@ -5,10 +5,12 @@ from typing import Any
 import numpy as np
 
 from selforg.compiler.records import Packed
-from selforg.mechanisms.boids import BOID_COLUMNS, BOID_GOAL_RADIUS, BOID_OFFSET, BOID_VELOCITY, FLOCK, Flock
+from selforg.gradients.poses import OwnPoses
+from selforg.mechanisms.boids import BOID_COLUMNS, BOID_GOAL_RADIUS, BOID_OFFSET, BOID_VELOCITY
 from selforg.mechanisms.flocking import action, adjacency, bump, olfati_saber, sigma_norm
-from selforg.mechanisms.flocking_reynolds import mean_difference, separation
-from selforg.randomness import DirectionStream
+from selforg.mechanisms.flocking_reynolds import FlockingReynolds, mean_difference, separation
+from selforg.mechanisms.movement import RULE, Rule
+from selforg.space import Euclidean
 from tests.golden.case import Case, SetAside, difference
 from tests.golden.scene import heading_of
 
@@ -57,7 +59,7 @@ def terms(inputs: dict[str, Any], p: dict[str, Any]) -> tuple[np.ndarray, np.nda
     for boid, neighbour in zip(boids, neighbours, strict=True):
         boid[BOID_OFFSET : BOID_OFFSET + 3] = np.subtract(neighbour["p"], agent["p"])
         boid[BOID_VELOCITY : BOID_VELOCITY + 3] = neighbour["v"]
-    flock = flock_of(boids, p)
+    flock = rule_of(boids, p["view_distance"], p["a"], p["b"], p["epsilon"], p["h"])
     gradient, consensus = np.zeros(3), np.zeros(3)
     velocity = np.array(agent["v"], dtype=float)
     olfati_saber(len(boids), velocity, p["avoidance_distance"], gradient, consensus, flock.words)
@@ -72,7 +74,7 @@ def reynolds(name: str, inputs: dict[str, Any]) -> list[float]:
         boid[BOID_OFFSET : BOID_OFFSET + 3] = np.subtract(neighbour["p"], agent["p"])
         boid[BOID_VELOCITY : BOID_VELOCITY + 3] = heading_of(neighbour)
         boid[BOID_GOAL_RADIUS] = neighbour["goal_radius"]
-    flock = flock_of(boids, inputs.get("params", {}))
+    flock = rule_of(boids, 0.0, inputs.get("params", {}).get("r", 0.0))
     if name == "separation":
         separation(len(boids), agent["goal_radius"], 1.0, 0, flock.words)
     elif name == "alignment":
@@ -82,27 +84,8 @@ def reynolds(name: str, inputs: dict[str, Any]) -> list[float]:
     return flock.record.total.tolist()
 
 
-def flock_of(boids: np.ndarray, p: dict[str, Any]) -> Packed[Flock]:
+def rule_of(boids: np.ndarray, view_distance: float, *parameters: float) -> Packed[Rule]:
     """Return the record of a flocking rule with the parameters of a case."""
-    stream = DirectionStream.fixed(1, 3)
-    return FLOCK.pack(
-        Flock(
-            least_poses=1,
-            see_bits=0,
-            view_distance=p.get("view_distance", 0.0),
-            max_speed=0.0,
-            separation=p.get("r", 0.0),
-            epsilon=p.get("epsilon", 0.0),
-            a=p.get("a", 0.0),
-            b=p.get("b", 0.0),
-            h=p.get("h", 0.0),
-            max_acceleration=0.0,
-            directions=stream.vectors,
-            cursor=stream.cursor,
-            low=stream.low,
-            boids=boids,
-            total=np.zeros(3),
-            own=np.zeros(3),
-            change=np.zeros(3),
-        )
-    )
+    mechanism = FlockingReynolds(OwnPoses(Euclidean(3), 1), view_distance=view_distance)
+    record = mechanism._packed.record
+    return RULE.pack(record._replace(boids=boids, parameters=np.array(parameters, dtype=float)))

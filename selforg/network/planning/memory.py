@@ -158,45 +158,42 @@ def hashed(key: Ints) -> np.int64:
 def write_key(row: int, states: Words[RowStates], plans: Written[RowPlans], known: Words[KnownPlans]) -> None:
     """Fill the key of `row`."""
     s, m, keys = open_states(states), open_known(known), open_plans(plans).keys
-    readings, marks, goal_enabled = s.readings, s.marks, s.goal_enabled
-    facts, bounds, coordinators = m.facts, m.bounds, m.coordinators
-    count = facts.shape[0]
+    count = m.facts.shape[0]
     bits = count + m.goals
     for k in range(keys.shape[1]):
         keys[row, k] = 0
     for k in range(bits):
-        bit = readings[row, facts[k]] > 0.5 if k < count else goal_enabled[row, k - count] == 1
+        bit = s.readings[row, m.facts[k]] > 0.5 if k < count else s.goal_enabled[row, k - count] == 1
         if bit:
             keys[row, k // BITS_PER_WORD] |= np.int64(1) << np.int64(k % BITS_PER_WORD)
     at = (bits + BITS_PER_WORD - 1) // BITS_PER_WORD
-    for k in range(bounds.shape[0]):
-        value = np.int64(np.rint(readings[row, bounds[k, BOUND_SENSOR]] * STEPS_PER_UNIT))
-        value = min(max(value, bounds[k, BOUND_LOW]), bounds[k, BOUND_HIGH])
-        gap, grid = value - bounds[k, BOUND_CROSSING], bounds[k, BOUND_GRID]
+    for k in range(m.bounds.shape[0]):
+        value = np.int64(np.rint(s.readings[row, m.bounds[k, BOUND_SENSOR]] * STEPS_PER_UNIT))
+        value = min(max(value, m.bounds[k, BOUND_LOW]), m.bounds[k, BOUND_HIGH])
+        gap, grid = value - m.bounds[k, BOUND_CROSSING], m.bounds[k, BOUND_GRID]
         keys[row, at + k] = -(gap // grid) if grid else (1 if gap >= 0 else 0)
-    at += bounds.shape[0]
-    for k in range(coordinators.shape[0]):
-        keys[row, at + k] = marks[row, st.ALTERNATIVE, coordinators[k]]
+    at += m.bounds.shape[0]
+    for k in range(m.coordinators.shape[0]):
+        keys[row, at + k] = s.marks[row, st.ALTERNATIVE, m.coordinators[k]]
 
 
 @inlined
 def recall(row: int, plans: Written[RowPlans], known: Words[KnownPlans]) -> bool:
     """Give `row` the plan that is known for its key; return False if there is none."""
     p, entries = open_plans(plans), open_known(known).entries
-    keys, marks, steps = p.keys, p.marks, p.steps
     mask = entries.shape[0] - 1
-    slot = hashed(keys[row]) & mask
+    slot = hashed(p.keys[row]) & mask
     while entries[slot, ENTRY_USED]:
         same = True
-        for k in range(keys.shape[1]):
-            same = same and entries[slot, KEY_BEGIN + k] == keys[row, k]
+        for k in range(p.keys.shape[1]):
+            same = same and entries[slot, KEY_BEGIN + k] == p.keys[row, k]
         if same:
             length = entries[slot, PLAN_LENGTH]
-            marks[row, ps.KNOWN] = 1 if length >= 0 else 0
-            marks[row, ps.INDEX] = 0
-            marks[row, ps.LENGTH] = max(length, 0)
+            p.marks[row, ps.KNOWN] = 1 if length >= 0 else 0
+            p.marks[row, ps.INDEX] = 0
+            p.marks[row, ps.LENGTH] = max(length, 0)
             for k in range(length):
-                steps[row, k] = entries[slot, PLAN_BEGIN + k]
+                p.steps[row, k] = entries[slot, PLAN_BEGIN + k]
             return True
         slot = (slot + 1) & mask
     return False

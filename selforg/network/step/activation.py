@@ -73,100 +73,87 @@ def begin_terms(row: int, model: Words[PackedModel], states: Written[RowStates],
     A sum of 0 counts as 1.
     """
     s = open_states(states)
-    values, row_values = s.values, s.row_values
     operational, weight = open_scratch(scratch).operational, open_model(model).situation_weight
-    behaviours = values.shape[2]
+    behaviours = s.values.shape[2]
     for layer in range(st.PRECONDITIONS, st.VALUE_LAYERS):
         for b in range(behaviours):
-            values[row, layer, b] = 0.0
+            s.values[row, layer, b] = 0.0
     total = 0.0
     for b in range(behaviours):
-        total += values[row, st.ACTIVATION, b] if operational[b] else 0.0
-        values[row, st.PRECONDITIONS, b] = weight * values[row, st.SATISFACTION, b]
-    row_values[row, st.TOTAL] = total if total != 0.0 else 1.0
+        total += s.values[row, st.ACTIVATION, b] if operational[b] else 0.0
+        s.values[row, st.PRECONDITIONS, b] = weight * s.values[row, st.SATISFACTION, b]
+    s.row_values[row, st.TOTAL] = total if total != 0.0 else 1.0
 
 
 @inlined
 def weigh_goals(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
     """Fill `goal_share`: 1, or the priorities of the goals that are on mapped linearly onto [1, 2]."""
     m, share = open_model(model), open_scratch(scratch).goal_share
-    priority, by_priority = m.goal_priority, m.by_goal_priority
     enabled = open_states(states).goal_enabled
     for g in range(share.shape[0]):
         share[g] = 1.0
-    if not by_priority:
+    if not m.by_goal_priority:
         return
     least, most = math.inf, -math.inf
     for g in range(share.shape[0]):
         if enabled[row, g]:
-            least, most = min(least, priority[g]), max(most, priority[g])
+            least, most = min(least, m.goal_priority[g]), max(most, m.goal_priority[g])
     if most > least:
         for g in range(share.shape[0]):
-            share[g] += (priority[g] - least) / (most - least)
+            share[g] += (m.goal_priority[g] - least) / (most - least)
 
 
 @inlined
 def flow_from_goals(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Add what goals give to the behaviours of `row` whose effects meet their wishes."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
-    pair_effect, pair_wish, wish_owner = m.goal_pair_effect, m.goal_pair_wish, m.wish_owner
-    owner, sensors, change = m.effect_owner, m.effect_sensor, m.effect_change
-    uniform, goal_weight, conflictor_weight = m.uniform, m.goal_weight, m.conflictor_weight
-    values, wishes, enabled = s.values, s.wishes, s.goal_enabled
-    live, counts, goal_share = own.live_effect, own.counts, own.goal_share
-    behaviours = values.shape[2]
-    for p in range(pair_effect.shape[0]):
-        e, u = pair_effect[p], pair_wish[p]
-        goal = wish_owner[u] - behaviours
-        if not live[e] or not enabled[row, goal]:
+    behaviours = s.values.shape[2]
+    for p in range(m.goal_pair_effect.shape[0]):
+        e, u = m.goal_pair_effect[p], m.goal_pair_wish[p]
+        goal = m.wish_owner[u] - behaviours
+        if not own.live_effect[e] or not s.goal_enabled[row, goal]:
             continue
-        b, sensor = owner[e], sensors[e]
-        effect, wish = change[e], wishes[row, u]
+        b, sensor = m.effect_owner[e], m.effect_sensor[e]
+        effect, wish = m.effect_change[e], s.wishes[row, u]
         if effect * wish > 0.0:
-            share = helping(effect, wish, uniform) * goal_share[goal] / helpers(effect, sensor, counts)
-            values[row, st.GOALS, b] += goal_weight * share
+            share = helping(effect, wish, m.uniform) * own.goal_share[goal] / helpers(effect, sensor, own.counts)
+            s.values[row, st.GOALS, b] += m.goal_weight * share
         else:
-            share = hindering(effect, wish, uniform) * goal_share[goal]
-            values[row, st.INHIBITION, b] += conflictor_weight * share / opponents(wish, sensor, counts)
+            share = hindering(effect, wish, m.uniform) * own.goal_share[goal]
+            s.values[row, st.INHIBITION, b] += m.conflictor_weight * share / opponents(wish, sensor, own.counts)
 
 
 @inlined
 def flow_between(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Add what behaviours of `row` give each other, where an effect of one meets a wish of another."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
-    pair_effect, pair_wish, wish_owner = m.pair_effect, m.pair_wish, m.wish_owner
-    owner, sensors, change = m.effect_owner, m.effect_sensor, m.effect_change
-    uniform, conflictor_weight = m.uniform, m.conflictor_weight
-    predecessor_weight, successor_weight = m.predecessor_weight, m.successor_weight
-    values, marks, wishes = s.values, s.marks, s.wishes
-    live, live_wish = own.live_effect, own.live_wish
-    operational, counts, total = own.operational, own.counts, s.row_values[row, st.TOTAL]
-    for p in range(pair_effect.shape[0]):
-        e, u = pair_effect[p], pair_wish[p]
-        if not live[e] or not live_wish[u]:
+    total = s.row_values[row, st.TOTAL]
+    for p in range(m.pair_effect.shape[0]):
+        e, u = m.pair_effect[p], m.pair_wish[p]
+        if not own.live_effect[e] or not own.live_wish[u]:
             continue
-        effect, wish, sensor = change[e], wishes[row, u], sensors[e]
-        b, q = owner[e], wish_owner[u]
+        effect, wish, sensor = m.effect_change[e], s.wishes[row, u], m.effect_sensor[e]
+        b, q = m.effect_owner[e], m.wish_owner[u]
         if effect * wish > 0.0:
-            help_ = helping(effect, wish, uniform) / total
-            if operational[q] and not marks[row, st.READY, q]:
-                share = help_ * values[row, st.ACTIVATION, q] / helpers(effect, sensor, counts)
-                values[row, st.SUCCESSORS, b] += successor_weight * share
-            if operational[b] and marks[row, st.READY, b] and values[row, st.SATISFACTION, b] > 0.0:
-                share = help_ * values[row, st.ACTIVATION, b] / wishers(wish, sensor, counts)
-                values[row, st.PREDECESSORS, q] += predecessor_weight * share
-        elif operational[q]:
-            share = hindering(effect, wish, uniform) * values[row, st.ACTIVATION, q] / total
-            values[row, st.CONFLICTORS, b] += conflictor_weight * share / opponents(wish, sensor, counts)
+            help_ = helping(effect, wish, m.uniform) / total
+            if own.operational[q] and not s.marks[row, st.READY, q]:
+                share = help_ * s.values[row, st.ACTIVATION, q] / helpers(effect, sensor, own.counts)
+                s.values[row, st.SUCCESSORS, b] += m.successor_weight * share
+            if own.operational[b] and s.marks[row, st.READY, b] and s.values[row, st.SATISFACTION, b] > 0.0:
+                share = help_ * s.values[row, st.ACTIVATION, b] / wishers(wish, sensor, own.counts)
+                s.values[row, st.PREDECESSORS, q] += m.predecessor_weight * share
+        elif own.operational[q]:
+            share = hindering(effect, wish, m.uniform) * s.values[row, st.ACTIVATION, q] / total
+            s.values[row, st.CONFLICTORS, b] += m.conflictor_weight * share / opponents(wish, sensor, own.counts)
 
 
 @inlined
 def flow_from_plan(row: int, model: Words[PackedModel], states: Written[RowStates], plans: Words[RowPlans]) -> None:
     """Set what the plan adds to the behaviours of its remaining steps: the sooner one is due, the more."""
     p, values, weight = open_plans(plans), open_states(states).values, open_model(model).plan_weight
-    steps, index, length = p.steps, p.marks[row, INDEX], p.marks[row, LENGTH]
+    index, length = p.marks[row, INDEX], p.marks[row, LENGTH]
     for k in range(length - 1, index - 1, -1):  # backwards: the first occurrence is written last
-        values[row, st.PLAN, steps[row, k]] = weight / (k - index + 1)
+        values[row, st.PLAN, p.steps[row, k]] = weight / (k - index + 1)
 
 
 @inlined
@@ -183,10 +170,8 @@ def sum_terms(row: int, model: Words[PackedModel], states: Written[RowStates]) -
 @inlined
 def share_row(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
     """Find for `row` the operational behaviours, the live effects and wishes, and how many behaviours share each."""
-    find_operational(row, states, scratch)
     find_live(row, model, states, scratch)
-    count_effects(model, scratch)
-    count_wishes(row, model, states, scratch)
+    count_sharers(row, model, states, scratch)
 
 
 @inlined
@@ -196,54 +181,35 @@ def is_operational(row: int, b: int, marks: Ints) -> bool:
 
 
 @inlined
-def find_operational(row: int, states: Words[RowStates], scratch: Words[Scratch]) -> None:
-    """Fill `operational` for `row`."""
-    marks, operational = open_states(states).marks, open_scratch(scratch).operational
-    for b in range(operational.shape[0]):
-        operational[b] = 1 if is_operational(row, b, marks) else 0
-
-
-@inlined
 def find_live(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
-    """Fill `live_effect` and `live_wish` for `row`."""
+    """Fill `operational`, `live_effect` and `live_wish` for `row`."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
-    owner, tag, change = m.effect_owner, m.effect_tag, m.effect_change
-    wish_owner, kept, marks = m.wish_owner, s.wish_kept, s.marks
-    live_effect, live_wish = own.live_effect, own.live_wish
-    behaviours = marks.shape[2]
-    for e in range(live_effect.shape[0]):
-        b = owner[e]
-        shown = tag[e] < 0 or tag[e] == marks[row, st.ALTERNATIVE, b]
-        live_effect[e] = 1 if shown and change[e] != 0.0 and marks[row, st.PRESENT, b] else 0
-    for u in range(live_wish.shape[0]):  # the wishes of goals are always live
-        b = wish_owner[u]
-        live_wish[u] = 1 if b >= behaviours or (kept[row, u] and marks[row, st.PRESENT, b]) else 0
+    behaviours = s.marks.shape[2]
+    for b in range(behaviours):
+        own.operational[b] = 1 if is_operational(row, b, s.marks) else 0
+    for e in range(own.live_effect.shape[0]):
+        b = m.effect_owner[e]
+        shown = m.effect_tag[e] < 0 or m.effect_tag[e] == s.marks[row, st.ALTERNATIVE, b]
+        own.live_effect[e] = 1 if shown and m.effect_change[e] != 0.0 and s.marks[row, st.PRESENT, b] else 0
+    for u in range(own.live_wish.shape[0]):  # the wishes of goals are always live
+        b = m.wish_owner[u]
+        own.live_wish[u] = 1 if b >= behaviours or (s.wish_kept[row, u] and s.marks[row, st.PRESENT, b]) else 0
 
 
 @inlined
-def count_effects(model: Words[PackedModel], scratch: Words[Scratch]) -> None:
-    """Fill POSITIVE, NEGATIVE and EITHER of `counts` for every sensor."""
-    m, own = open_model(model), open_scratch(scratch)
-    firsts, effects = m.sensor_effect_first, m.sensor_effect
-    owner, change = m.effect_owner, m.effect_change
-    live, operational, counts = own.live_effect, own.operational, own.counts
-    for sensor in range(counts.shape[1]):
-        positive, negative, either = count_owners(
-            effects, firsts[sensor], firsts[sensor + 1], owner, change, live, operational
+def count_sharers(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+    """Fill `counts` for every sensor, from the effects of behaviours and the wishes of `row`."""
+    m, own, wishes = open_model(model), open_scratch(scratch), open_states(states).wishes[row]
+    live_effect, live_wish, operational = own.live_effect, own.live_wish, own.operational
+    for sensor in range(own.counts.shape[1]):
+        begin, end = m.sensor_effect_first[sensor], m.sensor_effect_first[sensor + 1]
+        up, down, either = count_owners(
+            m.sensor_effect, begin, end, m.effect_owner, m.effect_change, live_effect, operational
         )
-        counts[POSITIVE, sensor], counts[NEGATIVE, sensor], counts[EITHER, sensor] = positive, negative, either
-
-
-@inlined
-def count_wishes(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
-    """Fill WISH_MORE and WISH_LESS of `counts` for every sensor from the wishes of `row`."""
-    m, own = open_model(model), open_scratch(scratch)
-    firsts, about, owner = m.sensor_wish_first, m.sensor_wish, m.wish_owner
-    live, operational, counts = own.live_wish, own.operational, own.counts
-    wishes = open_states(states).wishes[row]
-    for sensor in range(counts.shape[1]):
-        more, less, _ = count_owners(about, firsts[sensor], firsts[sensor + 1], owner, wishes, live, operational)
-        counts[WISH_MORE, sensor], counts[WISH_LESS, sensor] = more, less
+        begin, end = m.sensor_wish_first[sensor], m.sensor_wish_first[sensor + 1]
+        more, less, _ = count_owners(m.sensor_wish, begin, end, m.wish_owner, wishes, live_wish, operational)
+        own.counts[POSITIVE, sensor], own.counts[NEGATIVE, sensor], own.counts[EITHER, sensor] = up, down, either
+        own.counts[WISH_MORE, sensor], own.counts[WISH_LESS, sensor] = more, less
 
 
 @inlined

@@ -21,19 +21,20 @@ def arbitrate_row(
     Returns whether a behaviour was stopped because its time was up (M6).
     """
     s, interruptable = open_states(states), open_model(model).interruptable
-    marks, row_values = s.marks, s.row_values
     timed_out = False
-    for b in range(marks.shape[2]):
-        may_stop = interruptable[b] == 1 and not marks[row, st.MANUAL, b]
-        timed_out = timed_out or (may_stop and marks[row, st.EXECUTING, b] == 1 and is_timed_out(row, b, model, marks))
-        marks[row, st.STARTED, b] = 0
-        marks[row, st.STOPPED, b] = 0
+    for b in range(s.marks.shape[2]):
+        may_stop = interruptable[b] == 1 and not s.marks[row, st.MANUAL, b]
+        timed_out = timed_out or (
+            may_stop and s.marks[row, st.EXECUTING, b] == 1 and is_timed_out(row, b, model, s.marks)
+        )
+        s.marks[row, st.STARTED, b] = 0
+        s.marks[row, st.STOPPED, b] = 0
     first, again = True, True
     while again:
-        before = row_values[row, st.THRESHOLD]
+        before = s.row_values[row, st.THRESHOLD]
         running = select_row(row, model, states, scratch, first)
         # with a threshold that does not fall, nothing ever starts
-        falls = first or row_values[row, st.THRESHOLD] != before
+        falls = first or s.row_values[row, st.THRESHOLD] != before
         again = guarantee and not running and falls and anything_eligible(row, states)
         first = False
     return timed_out
@@ -47,49 +48,45 @@ def select_row(
 
     With `advance` the time of what keeps running goes on.
     """
-    s, own = open_states(states), open_scratch(scratch)
-    values, marks, row_values = s.values, s.marks, s.row_values
-    order, counted, limit = own.order, own.counted, open_model(model).max_parallel
-    threshold = row_values[row, st.THRESHOLD]
-    row_values[row, st.DECIDING] = threshold
+    s, own, limit = open_states(states), open_scratch(scratch), open_model(model).max_parallel
+    threshold = s.row_values[row, st.THRESHOLD]
+    s.row_values[row, st.DECIDING] = threshold
     order_by_activation(row, states, scratch)
-    for b in range(counted.shape[0]):
-        counted[b] = 0
-    explained = marks.shape[1] == st.EXPLAINED_LAYERS
+    for b in range(own.counted.shape[0]):
+        own.counted[b] = 0
     selected, any_started, any_operational = 0, False, False
-    for b in order:
-        if not marks[row, st.PRESENT, b]:
+    for b in own.order:
+        if not s.marks[row, st.PRESENT, b]:
             continue
-        any_operational = any_operational or marks[row, st.ENABLED, b] == 1
-        if marks[row, st.EXECUTING, b]:
-            keeps = keeps_running(row, b, model, states, threshold, selected)
-            if explained:
-                explain_running(row, b, model, states, threshold, keeps)
-            if not keeps:
-                stop(row, b, marks)
+        any_operational = any_operational or s.marks[row, st.ENABLED, b] == 1
+        if s.marks[row, st.EXECUTING, b]:
+            reason = reason_of_running(row, b, model, states, threshold, selected)
+            note_reason(row, b, s.marks, reason, -1)
+            if reason not in why.GOES_ON:
+                stop(row, b, s.marks)
                 continue
-            marks[row, st.EXECUTION_TIME, b] += 1 if advance else 0
+            s.marks[row, st.EXECUTION_TIME, b] += 1 if advance else 0
         else:
-            if not marks[row, st.MANUAL, b]:
-                able = marks[row, st.ENABLED, b] and marks[row, st.READY, b]
-                if not (able and values[row, st.ACTIVATION, b] >= threshold):
-                    if explained:
-                        explain_idle(row, b, marks)
+            if not s.marks[row, st.MANUAL, b]:
+                reason = reason_of_idle(row, b, states, threshold)
+                if reason == why.UNKNOWN:
+                    freed = make_room(row, b, model, states, scratch)
+                    selected -= max(freed, 0)
+                    if freed < 0:
+                        continue
+                    if limit > 0 and selected + waiting_by_hand(row, s.marks, own.counted) >= limit:
+                        reason = why.NO_PLACE
+                if reason != why.UNKNOWN:
+                    note_reason(row, b, s.marks, reason, -1)
                     continue
-                freed = make_room(row, b, model, states, scratch)
-                selected -= max(freed, 0)
-                if freed < 0 or (limit > 0 and selected + waiting_by_hand(row, marks, counted) >= limit):
-                    if explained and freed >= 0:
-                        note_reason(row, b, marks, why.NO_PLACE, -1)
-                    continue
-            start(row, b, marks)
+            start(row, b, s.marks)
             any_started = True
-        counted[b] = 1
+        own.counted[b] = 1
         selected += 1
     any_running = False
-    for b in range(counted.shape[0]):
-        any_running = any_running or marks[row, st.EXECUTING, b] == 1
-    adapt_threshold(row, model, row_values, any_started, any_operational and not any_running)
+    for b in range(own.counted.shape[0]):
+        any_running = any_running or s.marks[row, st.EXECUTING, b] == 1
+    adapt_threshold(row, model, s.row_values, any_started, any_operational and not any_running)
     return any_running
 
 
@@ -113,50 +110,33 @@ def is_timed_out(row: int, b: int, model: Words[PackedModel], marks: Ints) -> bo
 
 
 @inlined
-def keeps_running(
+def reason_of_running(
     row: int, b: int, model: Words[PackedModel], states: Words[RowStates], threshold: float, selected: int
-) -> bool:
-    """Whether a running behaviour goes on."""
+) -> int:
+    """Return why a running behaviour goes on, one of `GOES_ON`, or why it is stopped."""
     m, s = open_model(model), open_states(states)
-    limit, interruptable, marks = m.max_parallel, m.interruptable, s.marks
-    activation = s.values[row, st.ACTIVATION, b]
-    if marks[row, st.MANUAL, b] or not interruptable[b]:
-        return True
-    if is_timed_out(row, b, model, marks) or not marks[row, st.READY, b]:
-        return False
-    return bool(activation >= threshold and not (limit > 0 and selected >= limit))
+    if s.marks[row, st.MANUAL, b]:
+        return why.KEPT_BY_HAND
+    if not m.interruptable[b]:
+        return why.KEPT_STUBBORN
+    if is_timed_out(row, b, model, s.marks):
+        return why.OUT_OF_TIME
+    if not s.marks[row, st.READY, b]:
+        return why.LOST_READINESS
+    if s.values[row, st.ACTIVATION, b] < threshold:
+        return why.FELL_BELOW
+    return why.CROWDED_OUT if 0 < m.max_parallel <= selected else why.KEPT
 
 
 @inlined
-def explain_running(
-    row: int, b: int, model: Words[PackedModel], states: Written[RowStates], threshold: float, keeps: bool
-) -> None:
-    """Note why a running behaviour goes on or not."""
-    s, interruptable = open_states(states), open_model(model).interruptable
-    marks, activation = s.marks, s.values[row, st.ACTIVATION, b]
-    if marks[row, st.MANUAL, b]:
-        reason = why.KEPT_BY_HAND
-    elif not interruptable[b]:
-        reason = why.KEPT_STUBBORN
-    elif keeps:
-        reason = why.KEPT
-    elif is_timed_out(row, b, model, marks):
-        reason = why.OUT_OF_TIME
-    elif not marks[row, st.READY, b]:
-        reason = why.LOST_READINESS
-    else:
-        reason = why.FELL_BELOW if activation < threshold else why.CROWDED_OUT
-    note_reason(row, b, marks, reason, -1)
-
-
-@inlined
-def explain_idle(row: int, b: int, marks: Ints) -> None:
-    """Note why a behaviour cannot start whatever the others do."""
-    if not marks[row, st.ENABLED, b]:
-        reason = why.DISABLED
-    else:
-        reason = why.BELOW_THRESHOLD if marks[row, st.READY, b] else why.NOT_READY
-    note_reason(row, b, marks, reason, -1)
+def reason_of_idle(row: int, b: int, states: Words[RowStates], threshold: float) -> int:
+    """Return why a behaviour cannot start whatever the others do, UNKNOWN if it can."""
+    s = open_states(states)
+    if not s.marks[row, st.ENABLED, b]:
+        return why.DISABLED
+    if not s.marks[row, st.READY, b]:
+        return why.NOT_READY
+    return why.UNKNOWN if s.values[row, st.ACTIVATION, b] >= threshold else why.BELOW_THRESHOLD
 
 
 @inlined
@@ -183,9 +163,8 @@ def adapt_threshold(row: int, model: Words[PackedModel], row_values: Floats, sta
 def anything_eligible(row: int, states: Words[RowStates]) -> bool:
     """Whether a behaviour could start if only the threshold were low enough."""
     s = open_states(states)
-    values, marks = s.values, s.marks
-    for b in range(values.shape[2]):
-        if is_operational(row, b, marks) and marks[row, st.READY, b] and values[row, st.ACTIVATION, b] > 0.0:
+    for b in range(s.values.shape[2]):
+        if is_operational(row, b, s.marks) and s.marks[row, st.READY, b] and s.values[row, st.ACTIVATION, b] > 0.0:
             return True
     return False
 
@@ -197,25 +176,24 @@ def make_room(row: int, b: int, model: Words[PackedModel], states: Written[RowSt
     Returns how many of the `counted` were stopped, -1 if one does not yield.
     """
     s, counted, interruptable = open_states(states), open_scratch(scratch).counted, open_model(model).interruptable
-    values, marks = s.values, s.marks
-    priority, activation = marks[row, st.PRIORITY, b], values[row, st.ACTIVATION, b]
+    priority, activation = s.marks[row, st.PRIORITY, b], s.values[row, st.ACTIVATION, b]
     clashes = False
     for other in range(counted.shape[0]):
-        if other == b or not marks[row, st.EXECUTING, other] or not influences_same(row, b, other, model, marks):
+        if other == b or not s.marks[row, st.EXECUTING, other] or not influences_same(row, b, other, model, s.marks):
             continue
         clashes = True
-        theirs = marks[row, st.PRIORITY, other]
-        weaker = theirs == priority and values[row, st.ACTIVATION, other] < activation
-        yields = interruptable[other] and not marks[row, st.MANUAL, other]
+        theirs = s.marks[row, st.PRIORITY, other]
+        weaker = theirs == priority and s.values[row, st.ACTIVATION, other] < activation
+        yields = interruptable[other] and not s.marks[row, st.MANUAL, other]
         if not (yields and (theirs < priority or weaker)):
-            note_reason(row, b, marks, why.BLOCKED, other)
+            note_reason(row, b, s.marks, why.BLOCKED, other)
             return -1
     freed = 0
     if clashes:
         for other in range(counted.shape[0]):
-            if other != b and marks[row, st.EXECUTING, other] and influences_same(row, b, other, model, marks):
-                note_reason(row, other, marks, why.DISPLACED, b)
-                stop(row, other, marks)
+            if other != b and s.marks[row, st.EXECUTING, other] and influences_same(row, b, other, model, s.marks):
+                note_reason(row, other, s.marks, why.DISPLACED, b)
+                stop(row, other, s.marks)
                 freed += counted[other]
                 counted[other] = 0
     return freed
@@ -225,13 +203,12 @@ def make_room(row: int, b: int, model: Words[PackedModel], states: Written[RowSt
 def influences_same(row: int, b: int, other: int, model: Words[PackedModel], marks: Ints) -> bool:
     """Whether the two behaviours have effects on one sensor."""
     m = open_model(model)
-    first, sensor, tag = m.effect_first, m.effect_sensor, m.effect_tag
     mine, others = marks[row, st.ALTERNATIVE, b], marks[row, st.ALTERNATIVE, other]
-    for k in range(first[b], first[b + 1]):
-        if tag[k] >= 0 and tag[k] != mine:
+    for k in range(m.effect_first[b], m.effect_first[b + 1]):
+        if m.effect_tag[k] >= 0 and m.effect_tag[k] != mine:
             continue
-        for j in range(first[other], first[other + 1]):
-            if sensor[j] == sensor[k] and (tag[j] < 0 or tag[j] == others):
+        for j in range(m.effect_first[other], m.effect_first[other + 1]):
+            if m.effect_sensor[j] == m.effect_sensor[k] and (m.effect_tag[j] < 0 or m.effect_tag[j] == others):
                 return True
     return False
 

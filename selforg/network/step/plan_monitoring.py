@@ -39,22 +39,20 @@ def monitor_plan(row: int, model: Words[PackedModel], states: Words[RowStates], 
     """
     expected = see_changes(row, model, states, plans)
     p = open_plans(plans)
-    plan_marks, seen = p.marks, p.readings
     in_order = pass_steps(row, model, states, plans)
-    if plan_marks[row, ps.ALARM] == 1 or not expected or not in_order or not plan_marks[row, ps.KNOWN]:
-        plan_marks[row, ps.NEEDED] = 1
-        for sensor in range(seen.shape[2]):
-            seen[row, ps.SINCE_IDLE, sensor] = 0.0
-    plan_marks[row, ps.ALARM] = 0
+    if p.marks[row, ps.ALARM] == 1 or not expected or not in_order or not p.marks[row, ps.KNOWN]:
+        p.marks[row, ps.NEEDED] = 1
+        for sensor in range(p.readings.shape[2]):
+            p.readings[row, ps.SINCE_IDLE, sensor] = 0.0
+    p.marks[row, ps.ALARM] = 0
 
 
 @inlined
 def pass_steps(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Written[RowPlans]) -> bool:
     """Pass what is done of the plan of `row`; return whether all that ended itself was meant to."""
     p, marks, independent = open_plans(plans), open_states(states).marks, open_model(model).independent
-    steps, plan_marks = p.steps, p.marks
-    index, length = plan_marks[row, ps.INDEX], plan_marks[row, ps.LENGTH]
-    due = steps[row, index] if index < length else -1
+    index, length = p.marks[row, ps.INDEX], p.marks[row, ps.LENGTH]
+    due = p.steps[row, index] if index < length else -1
     realised = due >= 0 and ran(row, due, marks) and is_realised(row, due, model, states, plans)
     if realised:
         index += 1
@@ -63,14 +61,14 @@ def pass_steps(row: int, model: Words[PackedModel], states: Words[RowStates], pl
         if not marks[row, st.ENDED, b]:
             continue
         # as in the original, none is in a step in which the due one was realised
-        meant = not realised and index < length and steps[row, index] == b
+        meant = not realised and index < length and p.steps[row, index] == b
         if meant:
-            while index < length and steps[row, index] == b:
+            while index < length and p.steps[row, index] == b:
                 index += 1
             for k in range(index, length):
-                meant = meant and steps[row, k] != b
+                meant = meant and p.steps[row, k] != b
         in_order = in_order and (meant or independent[b] == 1)
-    plan_marks[row, ps.INDEX] = index
+    p.marks[row, ps.INDEX] = index
     return in_order
 
 
@@ -78,13 +76,12 @@ def pass_steps(row: int, model: Words[PackedModel], states: Words[RowStates], pl
 def see_changes(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Written[RowPlans]) -> bool:
     """Note what changed since the last step; return whether all of it was expected."""
     s, seen = open_states(states), open_plans(plans).readings
-    readings, marks = s.readings, s.marks
     idle = True
-    for b in range(marks.shape[2]):
-        idle = idle and not ran(row, b, marks)
+    for b in range(s.marks.shape[2]):
+        idle = idle and not ran(row, b, s.marks)
     expected = True
-    for sensor in range(readings.shape[1]):
-        reading, last = six_decimals(readings[row, sensor]), seen[row, ps.LAST_STEP, sensor]
+    for sensor in range(s.readings.shape[1]):
+        reading, last = six_decimals(s.readings[row, sensor]), seen[row, ps.LAST_STEP, sensor]
         counts = reading != last and is_relevant(row, sensor, model, states)
         change = reading - last if counts else 0.0
         before = 0.0 if idle else seen[row, ps.SINCE_IDLE, sensor]
@@ -112,20 +109,18 @@ def ran(row: int, b: int, marks: Ints) -> bool:
 def is_relevant(row: int, sensor: int, model: Words[PackedModel], states: Words[RowStates]) -> bool:
     """Whether a condition of a behaviour that is not optional, or of a goal that is on, looks at `sensor`."""
     m, s = open_model(model), open_states(states)
-    owner, tag, optional = m.wish_owner, m.wish_tag, m.wish_optional
-    marks = s.marks
-    first, about = m.sensor_wish_first, m.sensor_wish
-    goal_first, about_goals, enabled = m.sensor_goal_wish_first, m.sensor_goal_wish, s.goal_enabled
-    for k in range(first[sensor], first[sensor + 1]):
-        wish = about[k]
-        b = owner[wish]
-        if optional[wish]:
+    for k in range(m.sensor_wish_first[sensor], m.sensor_wish_first[sensor + 1]):
+        wish = m.sensor_wish[k]
+        b = m.wish_owner[wish]
+        if m.wish_optional[wish]:
             continue
-        if marks[row, st.PRESENT, b] and (tag[wish] < 0 or tag[wish] == marks[row, st.ALTERNATIVE, b]):
+        if s.marks[row, st.PRESENT, b] and (
+            m.wish_tag[wish] < 0 or m.wish_tag[wish] == s.marks[row, st.ALTERNATIVE, b]
+        ):
             return True
-    behaviours = marks.shape[2]
-    for k in range(goal_first[sensor], goal_first[sensor + 1]):
-        if enabled[row, owner[about_goals[k]] - behaviours]:
+    behaviours = s.marks.shape[2]
+    for k in range(m.sensor_goal_wish_first[sensor], m.sensor_goal_wish_first[sensor + 1]):
+        if s.goal_enabled[row, m.wish_owner[m.sensor_goal_wish[k]] - behaviours]:
             return True
     return False
 
@@ -134,13 +129,11 @@ def is_relevant(row: int, sensor: int, model: Words[PackedModel], states: Words[
 def was_expected(row: int, sensor: int, change: float, model: Words[PackedModel], states: Words[RowStates]) -> bool:
     """Whether something that ran has an effect on `sensor` in the direction of `change`."""
     m, marks = open_model(model), open_states(states).marks
-    first, effects = m.sensor_effect_first, m.sensor_effect
-    owner, tag, effect = m.effect_owner, m.effect_tag, m.effect_change
-    for k in range(first[sensor], first[sensor + 1]):
-        e = effects[k]
-        b = owner[e]
-        shown = tag[e] < 0 or tag[e] == marks[row, st.ALTERNATIVE, b]
-        if shown and effect[e] * change > 0.0 and ran(row, b, marks):
+    for k in range(m.sensor_effect_first[sensor], m.sensor_effect_first[sensor + 1]):
+        e = m.sensor_effect[k]
+        b = m.effect_owner[e]
+        shown = m.effect_tag[e] < 0 or m.effect_tag[e] == marks[row, st.ALTERNATIVE, b]
+        if shown and m.effect_change[e] * change > 0.0 and ran(row, b, marks):
             return True
     return False
 
@@ -149,14 +142,12 @@ def was_expected(row: int, sensor: int, change: float, model: Words[PackedModel]
 def is_realised(row: int, b: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> bool:
     """Whether all effects of behaviour `b` count as realised."""
     m, marks, readings = open_model(model), open_states(states).marks, open_plans(plans).readings
-    first, sensor, tag = m.effect_first, m.effect_sensor, m.effect_tag
-    effect, strict = m.effect_change, m.strict_progress
-    for e in range(first[b], first[b + 1]):
-        if tag[e] >= 0 and tag[e] != marks[row, st.ALTERNATIVE, b]:
+    for e in range(m.effect_first[b], m.effect_first[b + 1]):
+        if m.effect_tag[e] >= 0 and m.effect_tag[e] != marks[row, st.ALTERNATIVE, b]:
             continue
-        wanted, recent = six_decimals(effect[e]), readings[row, ps.TWO_STEPS, sensor[e]]
-        since_idle = readings[row, ps.SINCE_IDLE, sensor[e]]
+        wanted, recent = six_decimals(m.effect_change[e]), readings[row, ps.TWO_STEPS, m.effect_sensor[e]]
+        since_idle = readings[row, ps.SINCE_IDLE, m.effect_sensor[e]]
         seen = wanted * since_idle > 0.0 and abs(since_idle) >= 0.5 * abs(wanted)
-        if not (seen if strict else wanted >= recent):
+        if not (seen if m.strict_progress else wanted >= recent):
             return False
     return True

@@ -33,37 +33,33 @@ def evaluate_conditions(readings: Floats, model: Words[PackedModel], scratch: Wo
 def evaluate_leaves(row: int, model: Words[PackedModel], readings: Floats, scratch: Words[Scratch]) -> None:
     """Fill satisfaction and wish of every leaf from the `readings` (R, S) of `row`."""
     m, own = open_model(model), open_scratch(scratch)
-    sensor, kind, direction = m.leaf_sensor, m.leaf_kind, m.leaf_direction
-    a, b = m.leaf_a, m.leaf_b
-    low, high = m.leaf_low, m.leaf_high
-    satisfaction, wish = own.leaf_satisfaction, own.leaf_wish
-    for k in range(sensor.shape[0]):
-        reading = readings[row, sensor[k]]
-        satisfaction[k], wish[k] = activate(kind[k], reading, a[k], b[k], low[k], high[k], direction[k])
+    for k in range(m.leaf_sensor.shape[0]):
+        reading = readings[row, m.leaf_sensor[k]]
+        own.leaf_satisfaction[k], own.leaf_wish[k] = activate(
+            m.leaf_kind[k], reading, m.leaf_a[k], m.leaf_b[k], m.leaf_low[k], m.leaf_high[k], m.leaf_direction[k]
+        )
 
 
 @inlined
 def evaluate_nodes(model: Words[PackedModel], scratch: Words[Scratch]) -> None:
     """Fill the satisfaction of every node: product, maximum or 1 - s of its children."""
     m, own = open_model(model), open_scratch(scratch)
-    kinds, first, child = m.node_kind, m.node_first, m.node_child
-    leaf, value = own.leaf_satisfaction, own.node_satisfaction
-    for node in range(kinds.shape[0]):
-        kind, begin, end = kinds[node], first[node], first[node + 1]
+    for node in range(m.node_kind.shape[0]):
+        kind, begin, end = m.node_kind[node], m.node_first[node], m.node_first[node + 1]
         if kind == packed.LEAF:
-            value[node] = leaf[child[begin]]
+            own.node_satisfaction[node] = own.leaf_satisfaction[m.node_child[begin]]
         elif kind == packed.NEGATION:
-            value[node] = 1.0 - value[child[begin]]
+            own.node_satisfaction[node] = 1.0 - own.node_satisfaction[m.node_child[begin]]
         elif kind == packed.CONJUNCTION:
             product = 1.0
             for k in range(begin, end):
-                product *= value[child[k]]
-            value[node] = product
+                product *= own.node_satisfaction[m.node_child[k]]
+            own.node_satisfaction[node] = product
         else:
-            largest = value[child[begin]]
+            largest = own.node_satisfaction[m.node_child[begin]]
             for k in range(begin + 1, end):
-                largest = max(largest, value[child[k]])
-            value[node] = largest
+                largest = max(largest, own.node_satisfaction[m.node_child[k]])
+            own.node_satisfaction[node] = largest
 
 
 @inlined
@@ -80,31 +76,29 @@ def turned(wish: float, direction: float) -> float:
 def evaluate_wishes(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Fill the wishes of `row`; a wish of an alternative that is not held is not kept."""
     m, s = open_model(model), open_states(states)
-    leaf, owner, tag = m.wish_leaf, m.wish_owner, m.wish_tag
-    first, direction, leaf_wish = m.turn_first, m.turn_direction, open_scratch(scratch).leaf_wish
-    marks, wishes, kept = s.marks, s.wishes, s.wish_kept
-    for u in range(leaf.shape[0]):
-        wish = leaf_wish[leaf[u]]
-        for k in range(first[u], first[u + 1]):
-            wish = turned(wish, direction[k])
-        wishes[row, u] = wish
-        kept[row, u] = 1 if tag[u] < 0 or marks[row, st.ALTERNATIVE, owner[u]] == tag[u] else 0
+    leaf_wish = open_scratch(scratch).leaf_wish
+    for u in range(m.wish_leaf.shape[0]):
+        wish = leaf_wish[m.wish_leaf[u]]
+        for k in range(m.turn_first[u], m.turn_first[u + 1]):
+            wish = turned(wish, m.turn_direction[k])
+        s.wishes[row, u] = wish
+        s.wish_kept[row, u] = (
+            1 if m.wish_tag[u] < 0 or s.marks[row, st.ALTERNATIVE, m.wish_owner[u]] == m.wish_tag[u] else 0
+        )
 
 
 @inlined
 def keep_smallest(row: int, behaviour: int, model: Words[PackedModel], states: Written[RowStates]) -> None:
     """Keep only the smallest of several wishes of one behaviour about one sensor."""
     m, s = open_model(model), open_states(states)
-    first, sensor = m.wish_first, m.wish_sensor
-    wishes, kept = s.wishes, s.wish_kept
-    begin, end = first[behaviour], first[behaviour + 1]
+    begin, end = m.wish_first[behaviour], m.wish_first[behaviour + 1]
     for u in range(begin, end):
-        if not kept[row, u]:
+        if not s.wish_kept[row, u]:
             continue
         for other in range(begin, u):
-            if kept[row, other] and sensor[other] == sensor[u]:
-                weaker = u if abs(wishes[row, u]) >= abs(wishes[row, other]) else other
-                kept[row, weaker] = 0
+            if s.wish_kept[row, other] and m.wish_sensor[other] == m.wish_sensor[u]:
+                weaker = u if abs(s.wishes[row, u]) >= abs(s.wishes[row, other]) else other
+                s.wish_kept[row, weaker] = 0
                 if weaker == u:
                     break
 
@@ -113,17 +107,15 @@ def keep_smallest(row: int, behaviour: int, model: Words[PackedModel], states: W
 def judge_behaviours(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Fill satisfaction and readiness of the behaviours of `row` from their nodes."""
     m, s = open_model(model), open_states(states)
-    first, node, tag = m.precondition_first, m.precondition_node, m.precondition_tag
-    threshold, satisfaction = m.ready_threshold, open_scratch(scratch).node_satisfaction
-    values, marks = s.values, s.marks
-    for b in range(values.shape[2]):
+    satisfaction = open_scratch(scratch).node_satisfaction
+    for b in range(s.values.shape[2]):
         product = 1.0
-        for k in range(first[b], first[b + 1]):
-            if tag[k] < 0 or tag[k] == marks[row, st.ALTERNATIVE, b]:
-                product *= satisfaction[node[k]]
-        values[row, st.SATISFACTION, b] = product
-        marks[row, st.READY, b] = 1 if product >= threshold[b] else 0
-        if product > threshold[b]:
+        for k in range(m.precondition_first[b], m.precondition_first[b + 1]):
+            if m.precondition_tag[k] < 0 or m.precondition_tag[k] == s.marks[row, st.ALTERNATIVE, b]:
+                product *= satisfaction[m.precondition_node[k]]
+        s.values[row, st.SATISFACTION, b] = product
+        s.marks[row, st.READY, b] = 1 if product >= m.ready_threshold[b] else 0
+        if product > m.ready_threshold[b]:
             keep_smallest(row, b, model, states)
 
 
@@ -131,13 +123,11 @@ def judge_behaviours(row: int, model: Words[PackedModel], states: Written[RowSta
 def judge_goals(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Fill the satisfaction of the goals of `row`; those that are satisfied and not permanent switch off."""
     m, s = open_model(model), open_states(states)
-    first, node, node_satisfaction = m.goal_first, m.goal_node, open_scratch(scratch).node_satisfaction
-    permanent, threshold = m.goal_permanent, m.goal_threshold
-    satisfaction, enabled = s.goal_satisfaction, s.goal_enabled
-    for g in range(permanent.shape[0]):
+    node_satisfaction = open_scratch(scratch).node_satisfaction
+    for g in range(m.goal_permanent.shape[0]):
         product = 1.0
-        for k in range(first[g], first[g + 1]):
-            product *= node_satisfaction[node[k]]
-        satisfaction[row, g] = product
-        if product >= threshold[g] and not permanent[g]:
-            enabled[row, g] = 0
+        for k in range(m.goal_first[g], m.goal_first[g + 1]):
+            product *= node_satisfaction[m.goal_node[k]]
+        s.goal_satisfaction[row, g] = product
+        if product >= m.goal_threshold[g] and not m.goal_permanent[g]:
+            s.goal_enabled[row, g] = 0

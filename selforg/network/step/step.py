@@ -61,15 +61,14 @@ def follow_plan(
 ) -> bool:
     """Bring the plan of `row` up to date; return False if it needs one that is not known."""
     p = open_plans(plans)
-    planned, marks = p.planned, p.marks
-    if planned:
+    if p.planned:
         monitor_plan(row, model, states, plans)
     clear_ended(row, states)
-    if planned and marks[row, ps.NEEDED]:
+    if p.planned and p.marks[row, ps.NEEDED]:
         write_key(row, states, plans, known)
         if not recall(row, plans, known):
             return False
-        marks[row, ps.NEEDED] = 0
+        p.marks[row, ps.NEEDED] = 0
     return True
 
 
@@ -77,8 +76,7 @@ def follow_plan(
 def clear_ended(row: int, states: Written[RowStates]) -> None:
     """Set the activation of behaviours that ended themselves to 0; stopped ones keep theirs (Q15)."""
     s = open_states(states)
-    values, marks = s.values, s.marks
-    for b in range(values.shape[2]):
-        if marks[row, st.ENDED, b]:
-            marks[row, st.ENDED, b] = 0
-            values[row, st.ACTIVATION, b] = 0.0
+    for b in range(s.values.shape[2]):
+        if s.marks[row, st.ENDED, b]:
+            s.marks[row, st.ENDED, b] = 0
+            s.values[row, st.ACTIVATION, b] = 0.0
