@@ -5,7 +5,6 @@ and was not at the count before. The paper's collisions are samples; events do n
 Shapes: W worlds, N robots a world, R = W * N rows (world w has the rows w*N .. (w+1)*N - 1), K distances.
 """
 
-from math import isfinite
 from typing import Annotated, Final, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from selforg.space import nearest_image
 
 ALL_PAIRS_LIMIT: Final = 50  # robots in a world up to which looking at all pairs is cheaper than keeping a list
 UNLISTED: Final = -1  # number of listed pairs where there is no list
-PAIRS_A_ROBOT: Final = 8  # room in the list; a world with more pairs walks its cells at every count
+PAIRS_A_ROBOT: Final = 8  # room in the list; in a world with more, all pairs are looked at
 
 
 class Counts(NamedTuple):
@@ -58,8 +57,6 @@ class CollisionCounter:
     All five are the same arrays all the time.
     packed: the record that compiled code takes.
 
-    Raises ValueError for sizes below 1, a torus without extent and distances that are not positive.
-
     >>> counter = CollisionCounter(worlds=1, robots=2, width=11.0, height=11.0)
     >>> for x in (0.3, 0.2, 0.2):
     ...     counter.count(np.array([[x, 5.0], [10.75, 5.0]]))
@@ -72,14 +69,6 @@ class CollisionCounter:
     def __init__(
         self, worlds: int, robots: int, width: float, height: float, distances: tuple[float, ...] = (0.5, 1.0)
     ) -> None:
-        for name, number in (("worlds", worlds), ("robots", robots), ("distances", len(distances))):
-            if number < 1:
-                raise ValueError(f"{name}: expected at least 1, got {number}")
-        lengths = [("width", width), ("height", height)]
-        lengths += [(f"distances[{k}]", distance) for k, distance in enumerate(distances)]
-        for name, length in lengths:
-            if not (length > 0.0 and isfinite(length)):
-                raise ValueError(f"{name}: expected a positive number of metres, got {length}")
         rows, extent = worlds * robots, np.array([width, height], dtype=np.float64)
         self.distances = tuple(float(distance) for distance in distances)
         self.samples: Ints = np.zeros((worlds, len(distances)), np.int64)
@@ -193,40 +182,20 @@ def count_pair(world: int, row: int, other: int, positions: Floats, c: Counts) -
         c.entered[other] += was >= c.squares[0]
 
 
-@inlined
-def count_by_cells(world: int, positions: Floats, present: Flags, c: Counts) -> None:
-    """Count the pairs of a world whose robots are in the cells."""
-    robots = positions.shape[0] // c.samples.shape[0]
-    lines, columns = c.cells.shape
-    first = world * robots
-    for row in range(first, first + robots):
-        if not present[row]:
-            continue
-        line, column = cell_at(positions[row, 1], lines, c.extent[1]), cell_at(positions[row, 0], columns, c.extent[0])
-        for walk in range(9):
-            point = cell_beside(line, column, walk, c.cells)
-            while point != NOBODY and first + point < row:
-                count_pair(world, row, first + point, positions, c)
-                point = c.links[point]
-
-
 @lean_kernel
 def count_world(world: int, positions: Floats, present: Flags, counts: Written[Counts]) -> None:
     """Count one world and remember its positions; see CollisionCounter."""
     c = open_counts(counts)
     robots = positions.shape[0] // c.samples.shape[0]
-    in_cells = c.cells.shape[0] > 0
     first, end = world * robots, (world + 1) * robots
-    if in_cells and not list_holds(world, positions, present, c):
+    if c.cells.shape[0] > 0 and not list_holds(world, positions, present, c):
         list_pairs(world, positions, present, counts)
     for row in range(first, end):
         c.in_contact[row] = False
         c.entered[row] = 0
     for index in range(c.listed[world]):
         count_pair(world, c.pairs[world, index, 0], c.pairs[world, index, 1], positions, c)
-    if in_cells and c.listed[world] == UNLISTED:  # the attempt to list has just filled the cells
-        count_by_cells(world, positions, present, c)
-    elif not in_cells:
+    if c.listed[world] == UNLISTED:
         for row in range(first, end):
             for other in range(first, row):
                 if present[row] and present[other]:

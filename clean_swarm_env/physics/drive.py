@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.physics.motion import wrapped_angle
 from selforg.arrays import CLOCKED, KEPT, READ, Flags, Floats, Ints
-from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed, Recording, Written
 from selforg.elementary import direction, length_of
 
@@ -101,14 +101,6 @@ def update_drives(
     vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Written[DriveState]
 ) -> None:
     """Update what the drives do; see `DifferentialDrive.command`."""
-    update_drive_rows(vectors, commanded, in_place, headings, now, drive)
-
-
-@inlined
-def update_drive_rows(
-    vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Written[DriveState]
-) -> None:
-    """Update what the drives do, for kernels that call it among other things; see `update_drives`."""
     d = open_drive(drive)
     for row in range(d.speed.shape[0]):
         if commanded[row]:

@@ -159,16 +159,10 @@ class Physics:
         for name, array, shape in (("positions", positions, (robots, 2)), ("headings", headings, (robots,))):
             if np.shape(array) != shape or not np.isfinite(array).all():
                 raise ValueError(f"{name} of world {world}: expected finite numbers of shape {shape}, got {array!r}")
-        for offset in range(settings.robots):
-            row = world * settings.robots + offset
-            self.positions[row, 0] = wrapped(float(positions[offset, 0]), settings.width)
-            self.positions[row, 1] = wrapped(float(positions[offset, 1]), settings.height)
-            self.headings[row] = wrapped_angle(float(headings[offset]))
-        rows = slice(world * robots, (world + 1) * robots)
-        self.bodies[rows, :2] = self.positions[rows]
-        self.bodies[rows, 2:] = 0.0
-        self.present[rows] = True
-        self._motion.record.wanted[rows] = 0.0
+        first = world * robots
+        for offset in range(robots):
+            self.add(first + offset, float(positions[offset, 0]), float(positions[offset, 1]), float(headings[offset]))
+        self._motion.record.wanted[first : first + robots] = 0.0
         self._motion.record.patience[world] = 0
 
     def add(self, row: int, x: float, y: float, heading: float) -> None:

@@ -9,7 +9,7 @@ Shapes: W worlds, N robots a world, R = W * N rows.
 
 from clean_swarm_env.physics.chipmunk_calls import Chipmunk, free_space, make_space, open_chipmunk, touch
 from clean_swarm_env.physics.collisions import Counts, count_world, open_counts
-from clean_swarm_env.physics.drive import DriveState, open_drive, update_drive_rows
+from clean_swarm_env.physics.drive import DriveState, open_drive, update_drives
 from clean_swarm_env.physics.motion import RobotMotion, land, open_robot_motion, push, search_contacts, set_wanted
 from selforg.arrays import Floats
 from selforg.commands import Commanded, open_commanded
@@ -92,7 +92,7 @@ def begin_tick(
     Returns how many worlds have substeps left.
     """
     given, m, c = open_commanded(commands), open_robot_motion(motion), open_counts(counts)
-    update_drive_rows(given.vectors, given.commanded, given.in_place, m.headings, now, drive)
+    update_drives(given.vectors, given.commanded, given.in_place, m.headings, now, drive)
     for row in range(c.entered_in_tick.shape[0]):
         c.entered_in_tick[row] = 0
     waiting = 0

@@ -157,19 +157,3 @@ def test_positions_are_not_changed():
     copy = positions.copy()
     CollisionCounter(1, 5, 11.0, 11.0).count(positions)
     assert np.array_equal(positions, copy)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"worlds": 0}, "worlds: expected at least 1, got 0"),
-        ({"robots": -2}, "robots: expected at least 1, got -2"),
-        ({"width": 0.0}, "width: expected a positive number of metres, got 0.0"),
-        ({"height": float("inf")}, "height: expected a positive number of metres, got inf"),
-        ({"distances": (0.5, -1.0)}, r"distances\[1\]: expected a positive number of metres, got -1.0"),
-        ({"distances": ()}, "distances: expected at least 1, got 0"),
-    ],
-)
-def test_senseless_sizes_are_refused_by_name(change, message):
-    with pytest.raises(ValueError, match=message):
-        CollisionCounter(**({"worlds": 1, "robots": 5, "width": 11.0, "height": 11.0} | change))
