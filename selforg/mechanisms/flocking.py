@@ -6,7 +6,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel, part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Words
 from selforg.elementary import sine_cosine
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import Own
@@ -24,7 +24,7 @@ from selforg.mechanisms.boids import (
 from selforg.mechanisms.movement import Rule, limit, open_rule
 from selforg.space import nearest_image
 
-A, B, EPSILON, H, MAX_ACCELERATION = range(5)
+STEEPNESS_A, STEEPNESS_B, EPSILON, BUMP_BEGIN, MAX_ACCELERATION = range(5)
 """Parameters of the formula."""
 
 SHORTEST_TIME = 1e-6
@@ -69,7 +69,7 @@ class Flocking(FlockMechanism):
         found: int,
         own: Own,
         sight: Words[Sight],
-        rule: Written[Rule],
+        rule: Words[Rule],
         poses: Words[Poses],
         store: Words[Store],
     ) -> bool:
@@ -94,7 +94,8 @@ def olfati_saber(
 ) -> None:
     """Add gradient term and velocity consensus over `count` boids to (3,) each; algorithm 1."""
     m = open_rule(rule)
-    a, b, epsilon, h = m.parameters[A], m.parameters[B], m.parameters[EPSILON], m.parameters[H]
+    a, b = m.parameters[STEEPNESS_A], m.parameters[STEEPNESS_B]
+    epsilon, h = m.parameters[EPSILON], m.parameters[BUMP_BEGIN]
     for index in range(count):
         squared = 0.0
         for axis in range(3):

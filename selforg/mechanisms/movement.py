@@ -65,6 +65,7 @@ Combination: TypeAlias = Callable[[int, int, Own, Words[Sight], Words[Rule], Wor
 """(row, number of pairs, own part, sight, rule, poses, store) -> whether it moves; adds to the sum."""
 
 
+@part
 def combined(
     row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule], poses: Words[Poses], store: Words[Store]
 ) -> bool:
