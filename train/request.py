@@ -14,11 +14,12 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.plain import short
 from train.cluster.bits import WorkerBits
-from train.cluster.chosen import chosen_engine
+from train.cluster.dask_engine import DaskEngine
 from train.knowledge_store import NO_STORE, StoreRequest
 from train.running.engine import Engine, WorkerLost
 from train.running.exit_codes import FAILED, INTERRUPTED
 from train.running.needs import ALONE, Machine
+from train.running.processes import Processes
 from train.running.run_folder import SHARE_FOLDERS
 from train.running.runs import RunKey
 
@@ -109,8 +110,9 @@ class Request:
 
     @property
     def engine(self) -> Engine:
-        """What does the missions."""
-        return chosen_engine(self.machine, self.bits)
+        """What does the missions: processes of this machine, or workers at the place that it names."""
+        place = self.machine.place
+        return Processes(self.machine.workers) if place is None else DaskEngine(place, self.bits)
 
     def command(self, directory: Path, *more: str) -> str:
         """Return the command that goes on with the results in a directory."""

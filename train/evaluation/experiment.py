@@ -29,8 +29,7 @@ from train.evaluation.trial_task import StartTask, TrialTask, experiment_tasks, 
 from train.reports.experiment_tables import all_tables
 from train.reports.write_report import Publication
 from train.request import Request
-from train.running.estimate import needs_of
-from train.running.needs import Workload, check_needs
+from train.running.needs import Workload, check_needs, needs_of
 from train.running.runs import RunRecord, RunTask, forcing
 
 

@@ -25,13 +25,12 @@ from train.knowledge_store import Memory
 from train.reports.knowledge_tables import learned_scores
 from train.reports.text_table import on_terminal
 from train.reports.write_report import publish
-from train.running.engine import WorkerLost
+from train.running.engine import WorkerLost, compile_first
 from train.running.exit_codes import FINISHED
 from train.running.finished_runs import Results
 from train.running.progress import progress
 from train.running.run_folder import ASKED, CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
 from train.running.runs import Job, RunKey, RunRecord
-from train.running.warm_up import compile_first
 
 NO_CONTEXT = np.zeros((1, 0))
 """Context of the one row of a strategy that chooses for a whole mission."""

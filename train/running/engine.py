@@ -4,7 +4,8 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import AbstractContextManager
 from typing import Protocol
 
-from train.running.runs import RunRecord, Work
+from clean_swarm_env.learning.warm_up import announce, one_process
+from train.running.runs import Job, RunRecord, Work
 
 Round = Callable[[Sequence[Work]], Generator[RunRecord, None, None]]
 """A function that does tasks, and yields each run when it is done, in any order."""
@@ -36,3 +37,10 @@ class WorkerLost(Exception):
 def in_turn(tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:
     """Do tasks in this process."""
     return (record for task in tasks for record in task.each())
+
+
+def compile_first(task: Job) -> None:
+    """Do the beginning of one run in this process: else all workers would compile the same kernels at the same time."""
+    with one_process():
+        announce()
+        task.beginning().run()

@@ -20,8 +20,7 @@ Method = Literal["random", "TPE", "CMA-ES", "NSGA-II", "MAP-Elites"]
 STUDY_PACKAGES = ("optuna", "cmaes", "ribs")
 """The packages of the extra `tune`, which everything else here needs."""
 RANDOM: Method = "random"
-MAP_ELITES: Method = "MAP-Elites"
-ONE_NUMBER: tuple[Method, ...] = ("CMA-ES", MAP_ELITES)
+ONE_NUMBER: tuple[Method, ...] = ("CMA-ES", "MAP-Elites")
 """Methods that minimise one number."""
 
 

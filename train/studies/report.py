@@ -25,8 +25,7 @@ from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
 from train.studies.conclusion import TO_BEAT, UNCHANGED, Conclusion, Stated
 from train.studies.config import ArchiveConfig
 from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, FIGURES
-from train.studies.proposals import empty_archive
-from train.studies.search import Arm
+from train.studies.search import Arm, empty_archive
 from train.studies.space import StudySpace
 
 Importances = Mapping[str, float]

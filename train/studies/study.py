@@ -19,14 +19,13 @@ from train.deciders.decided_goal import DecidedGoal
 from train.evaluation.trial_task import TASK_SCENARIOS
 from train.reports.write_report import Publication, publish
 from train.request import Request
-from train.running.engine import WorkerLost
+from train.running.engine import WorkerLost, compile_first
 from train.running.exit_codes import FINISHED
 from train.running.finished_runs import Results
 from train.running.needs import Workload, check_needs
 from train.running.progress import progress
 from train.running.provenance import fingerprints
 from train.running.run_folder import COMMAND, RunFolder, default_directory
-from train.running.warm_up import compile_first
 from train.studies.conclusion import UNCHANGED, Conclusion, FoundKnowledge, conclude
 from train.studies.config import StudyConfig, study_versions
 from train.studies.missions import STAGES, Candidate, CandidateTasks, MissionField, TaskMaker

@@ -9,8 +9,7 @@ from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
 from train.evaluation.repeat import record_run
 from train.running import needs
-from train.running.estimate import needs_of
-from train.running.needs import Machine, Workload, check_needs
+from train.running.needs import Machine, Workload, check_needs, needs_of
 from train.running.runs import RunTask
 
 LARGE = {"world": {"width": 1000.0, "height": 1000.0}, "robots": {"count": 2000}}

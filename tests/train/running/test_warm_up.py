@@ -20,8 +20,8 @@ from train.evaluation.base import Asked, Evaluation
 from train.reports.text_table import flat
 from train.reports.write_report import Publication
 from train.request import Request
+from train.running.engine import compile_first
 from train.running.runs import RunTask
-from train.running.warm_up import compile_first
 
 LINE = "compiling for this machine, once: about a minute\n"
 
