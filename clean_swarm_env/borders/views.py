@@ -6,8 +6,7 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND, Canvas, between
-from clean_swarm_env.drawing.pixels import Pixels, pixels_of
+from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND, Canvas, Pixels, between
 from clean_swarm_env.drawing.window import Window
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.learning.batch import Batch
@@ -57,7 +56,7 @@ class View:
 
     def picture(self, world: int = 0) -> Pixels:
         """Return the picture of a world as it is now."""
-        return pixels_of(self._canvas(world))
+        return self._drawn(self._canvas(world))
 
     def render(self) -> Pixels | list[Pixels] | None:
         """Return what the mode says: a picture (height, width, 3), pictures, or nothing."""
@@ -73,6 +72,11 @@ class View:
         if self._window is not None:
             self._window.close()
 
+    def _drawn(self, canvas: Canvas) -> Pixels:
+        from clean_swarm_env.drawing.picture import pixels_of  # imports Matplotlib
+
+        return pixels_of(canvas)
+
     def _canvas(self, world: int) -> Canvas:
         return canvas_of(self._batch.worlds, world)
 
@@ -85,5 +89,5 @@ class View:
         now = self._canvas(0)
         shares = [k / self._between for k in range(1, self._between)] if self._last is not None else []
         before = self._last or now
-        self._pictures += [pixels_of(between(before, now, share)) for share in shares] + [pixels_of(now)]
+        self._pictures += [self._drawn(between(before, now, share)) for share in shares] + [self._drawn(now)]
         self._last = now

@@ -1,10 +1,8 @@
 """What a picture of a world shows: robots with cargo and option, items, stations and the pheromone trail, on the torus.
 
-The colours are those of Okabe and Ito, which colour-blind readers can tell apart; they are those of the replay page.
 Shapes: N robots, G items, S stations, M pheromones.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Final, NamedTuple
@@ -15,19 +13,15 @@ from numpy.typing import NDArray
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel
 
+Pixels = NDArray[np.uint8]
+"""A picture (H, W, 3)."""
 SEARCHING: Final = 0  # values of `Canvas.cargo`: the robot carries nothing,
 GARBAGE: Final = 1  # an item to the recycling station,
 LEFTOVERS: Final = 2  # or its leftovers to the dump station
 
-INK, PAPER = "#2b2b2b", "#fbfaf7"
-OPTION_COLOURS: Final = (
-    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F0E442", "#8C6BB1", "#999999",
-)  # fmt: skip
-ITEM_COLOUR: Final = "#E69F00"
-STATIONS: Final = (("recycling", "#009E73"), ("dump", "#8C6BB1"))
-"""Names and colours of stations, by their kinds."""
 TRAIL_PITCH: Final = 0.1  # [m] of the raster on which the trail is drawn
 MOST_TRAIL_CELLS: Final = 1000  # on a side of this raster
+LEAST_DIFFUSION: Final = 1e-9  # [m] where there are no pheromones
 FRAMES_PER_SECOND: Final = 20
 """Pictures of a video for each second of the mission."""
 FARTHEST_STEP: Final = 1.0  # [m] from picture to picture; beyond it a robot was put elsewhere
@@ -60,13 +54,14 @@ class Canvas:
     state: str = ""  # what there is to say of this moment
     radius: float = 0.25  # [m] of a robot
     cargo: Ints | None = None  # (N,) SEARCHING, GARBAGE or LEFTOVERS; None: all are searching
+    numbers: Ints | None = None  # (N,) numbers of the robots; None: 0, 1 and so on
     working: Flags | None = None  # (N,) whether the robot is at work; None: all are
     options: tuple[str, ...] = ()  # names of the options of a goal
     held: Ints | None = None  # (N,) which of them serves the goal in each robot; None: the first
     garbage: Floats = field(default_factory=no_places)  # (G, 2) [m] of items that lie
     leftover: Flags | None = None  # (G,) whether the item has been recycled; None: none has
     stations: Floats = field(default_factory=no_places)  # (S, 2) [m]
-    station_kinds: tuple[int, ...] = (0, 1)  # (S,) numbers of STATIONS
+    station_kinds: tuple[int, ...] = (0, 1)  # (S,) numbers of `LOOK.stations`
     station_radius: float = 0.5  # [m] within which a robot is at a station
     areas: tuple[Area, ...] = ()  # what else lies in the world
     pheromones: Floats = field(default_factory=no_places)  # (M, 2) [m]
@@ -77,6 +72,7 @@ class Canvas:
         shapes = {
             "positions": (robots, 2),
             "headings": (robots,),
+            "numbers": (robots,),
             "cargo": (robots,),
             "working": (robots,),
             "held": (robots,),
@@ -112,19 +108,22 @@ def _shorter(offsets: Floats, size: Floats) -> Floats:
     return offsets - size * np.round(offsets / size)
 
 
-def appearances(canvas: Canvas, place: NDArray[np.float64], extent: float) -> Iterator[tuple[float, float]]:
-    """Yield the places [m] at which a thing of half size `extent` [m] shows on the map: several at a seam."""
-    for right, up in product((-1, 0, 1), repeat=2):
-        x, y = float(place[0]) + right * canvas.width, float(place[1]) + up * canvas.height
-        if -extent < x < canvas.width + extent and -extent < y < canvas.height + extent:
-            yield x, y
+def appearances(canvas: Canvas, places: Floats, extent: float) -> tuple[Ints, Floats]:
+    """Return where things of half size `extent` [m] at places (K, 2) [m] show on the map: several times at a seam.
+
+    Number of each thing (M,), and where it shows (M, 2) [m].
+    """
+    size = np.array([canvas.width, canvas.height])
+    moved = places[:, None] + size * np.array(list(product((-1, 0, 1), repeat=2)))
+    shown = ((moved > -extent) & (moved < size + extent)).all(axis=2)
+    return np.nonzero(shown)[0], moved[shown]
 
 
 def trail_strength(canvas: Canvas) -> Floats:
     """Return the strength of the pheromones on a raster (rows upwards, columns to the right) of TRAIL_PITCH [m].
 
-    In each cell the strongest pheromone counts. Its strength falls linearly from 1 at its centre to 0 at its diffusion
-    radius, as Balch and Hybinette's repulsion does.
+    In each cell the strongest pheromone counts: its diffusion radius without the distance, as a share of the largest
+    diffusion radius.
     """
     lines, columns = (
         min(max(round(size / TRAIL_PITCH), 1), MOST_TRAIL_CELLS) for size in (canvas.height, canvas.width)
@@ -133,12 +132,13 @@ def trail_strength(canvas: Canvas) -> Floats:
     places = np.ascontiguousarray(canvas.pheromones, dtype=np.float64)
     diffusions = np.ascontiguousarray(canvas.pheromone_diffusions, dtype=np.float64)
     lay_trail(places, diffusions, canvas.width, canvas.height, strength)
+    strength /= diffusions.max(initial=LEAST_DIFFUSION)
     return strength
 
 
 @kernel
 def lay_trail(places: Floats, diffusions: Floats, width: float, height: float, strength: Floats) -> None:
-    """Raise the `strength` (rows, columns) of the cells of a torus to that of each pheromone: `places` (M, 2) [m]."""
+    """Raise cells (rows, columns) of a torus to how far [m] each is inside a pheromone: `places` (M, 2) [m]."""
     lines, columns = strength.shape
     across, up = width / columns, height / lines
     for k in range(len(diffusions)):
@@ -152,7 +152,7 @@ def lay_trail(places: Floats, diffusions: Floats, width: float, height: float, s
             row = strength[i % lines]
             for j in range(column - right, column + right + 1):
                 dx = (j + 0.5) * across - places[k, 0]
-                felt = 1.0 - np.sqrt(dx * dx + dy * dy) / diffusions[k]
+                felt = diffusions[k] - np.sqrt(dx * dx + dy * dy)
                 cell = j - columns if j >= columns else (j + columns if j < 0 else j)
                 if felt > row[cell]:
                     row[cell] = felt

@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field
 from clean_swarm_env.config.cleaning import StationsConfig
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
+from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.cleaning.cleaning_task import PHEROMONES
@@ -50,8 +51,6 @@ TRAILS = (PHEROMONES, "trail")
 """Channels of the gradients that are drawn: those of cleaning, and of Foraging."""
 EDGE_OF_LAND = 2.0
 """Width of the land around the places where robots have been [m]."""
-LEAST_AREA = 0.2
-"""Least radius of an area [m]."""
 FRAME_ROUNDING = 1e-6
 """A time this little beside a frame is that of the frame [periods]."""
 
@@ -163,6 +162,7 @@ class RecordedCourse:
             state=", ".join(filter(None, [str(head["about"].get("condition", "")), counted])),
             radius=self._sizes.robots.radius,
             cargo=np.where(now["cargo"] == NOTHING, SEARCHING, loaded)[there],
+            numbers=np.flatnonzero(there),
             working=now["working"][there] == 1,
             options=tuple(self._options[goal]) if goal is not None else (),
             held=now[f"{HELD}{goal}"][there] if goal is not None else None,
@@ -182,5 +182,5 @@ def areas_of(things: Sequence[DrawnThing], corner: Floats, moved: Floats) -> tup
     areas = []
     for thing in things:
         x, y = (moved[thing.moves] if 0 <= thing.moves < len(moved) else np.array([thing.x, thing.y])) - corner
-        areas.append(Area(thing.channel, float(x), float(y), max(thing.radius, LEAST_AREA), thing.attraction < 0))
+        areas.append(Area(thing.channel, float(x), float(y), max(thing.radius, LOOK.least_area), thing.attraction < 0))
     return tuple(areas)

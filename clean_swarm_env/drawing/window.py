@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from clean_swarm_env.drawing.pixels import Pixels
+from clean_swarm_env.drawing.canvas import Pixels
 
 SHOWN_PER_SECOND: Final = 20
 """Most pictures in a second."""

@@ -21,12 +21,12 @@ LAND_STEP = 5.0
 def canvas_of(worlds: Worlds, world: int) -> Canvas:
     """Return the canvas of a world as it is now; the options are those of the first coordinated goal."""
     garbage, mission = worlds.garbage, worlds.mission
-    rows = worlds.rows_of(world)
-    rows = rows[worlds.physics.present[rows]]
+    rows_of_world = worlds.rows_of(world)
+    rows = rows_of_world[worlds.physics.present[rows_of_world]]
     loaded = (garbage.cargo[rows] != NOTHING) | worlds.world.carrying[rows]
     lying = garbage.stage[world] == LYING
     coordinator = worlds.coordinators[0] if worlds.coordinators else None
-    trail, diffusions = trail_of(worlds.minds.buffers["pheromones"], int(worlds.rows_of(world)[0]), worlds.now)
+    trail, diffusions = trail_of(worlds.minds.buffers["pheromones"], int(rows_of_world[0]), worlds.now)
     corner, size = shown_part(worlds, worlds.physics.positions[rows])
     width, height = size.tolist()
     things = [DrawnThing.model_validate(thing) for thing in things_of(worlds, world)]
@@ -39,6 +39,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
         state=_state_of(worlds, world),
         radius=mission.robots.radius,
         cargo=np.where(loaded, np.where(garbage.recycled[rows] == 1, LEFTOVERS, GARBAGE), SEARCHING),
+        numbers=rows - rows_of_world[0],
         working=worlds.team.working[rows].astype(np.bool_),
         options=coordinator.model.options if coordinator else (),
         held=coordinator.held[rows].copy() if coordinator else None,

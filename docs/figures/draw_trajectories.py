@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.drawing.canvas import GARBAGE, INK, LEFTOVERS, PAPER, SEARCHING, Canvas, appearances
+from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Canvas, appearances
+from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
@@ -24,7 +25,7 @@ from selector.knowledge import load_knowledge
 MISSION, OPTION, SECONDS, SEED = "table1", "RepulsionGradient", 90.0, 14
 CARGO = {SEARCHING: "#8a8a8a", GARBAGE: "#7B4B94", LEFTOVERS: "#E69F00"}
 """Grey without cargo, purple with an item for the recycling station, orange with leftovers for the dump."""
-ITEM = {"ls": "none", "marker": "D", "ms": 8, "color": "#009E73", "markeredgecolor": INK}
+ITEM = {"ls": "none", "marker": "D", "ms": 8, "color": "#009E73", "markeredgecolor": LOOK.ink}
 """Look of an item of garbage."""
 NAMES = {SEARCHING: "without cargo", GARBAGE: "to recycling", LEFTOVERS: "to the dump"}
 """Cargo in words."""
@@ -37,9 +38,11 @@ def draw_trajectories() -> Figure:
     last, garbage_sight = scenes[-1], mission.garbage.diffusion + mission.garbage.view_distance
     figure = Figure(figsize=(8.2, 8.9), facecolor="white")
     axes = figure.add_axes((0.02, 0.09, 0.96, 0.87))
-    axes.set(xlim=(0.0, last.width), ylim=(0.0, last.height), aspect="equal", xticks=[], yticks=[], facecolor=PAPER)
+    axes.set(
+        xlim=(0.0, last.width), ylim=(0.0, last.height), aspect="equal", xticks=[], yticks=[], facecolor=LOOK.paper
+    )
     for spine in axes.spines.values():
-        spine.set(color=INK, linestyle=(0, (6, 4)), linewidth=1.0)
+        spine.set(color=LOOK.ink, linestyle=(0, (6, 4)), linewidth=1.0)
     draw_station(axes, last, last.stations[0], CARGO[GARBAGE], "recycling")
     draw_station(axes, last, last.stations[1], CARGO[LEFTOVERS], "dump")
     axes.plot(*scenes[0].garbage.T, **ITEM, zorder=4)
@@ -47,7 +50,7 @@ def draw_trajectories() -> Figure:
     pose_reach = mission.robots.pose_goal_radius + mission.robots.pose_diffusion
     draw_ends(axes, last, garbage_sight, pose_reach)
     draw_ruler(axes, last)
-    axes.set_title(f"{OPTION}, the first {SECONDS:g} s of a mission; garbage where it lay", fontsize=11, color=INK)
+    axes.set_title(f"{OPTION}, the first {SECONDS:g} s of a mission; garbage where it lay", fontsize=11, color=LOOK.ink)
     figure.legend(
         handles=list(signs(garbage_sight, pose_reach)), loc="lower center", ncols=3, frameon=False, fontsize=9
     )
@@ -84,8 +87,8 @@ def draw_ends(axes: Axes, scene: Canvas, garbage_sight: float, reach: float) -> 
     cargo = np.zeros(len(scene.positions), dtype=np.int64) if scene.cargo is None else scene.cargo
     for place, heading, load in zip(scene.positions, scene.headings, cargo, strict=True):
         colour = CARGO[int(load)]
-        for x, y in appearances(scene, place, garbage_sight):
-            axes.add_patch(Circle((x, y), garbage_sight, fill=False, ec=INK, ls=(0, (2, 3)), lw=0.9, zorder=3))
+        for x, y in appearances(scene, place[None], garbage_sight)[1]:
+            axes.add_patch(Circle((x, y), garbage_sight, fill=False, ec=LOOK.ink, ls=(0, (2, 3)), lw=0.9, zorder=3))
             axes.add_patch(Circle((x, y), reach, fc=colour, alpha=0.12, ec="none", zorder=2))
             axes.add_patch(Circle((x, y), scene.radius, fc=colour, ec="white", lw=1.2, zorder=6))
             nose = scene.radius * np.array([np.cos(heading), np.sin(heading)])
@@ -97,7 +100,7 @@ def signs(garbage_sight: float, reach: float) -> Iterator[Line2D]:
     for load, colour in CARGO.items():
         yield Line2D([], [], color=colour, linewidth=2.5, label=f"way {NAMES[load]}")
     yield Line2D([], [], **ITEM, label="garbage at the start")
-    yield Line2D([], [], color=INK, ls=(0, (2, 3)), lw=0.9, label=f"sees garbage, {garbage_sight:g} m")
+    yield Line2D([], [], color=LOOK.ink, ls=(0, (2, 3)), lw=0.9, label=f"sees garbage, {garbage_sight:g} m")
     yield Line2D(
         [], [], ls="none", marker="o", ms=11, color="#8a8a8a", alpha=0.3, label=f"reach of its pose, {reach:g} m"
     )
@@ -106,7 +109,7 @@ def signs(garbage_sight: float, reach: float) -> Iterator[Line2D]:
 def draw_station(axes: Axes, scene: Canvas, place: NDArray[np.float64], colour: str, name: str) -> None:
     """Draw a station as a rounded square with its name, and the circle in which a robot is there (dotted)."""
     radius = scene.station_radius
-    for x, y in appearances(scene, place, radius):
+    for x, y in appearances(scene, place[None], radius)[1]:
         half = 0.55 * radius
         axes.add_patch(Circle((x, y), radius, facecolor=colour, edgecolor="none", alpha=0.12, zorder=1))
         axes.add_patch(Circle((x, y), radius, fill=False, edgecolor=colour, linestyle=":", linewidth=1.3, zorder=3))
@@ -120,5 +123,5 @@ def draw_station(axes: Axes, scene: Canvas, place: NDArray[np.float64], colour: 
 def draw_ruler(axes: Axes, scene: Canvas) -> None:
     """Draw one metre in the lower left corner."""
     left, low = 0.03 * scene.width, 0.025 * scene.height
-    axes.plot([left, left + 1.0], [low, low], color=INK, linewidth=2.0, solid_capstyle="butt", zorder=8)
-    axes.text(left + 0.5, low + 0.06, "1 m", color=INK, fontsize=8, ha="center", va="bottom", zorder=8)
+    axes.plot([left, left + 1.0], [low, low], color=LOOK.ink, linewidth=2.0, solid_capstyle="butt", zorder=8)
+    axes.text(left + 0.5, low + 0.06, "1 m", color=LOOK.ink, fontsize=8, ha="center", va="bottom", zorder=8)

@@ -6,11 +6,14 @@ imports are left out, and `export` before a declaration. So no name may be decla
 
 import base64
 import html
+import json
 import re
 from collections.abc import Sequence
+from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
 
+from clean_swarm_env.drawing.look import LOOK, legend
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.writing import write_whole
 from train.running.needs import check_file
@@ -48,15 +51,20 @@ def live_page() -> str:
 def _page(title: str, content: str, asked: str) -> str:
     """Return the page with its content; it may connect to what is `asked`, a source of a content security policy."""
     folder = files("train.replay") / "page"
+    legends = [[asdict(sign) for sign in legend((), cleans)] for cleans in (False, True)]
+    wrong, due = LOOK.contact, LOOK.options[0]
+    colours = {"ink": LOOK.ink, "paper": LOOK.paper, "faint": LOOK.edge, "wrong": wrong, "due": due}
     parts = {
         "title": f"Clean Swarm: {html.escape(title)}",
         "asked": asked,
+        "look": json.dumps(asdict(LOOK) | {"legends": legends}),
+        "colours": "; ".join(f"--{name}: {colour}" for name, colour in colours.items()),
         "style": (folder / "page.css").read_text(encoding="utf-8"),
         "content": content,
         "script": joined([(folder / f"{name}.js").read_text(encoding="utf-8") for name in MODULES]),
     }
     template = (folder / "page.html").read_text(encoding="utf-8")
-    return re.sub(r"\{(title|asked|style|content|script)\}", lambda match: parts[match[1]], template)
+    return re.sub(r"\{(title|asked|look|colours|style|content|script)\}", lambda match: parts[match[1]], template)
 
 
 def joined(modules: Sequence[str]) -> str:

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 
-from clean_swarm_env.drawing.canvas import OPTION_COLOURS
+from clean_swarm_env.drawing.look import OPTION_COLOURS
 from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Flags, Floats, Ints
 from train.reports.charts import LOG_FROM, colour_of, draw_rows, label_of, log_scale, panels, svg

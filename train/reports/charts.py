@@ -17,7 +17,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
 
-from clean_swarm_env.drawing.canvas import OPTION_COLOURS
+from clean_swarm_env.drawing.look import OPTION_COLOURS
 from selforg.arrays import Flags, Floats
 from train.analysis.spread import Interval
 from train.analysis.statistics import by_scenario, summarise

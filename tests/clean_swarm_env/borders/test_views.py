@@ -11,7 +11,7 @@ from gymnasium.wrappers import RecordVideo
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
-from clean_swarm_env.drawing.pixels import pixels_of
+from clean_swarm_env.drawing.picture import pixels_of
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.wrappers import RecordMission
 

@@ -26,7 +26,7 @@ def canvas(**changes):
     ],
 )
 def test_what_lies_on_a_seam_shows_on_both_sides(place, expected):
-    found = {(round(x, 9), round(y, 9)) for x, y in appearances(canvas(), np.array(place), 0.25)}
+    found = {(round(x, 9), round(y, 9)) for x, y in appearances(canvas(), np.array([place]), 0.25)[1]}
     assert found == expected
 
 
@@ -40,7 +40,7 @@ def test_the_trail_is_the_strongest_pheromone_at_the_shorter_way():
     for line, column in rng.integers(0, raster.shape, (200, 2)):
         offsets = np.abs(np.array([column + 0.5, line + 0.5]) * 0.1 - drawn.pheromones)
         distances = np.hypot(*np.minimum(offsets, (11.0, 7.0) - offsets).T)
-        strongest = max(0.0, float((1.0 - distances / drawn.pheromone_diffusions).max()))
+        strongest = max(0.0, float((drawn.pheromone_diffusions - distances).max() / drawn.pheromone_diffusions.max()))
         assert raster[line, column] == pytest.approx(strongest, abs=1e-9)
 
 

@@ -31,7 +31,7 @@ def picture_command(
     size: PictureSize = 700,
 ) -> None:
     """Draw a moment of a run, with the option that each robot holds; a run without a recording is repeated."""
-    from clean_swarm_env.drawing.files import check_picture, write_picture  # imports NumPy
+    from clean_swarm_env.drawing.picture import check_picture, write_picture  # imports NumPy
 
     check_whole({"--size": (size, LEAST_SIZE, MOST_SIZE)})
     check_picture(output)

@@ -37,7 +37,7 @@ def video_command(
 ) -> None:
     """Write a run as a video of 20 pictures a second; a run without a recording is repeated."""
     from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND  # imports NumPy
-    from clean_swarm_env.drawing.pixels import pixels_of
+    from clean_swarm_env.drawing.picture import pixels_of
     from clean_swarm_env.drawing.video import check_video, write_video
     from train.running.needs import check_file  # imports Numba
 

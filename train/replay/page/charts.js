@@ -1,7 +1,7 @@
 // @ts-check
 /** Charts of runs over time, and the timeline with events. */
 import { valueAt } from "./recording.js";
-import { PALETTE } from "./world.js";
+import { LOOK, colourOf } from "./world.js";
 import { EVENT_WORDS } from "./course.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {import("./course.js").RunEvent} RunEvent */
@@ -23,7 +23,7 @@ export function drawHeld(run, frames, canvas) {
     for (let line = 0; line < lines; line++) {
       const robot = Math.floor((line / lines) * robots);
       if (!valueAt(run, "present", frame, robot)) continue;
-      c.fillStyle = valueAt(run, "working", frame, robot) ? PALETTE[valueAt(run, `held/${goal}`, frame, robot) % PALETTE.length] : "#777777";
+      c.fillStyle = valueAt(run, "working", frame, robot) ? colourOf(valueAt(run, `held/${goal}`, frame, robot)) : LOOK.failed.colour;
       c.fillRect(px, (line * height) / lines, 1, Math.max(1, height / lines - (robots > 40 ? 0 : 1)));
     }
   }
@@ -52,7 +52,7 @@ export function opinionCurves(run, points) {
   const goal = Object.keys(run.head.options)[0], track = run.tracks.get(`opinion/${goal}`);
   if (!track) return [];
   const options = run.head.options[goal].length, robots = run.head.robots;
-  const curves = run.head.options[goal].map((_, k) => ({ values: new Float64Array(run.frames), colour: PALETTE[k % PALETTE.length], most: 0, least: 0 }));
+  const curves = run.head.options[goal].map((_, k) => ({ values: new Float64Array(run.frames), colour: colourOf(k), most: 0, least: 0 }));
   const step = Math.max(1, Math.floor(run.frames / points));
   for (let begin = 0; begin < run.frames; begin += step)
     for (let k = 0; k < options; k++) {
@@ -70,7 +70,7 @@ export function opinionCurves(run, points) {
 export function drawEvents(events, frames, canvas, ink) {
   const c = cleared(canvas), { width, height } = canvas, kinds = Object.keys(EVENT_WORDS), line = height / kinds.length;
   kinds.forEach((kind, k) => {
-    c.fillStyle = kind === "contact" ? "#D55E00" : kind === "failed" ? ink : PALETTE[k % PALETTE.length];
+    c.fillStyle = kind === "contact" ? LOOK.contact : kind === "failed" ? ink : colourOf(k);
     for (const event of events)
       if (event.kind === kind) c.fillRect(Math.floor((event.frame / frames) * width), k * line + 1, 2, line - 2);
   });

@@ -2,7 +2,7 @@
 /** The page of a session that runs now: it takes frames from its server as they are made, and gives it orders. */
 import { addBlock, blocksIn, bytesOf, readRecording, showPresent } from "./recording.js";
 import { countsOf, eventsOf } from "./course.js";
-import { plain } from "./mind.js";
+import { plain } from "./world.js";
 import { Page, SPEEDS, element } from "./page.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {import("./world.js").WorldView} WorldView */

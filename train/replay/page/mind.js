@@ -2,14 +2,11 @@
 /** What goes on in one robot, as a panel. */
 import { titleOf, valueAt } from "./recording.js";
 import { shorter } from "./course.js";
-import { PALETTE } from "./world.js";
+import { LOOK, colourOf, plain } from "./world.js";
 /** @typedef {import("./recording.js").Run} Run */
 
 const STILL = 0.1; // [m] within which a robot stands still
-const CARGO = ["nothing", "an item", "leftovers of an item"];
-
-/** Escape a text for HTML. @param {unknown} text */
-export const plain = (text) => String(text).replace(/[&<>"]/g, (sign) => `&#${sign.charCodeAt(0)};`);
+const CARGO = ["nothing", `an ${LOOK.item.word}`, LOOK.leftovers.word];
 
 /** @param {number} value @param {number} digits */
 const fixed = (value, digits = 2) => value.toFixed(digits);
@@ -60,7 +57,7 @@ function stacked(parts, most) {
     const width = (Math.abs(part) / most) * 50;
     if (width < 0.05) return;
     if (part < 0) down += width;
-    bars += `<i style="left:${part > 0 ? 50 + up : 50 - down}%;width:${width}%;background:${PALETTE[k]}"></i>`;
+    bars += `<i style="left:${part > 0 ? 50 + up : 50 - down}%;width:${width}%;background:${colourOf(k)}"></i>`;
     if (part > 0) up += width;
   });
   return `<div class="bar">${bars}<em></em></div>`;
@@ -106,8 +103,8 @@ function optionsOf(run, goal, options, frame, robot) {
   const held = valueAt(run, `held/${goal}`, frame, robot), thought = run.tracks.has(`opinion/${goal}`);
   const values = options.map((_, k) => valueAt(run, `opinion/${goal}`, frame, robot * options.length + k));
   const most = Math.max(...values.map(Math.abs), 1e-9);
-  const rows = options.map((name, k) => `<tr class="${k === held ? "run" : ""}"><td>${key(PALETTE[k % PALETTE.length], name)}</td>
-    <td><div class="bar"><i style="left:0;width:${thought ? (Math.abs(values[k]) / most) * 100 : 0}%;background:${PALETTE[k % PALETTE.length]}"></i></div></td>
+  const rows = options.map((name, k) => `<tr class="${k === held ? "run" : ""}"><td>${key(colourOf(k), name)}</td>
+    <td><div class="bar"><i style="left:0;width:${thought ? (Math.abs(values[k]) / most) * 100 : 0}%;background:${colourOf(k)}"></i></div></td>
     <td class="n">${thought ? fixed(values[k]) : ""}</td></tr>`);
   return `<h3>${plain(goal)}: <span data-held="${plain(goal)}">${plain(options[held])}</span></h3>
     ${thought ? "<p class='small'>What the chooser thinks of each option:</p>" : ""}<table>${rows.join("")}</table>`;
@@ -134,7 +131,7 @@ function networkOf(run, prefix, frame, robot) {
   const threshold = valueAt(run, `${prefix}/thresholds`, frame, robot * 3 + 2);
   return `<h3>Behaviours, the most active first</h3><p class="small">The step was decided by the threshold ${fixed(threshold)}.
     Bars: what the step added to each activation.</p><table>${rows.join("")}</table>
-    <div class="small">${terms.slice(2).map((term, k) => key(PALETTE[k], term.replace("_", " "))).join(" ")}</div>`;
+    <div class="small">${terms.slice(2).map((term, k) => key(colourOf(k), term.replace("_", " "))).join(" ")}</div>`;
 }
 
 /** Return the networks inside behaviours that run. @param {Run} run @param {number} frame @param {number} robot */
@@ -179,7 +176,7 @@ function goalsOf(run, frame, robot) {
   const names = run.head.networks?.robot.goals ?? [];
   const rows = names.map((name, k) => {
     const value = valueAt(run, "robot/goals", frame, robot * names.length + k);
-    return `<tr><td>${plain(name)}</td><td><div class="bar"><i style="left:0;width:${value * 100}%;background:#009E73"></i></div></td>
+    return `<tr><td>${plain(name)}</td><td><div class="bar"><i style="left:0;width:${value * 100}%;background:${LOOK.attracts}"></i></div></td>
       <td class="n" data-goal="${plain(name)}" data-value="${value}">${fixed(value)}</td></tr>`;
   });
   return names.length ? `<h3>Goals: how far each is satisfied</h3><table>${rows.join("")}</table>` : "";

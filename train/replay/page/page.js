@@ -2,9 +2,9 @@
 /** The page: plays runs on one clock, and shows what is chosen. */
 import { titleOf } from "./recording.js";
 import { EVENT_WORDS, countsOf, eventsOf, partingFrame } from "./course.js";
-import { PALETTE, WorldView } from "./world.js";
+import { LOOK, WorldView, colourOf, legendOf } from "./world.js";
 import { drawCurves, drawEvents, drawHeld, opinionCurves } from "./charts.js";
-import { panelOf, plain } from "./mind.js";
+import { panelOf } from "./mind.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{run: Run, view: WorldView, events: import("./course.js").RunEvent[], counts: {items: Float64Array, contacts: Float64Array},
  *   charts: HTMLCanvasElement[], title: HTMLElement, caption: HTMLElement}} Shown */
@@ -70,10 +70,11 @@ export class Page {
   build(run, k) {
     const figure = document.createElement("figure");
     const goal = Object.keys(run.head.options)[0], options = run.head.options[goal] ?? [];
+    const held = options.map((word, k) => ({ ...LOOK.failed, word, colour: colourOf(k) }));
     figure.innerHTML = `<figcaption><b></b><span class="caption"></span></figcaption>
       <canvas class="world" tabindex="0" role="img" aria-label="The world of run ${k + 1}"></canvas>
+      <div class="small legend">${legendOf([...held, ...LOOK.legends[run.head.things ? 0 : 1]])}</div>
       <h3>Option held by each robot</h3><div class="over"><canvas class="chart" height="120"></canvas></div>
-      <div class="small">${options.map((name, o) => `<span class="key" style="background:${PALETTE[o % PALETTE.length]}"></span>${plain(name)}`).join(" ")}</div>
       <h3>${run.head.things ? "Collisions" : "Items dumped (line), collisions (dashes)"}</h3><div class="over"><canvas class="chart" height="90"></canvas></div>
       <h3>What the chooser thinks of each option, mean of the robots</h3><div class="over"><canvas class="chart" height="90"></canvas></div>`;
     element("runs").append(figure);
@@ -190,7 +191,7 @@ export class Page {
     element("speed").addEventListener("change", () => { this.setSpeed(Number(element("speed").value)); element("speed").blur(); });
     element("follow").addEventListener("click", () => this.follow(!this.following));
     element("theme").addEventListener("click", () => {
-      const dark = this.colours().paper !== "#fbfaf7";
+      const dark = this.colours().paper !== LOOK.paper;
       document.documentElement.dataset.theme = dark ? "light" : "dark";
       this.pictures();
       this.draw();
@@ -336,8 +337,8 @@ export class Page {
     const most = Math.max(...this.shown.map(({ counts }) => counts.contacts[counts.contacts.length - 1] ?? 0), 1);
     const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.items, counts.items[counts.items.length - 1] ?? 0)), 1);
     for (const { run, counts, charts } of this.shown) {
-      const curves = [{ values: counts.contacts, colour: "#D55E00", dash: [5, 4], most }];
-      if (!run.head.things) curves.unshift({ values: counts.items, colour: "#009E73", dash: [], most: items });
+      const curves = [{ values: counts.contacts, colour: LOOK.contact, dash: [5, 4], most }];
+      if (!run.head.things) curves.unshift({ values: counts.items, colour: LOOK.attracts, dash: [], most: items });
       drawHeld(run, this.frames, charts[0]);
       drawCurves(curves, this.frames, charts[1]);
       drawCurves(opinionCurves(run, charts[2].width), this.frames, charts[2]);

@@ -6,8 +6,32 @@ import { Field, seenPairs, shorter } from "./course.js";
 /** @typedef {{fields: boolean, reach: boolean, view: boolean, seen: boolean, paths: boolean, contacts: boolean}} Layers */
 /** @typedef {{ink: string, paper: string, faint: string}} Colours */
 
-/** Colours that colour-blind people can tell apart (Okabe and Ito 2008), for options and terms. */
-export const PALETTE = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F0E442", "#8C6BB1", "#999999"];
+/** @typedef {{word: string, colour: string, shape: string, half: number, letter: string, opacity: number}} Sign */
+/**
+ * How things look, as `clean_swarm_env/drawing/look.py` defines it; legends: of other tasks, and of cleaning.
+ * @type {{options: string[], ink: string, paper: string, attracts: string, repels: string, contact: string, area_opacity: number,
+ *   least_area: number, front_angle: number, front_length: number, cargo_behind: number, cargo_half: number, letter_size: number,
+ *   most_numbered: number, least_numbered: number, failed: Sign, item: Sign, leftovers: Sign, stations: Sign[], pheromones: Sign,
+ *   legends: [Sign[], Sign[]]}}
+ */
+export const LOOK = JSON.parse(document.getElementById("look")?.textContent ?? "");
+
+/** Return the colour of a number: of an option, a term, or a kind of events. @param {number} k */
+export const colourOf = (k) => LOOK.options[k % LOOK.options.length];
+
+/** Return red, green and blue of a colour. @param {string} colour */
+const partsOf = (colour) => [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
+
+/** Return a colour with an opacity. @param {string} colour @param {number} opacity */
+const faded = (colour, opacity) => `rgb(${partsOf(colour).join(" ")} / ${opacity})`;
+/** Escape a text for HTML. @param {unknown} text */
+export const plain = (text) => String(text).replace(/[&<>"]/g, (sign) => `&#${sign.charCodeAt(0)};`);
+
+/** Return the signs of a legend as HTML. @param {Sign[]} signs @returns {string} */
+export const legendOf = (signs) => signs.map(({ word, colour, shape, half, letter, opacity }) =>
+  `<span><i class="key ${shape}" style="background:${faded(colour, opacity)};--size:${(0.8 * half) / LOOK.item.half}">${letter}</i>${plain(word)}</span>`).join(" ");
+
+const LEFT = LOOK.leftovers.half / LOOK.item.half; // how much smaller leftovers are than items
 const PATH_SECONDS = 20;
 const SMALL = 4; // size of a robot or an item below which it is a square: paths of a thousand discs take too long [pixels]
 const MOST_PATHS = 60; // robots up to which all paths are drawn, and all reaches; of larger teams the chosen robot's
@@ -147,11 +171,11 @@ export class WorldView {
       fieldPicture.width = field.nx;
       fieldPicture.height = field.ny;
       const f = /** @type {CanvasRenderingContext2D} */ (fieldPicture.getContext("2d"));
-      const picture = f.createImageData(field.nx, field.ny);
+      const picture = f.createImageData(field.nx, field.ny), trail = partsOf(LOOK.pheromones.colour);
       for (let cy = 0; cy < field.ny; cy++)
         for (let cx = 0; cx < field.nx; cx++) {
           const at = 4 * ((field.ny - 1 - cy) * field.nx + cx);
-          picture.data.set([86, 180, 233, Math.round(170 * Math.min(1, Math.max(0, reach[cy * field.nx + cx] / most)))], at);
+          picture.data.set([...trail, 255 * LOOK.pheromones.opacity * Math.min(1, Math.max(0, reach[cy * field.nx + cx] / most))], at);
         }
       f.putImageData(picture, 0, 0);
     }
@@ -164,28 +188,19 @@ export class WorldView {
   drawStations(c, frame) {
     if (!this.run.tracks.has("station_x")) return;
     const { reach, further_recycling = [], further_dumps = [] } = this.run.head.mission.stations, s = this.scale;
-    /** @type {[string, string][]} */
-    const kinds = [["R", "#009E73"], ["D", "#8C6BB1"]];
-    const stations = [...kinds, ...further_recycling.map(() => kinds[0]), ...further_dumps.map(() => kinds[1])];
-    stations.forEach(([letter, colour], k) => {
+    const [recycling, dump] = LOOK.stations;
+    const stations = [recycling, dump, ...further_recycling.map(() => recycling), ...further_dumps.map(() => dump)];
+    stations.forEach((sign, k) => {
       this.images(valueAt(this.run, "station_x", frame, k), valueAt(this.run, "station_y", frame, k), reach, (x, y) => {
-        c.strokeStyle = colour;
-        c.fillStyle = `${colour}22`;
-        c.lineWidth = 2;
-        c.setLineDash([2, 4]);
-        c.beginPath();
-        c.arc(x, y, reach * s, 0, 7);
-        c.fill();
-        c.stroke();
-        c.setLineDash([]);
-        const half = Math.max(5, 0.16 * s);
-        c.fillStyle = colour;
+        this.drawArea(c, x, y, reach * s, sign.colour);
+        const half = Math.max(5, sign.half * s);
+        c.fillStyle = sign.colour;
         c.fillRect(x - half, y - half, 2 * half, 2 * half);
         c.fillStyle = "#fff";
-        c.font = `bold ${Math.round(1.5 * half)}px sans-serif`;
+        c.font = `${Math.round(1.5 * half)}px sans-serif`;
         c.textAlign = "center";
         c.textBaseline = "middle";
-        c.fillText(letter, x, y);
+        c.fillText(sign.letter, x, y);
       });
     });
   }
@@ -211,20 +226,25 @@ export class WorldView {
    */
   drawThing(c, thing, frame, share, colours) {
     const { channel, attraction, radius } = thing, [x, y] = this.placeOf(thing, frame, share);
-    const colour = attraction < 0 ? "#D55E00" : "#009E73";
-    this.images(x, y, Math.max(radius, 0.2), (px, py) => {
-      c.strokeStyle = colour;
-      c.fillStyle = `${colour}33`;
-      c.lineWidth = 2;
-      c.beginPath();
-      c.arc(px, py, Math.max(4, radius * this.scale), 0, 7);
-      c.fill();
-      c.stroke();
+    const size = Math.max(radius, LOOK.least_area);
+    this.images(x, y, size, (px, py) => {
+      this.drawArea(c, px, py, size * this.scale, attraction < 0 ? LOOK.repels : LOOK.attracts);
       c.fillStyle = colours.ink;
-      c.font = "11px sans-serif";
+      c.font = `${LOOK.letter_size}px sans-serif`;
       c.textAlign = "center";
       c.fillText(channel, px, py + 4);
     });
+  }
+
+  /** Draw a disc that means something to robots. @param {CanvasRenderingContext2D} c @param {number} x @param {number} y @param {number} r @param {string} colour */
+  drawArea(c, x, y, r, colour) {
+    c.strokeStyle = colour;
+    c.fillStyle = faded(colour, LOOK.area_opacity);
+    c.lineWidth = 1;
+    c.beginPath();
+    c.arc(x, y, r, 0, 7);
+    c.fill();
+    c.stroke();
   }
 
   /** @param {CanvasRenderingContext2D} c @param {number} x @param {number} y @param {number} size */
@@ -238,8 +258,8 @@ export class WorldView {
 
   /** @param {CanvasRenderingContext2D} c @param {number} frame @param {Colours} colours */
   drawItems(c, frame, colours) {
-    const { run } = this, size = Math.max(2, 0.11 * this.scale);
-    c.fillStyle = "#E69F00";
+    const { run } = this, size = Math.max(2, LOOK.item.half * this.scale);
+    c.fillStyle = LOOK.item.colour;
     if (size < SMALL) {
       for (let k = 0; k < run.head.items; k++)
         if (valueAt(run, "item_stage", frame, k) === 0) {
@@ -252,7 +272,7 @@ export class WorldView {
     for (let k = 0; k < run.head.items; k++)
       if (valueAt(run, "item_stage", frame, k) === 0)
         this.images(valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k), 0.2, (x, y) =>
-          this.diamond(c, x, y, valueAt(run, "item_leftover", frame, k) ? size * 0.65 : size));
+          this.diamond(c, x, y, valueAt(run, "item_leftover", frame, k) ? size * LEFT : size));
     c.strokeStyle = colours.ink;
     c.lineWidth = 1;
     c.fill();
@@ -293,7 +313,7 @@ export class WorldView {
     const { width, height } = this.run.head, s = this.scale;
     const pairs = seenPairs(this.run, frame, this.x, this.y, this.rows);
     for (const own of [false, true]) {
-      c.strokeStyle = own ? colours.ink : "#0072B266";
+      c.strokeStyle = own ? colours.ink : faded(colourOf(0), 0.4);
       c.lineWidth = own ? 1.8 : 1;
       c.beginPath();
       for (let p = 0; p < pairs.length; p += 2) {
@@ -317,18 +337,18 @@ export class WorldView {
       const view = run.head.views[name]?.[valueAt(run, `held/${name}`, frame, i)] ?? 0;
       this.images(this.x[i], this.y[i], goal + Math.max(diffusion, view), (x, y) => {
         if (layers.reach) {
-          c.fillStyle = own ? "#D55E0018" : "#D55E000c";
+          c.fillStyle = faded(LOOK.repels, own ? 0.1 : 0.05);
           c.beginPath();
           c.arc(x, y, (goal + diffusion) * s, 0, 7);
           c.fill();
-          c.strokeStyle = "#D55E0066";
+          c.strokeStyle = faded(LOOK.repels, 0.4);
           c.lineWidth = 1;
           c.beginPath();
           c.arc(x, y, goal * s, 0, 7);
           c.stroke();
         }
         if (layers.view) {
-          c.strokeStyle = own ? "#0072B2" : "#0072B244";
+          c.strokeStyle = faded(colourOf(0), own ? 1 : 0.3);
           c.lineWidth = own ? 1.5 : 1;
           c.beginPath();
           c.arc(x, y, (goal + view) * s, 0, 7);
@@ -340,45 +360,47 @@ export class WorldView {
 
   /** @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Layers} layers @param {Colours} colours */
   drawRobots(c, frame, chosen, layers, colours) {
-    const { run } = this, { robots, mission, options } = run.head, s = this.scale;
+    const { run } = this, { mission, options } = run.head, s = this.scale;
     const radius = mission.robots.radius, size = Math.max(2, radius * s), goal = Object.keys(options)[0];
     /** @type {Map<string, [number, number, number][]>} */
     const groups = new Map();
     for (const i of this.rows) {
-      const colour = valueAt(run, "working", frame, i) ? PALETTE[valueAt(run, `held/${goal}`, frame, i) % PALETTE.length] : "#777777";
+      const colour = valueAt(run, "working", frame, i) ? colourOf(valueAt(run, `held/${goal}`, frame, i)) : LOOK.failed.colour;
       const group = groups.get(colour) ?? [];
       groups.set(colour, group);
       this.images(this.x[i], this.y[i], radius, (x, y) => group.push([x, y, i]));
     }
     if (size < SMALL) return this.drawSquares(c, frame, chosen, layers, colours, groups);
+    c.strokeStyle = colours.paper;
+    c.lineWidth = 1;
     for (const [colour, group] of groups) {
       c.fillStyle = colour;
       c.beginPath();
       for (const [x, y] of group) { c.moveTo(x + size, y); c.arc(x, y, size, 0, 7); }
       c.fill();
+      c.stroke();
     }
     const all = [...groups.values()].flat();
-    c.strokeStyle = colours.paper;
-    c.lineWidth = 1;
     c.fillStyle = "#fff";
     c.beginPath();
     for (const [x, y, i] of all) {
       const turn = -this.turn[i];
       c.moveTo(x, y);
-      c.arc(x, y, 0.9 * size, turn - 0.45, turn + 0.45);
+      c.arc(x, y, LOOK.front_length * size, turn - LOOK.front_angle, turn + LOOK.front_angle);
       c.closePath();
     }
     c.fill();
     c.beginPath();
     for (const [x, y, i] of all)
       if (run.tracks.has("cargo") && valueAt(run, "cargo", frame, i) >= 0)
-        this.diamond(c, x - Math.cos(this.turn[i]) * 0.4 * size, y + Math.sin(this.turn[i]) * 0.4 * size, size * (valueAt(run, "recycled", frame, i) ? 0.28 : 0.42));
-    c.fillStyle = "#F0E442";
-    c.strokeStyle = "#222";
+        this.diamond(c, x - Math.cos(this.turn[i]) * LOOK.cargo_behind * size, y + Math.sin(this.turn[i]) * LOOK.cargo_behind * size,
+          LOOK.cargo_half * size * (valueAt(run, "recycled", frame, i) ? LEFT : 1));
+    c.fillStyle = LOOK.item.colour;
+    c.strokeStyle = LOOK.ink;
     c.fill();
     c.stroke();
     if (layers.contacts) {
-      c.strokeStyle = "#D00000";
+      c.strokeStyle = LOOK.contact;
       c.lineWidth = 3;
       c.beginPath();
       for (const [x, y, i] of all) if (valueAt(run, "contact", frame, i) > 0) { c.moveTo(x + size + 3, y); c.arc(x, y, size + 3, 0, 7); }
@@ -392,11 +414,17 @@ export class WorldView {
         c.arc(x, y, size + 2, 0, 7);
         c.stroke();
       }
-    if (robots <= MOST_PATHS && size > 8) {
+    if (this.rows.length <= LOOK.most_numbered && size > LOOK.least_numbered) {
       c.fillStyle = colours.ink;
-      c.font = "11px sans-serif";
+      c.strokeStyle = colours.paper;
+      c.lineWidth = 2;
+      c.font = `${LOOK.letter_size}px sans-serif`;
       c.textAlign = "left";
-      for (const [x, y, i] of all) c.fillText(String(i), x + size + 1, y - size);
+      c.textBaseline = "alphabetic";
+      for (const [x, y, i] of all) {
+        c.strokeText(String(i), x + size + 1, y - size);
+        c.fillText(String(i), x + size + 1, y - size);
+      }
     }
   }
 
@@ -413,11 +441,11 @@ export class WorldView {
     for (const group of groups.values())
       for (const [x, y, i] of group) {
         if (layers.contacts && valueAt(this.run, "contact", frame, i) > 0) {
-          c.fillStyle = "#D00000";
+          c.fillStyle = LOOK.contact;
           c.fillRect(Math.round(x) - 3, Math.round(y) + 4, 7, 2);
         }
         if (this.run.tracks.has("cargo") && valueAt(this.run, "cargo", frame, i) >= 0) {
-          c.fillStyle = "#F0E442";
+          c.fillStyle = LOOK.item.colour;
           c.fillRect(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
         }
         if (i === chosen) {

@@ -1,0 +1,244 @@
+"""Pictures of a canvas, drawn by Matplotlib's renderers: as an array (Agg), or as a file of SVG, PNG or WebP.
+
+What lies on a seam of the torus is drawn on both sides. Shapes: H lines and W columns of pixels, K places. Coordinates
+are pixels to the right and up, unless they are in metres.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from functools import lru_cache
+from io import BytesIO, StringIO
+from math import ceil, degrees
+from pathlib import Path
+from typing import Final
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backend_bases import RendererBase
+from matplotlib.backends.backend_agg import RendererAgg
+from matplotlib.backends.backend_svg import RendererSVG
+from matplotlib.colors import to_rgba
+from matplotlib.font_manager import FontProperties
+from matplotlib.path import Path as Outline
+from matplotlib.textpath import text_to_path
+from matplotlib.transforms import Affine2D, Bbox
+from numpy.typing import NDArray
+from PIL import Image
+
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.drawing.canvas import LEFTOVERS, SEARCHING, Canvas, Pixels, appearances, trail_strength
+from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, Sign, legend
+from selector.documents.writing import write_whole
+from selforg.arrays import Floats
+
+Colour = str | tuple[str, float]
+"""A colour, or one with an opacity."""
+FORMATS: Final = (".svg", ".png", ".webp")
+SIDE: Final = 700
+"""Width of a picture [pixels], unless another one is given."""
+DPI: Final = 72
+"""Resolution at which a point is a pixel."""
+MARGIN, TITLE, ENTRY, KEY = 12, 32, 20, 6  # [pixels] around the world, above it, of a line and of a sign of the legend
+LEAST_ROBOT, LEAST_STATION = 2.0, 5.0  # half of their sizes where the world is large [pixels]
+HALO: Final = 2.0
+"""Width of the bright line around the robots' numbers [pixels]."""
+WORDS_KEPT: Final = 512
+WHITE, NO_COLOUR = "#ffffff", "none"
+OUTLINES: Final = {
+    "disc": Outline.unit_circle(),
+    "diamond": Outline([(-1, 0), (0, 1), (1, 0), (0, -1), (-1, 0)]),
+    "front": Outline.wedge(-degrees(LOOK.front_angle), degrees(LOOK.front_angle)),
+    "square": Outline([(-1, -1), (-1, 1), (1, 1), (1, -1), (-1, -1)]),
+}
+"""Shapes of signs whose half is 1."""
+
+
+def pixels_of(canvas: Canvas, side: int = SIDE) -> Pixels:
+    """Return a picture (H, W, 3) whose world has a longer side of about `side` [pixels]; H and W are even."""
+    picture = _Picture(canvas, side)
+    renderer = RendererAgg(picture.width, picture.height, DPI)
+    picture.draw(renderer)
+    drawn = np.asarray(renderer.buffer_rgba())
+    return np.stack([drawn[:, :, part] for part in range(3)], axis=-1)
+
+
+def check_picture(output: Path) -> None:
+    """Raise ConfigurationError if there is no such kind of pictures."""
+    if output.suffix.lower() not in FORMATS:
+        raise ConfigurationError(f"{output}: expected a name that ends with {', '.join(FORMATS)}")
+
+
+def write_picture(canvas: Canvas, output: Path, side: int) -> None:
+    """Write a picture whose world has a longer side of about `side` [pixels].
+
+    Raises:
+        DocumentError: the file cannot be written.
+
+    """
+    if output.suffix.lower() == ".svg":
+        picture, text = _Picture(canvas, side), StringIO()
+        with mpl.rc_context({"svg.hashsalt": "clean-swarm"}):  # the same file each time
+            renderer = RendererSVG(picture.width, picture.height, text, metadata={"Date": None})
+            picture.draw(renderer)
+            renderer.finalize()
+        write_whole(output, text.getvalue().encode())
+        return
+    packed = BytesIO()
+    Image.fromarray(pixels_of(canvas, side)).save(packed, output.suffix.lower()[1:], lossless=True)
+    write_whole(output, packed.getvalue())
+
+
+class _Picture:
+    """A picture of `width` and `height`, both even, as video formats want them: title, world and legend."""
+
+    def __init__(self, canvas: Canvas, side: int) -> None:
+        self._canvas = canvas
+        self._scale = (side - 2 * MARGIN) / max(canvas.width, canvas.height)
+        self._across, self._up = (max(round(length * self._scale), 1) for length in (canvas.width, canvas.height))
+        self.width = max(_even(self._across + 2 * MARGIN), _even(side / 2))
+        self._entries = legend(canvas.options, len(canvas.stations) > 0)
+        self._column = max(_length(sign.word) for sign in self._entries) + 5 * KEY
+        self._columns = max(int((self.width - 2 * MARGIN) // self._column), 1)
+        self.height = _even(TITLE + self._up + ceil(len(self._entries) / self._columns) * ENTRY + MARGIN)
+        self._left, self._bottom = (self.width - self._across) // 2, self.height - TITLE - self._up
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw everything."""
+        self._renderer, self._pen = renderer, renderer.new_gc()
+        across, up = self._across / 2, self._up / 2
+        self._shape("square", self.width / 2, self.height / 2, max(self.width, self.height), WHITE)
+        self._pen.set_clip_rectangle(Bbox.from_bounds(self._left, self._bottom, self._across, self._up))
+        renderer.draw_image(self._pen, self._left, self._bottom, _trail(self._canvas, self._across, self._up))
+        self._draw_things()
+        self._draw_robots()
+        self._pen.set_clip_rectangle(None)
+        middle = Affine2D.from_values(across, 0.0, 0.0, up, self._left + across, self._bottom + up)
+        self._outline(OUTLINES["square"], middle, NO_COLOUR, LOOK.edge)
+        title = ", ".join(filter(None, [f"{self._canvas.time:.1f} s", self._canvas.state]))
+        self._write(title, MARGIN, self.height - TITLE / 2 - 5.0, LOOK.letter_size + 2.0)
+        for k, sign in enumerate(self._entries):
+            line, column = divmod(k, self._columns)
+            x, y = MARGIN + KEY + 2 + column * self._column, self._bottom - MARGIN / 2 - (line + 0.5) * ENTRY
+            self._sign(sign, x, y, KEY * sign.half / LOOK.item.half if sign.shape == "diamond" else KEY)
+            self._write(sign.word, x + 2 * KEY, y - 4.0)
+        self._pen.restore()
+
+    def _draw_things(self) -> None:
+        """Draw areas, stations and items."""
+        canvas = self._canvas
+        for name, x, y, radius, repels in canvas.areas:
+            for _, right, up in self._places(np.array([[x, y]]), radius):
+                self._area(right, up, radius, LOOK.repels if repels else LOOK.attracts)
+                self._write(name, right, up, centred=True)
+        for place, kind in zip(canvas.stations, canvas.station_kinds, strict=False):
+            sign = LOOK.stations[kind]
+            for _, x, y in self._places(place[None], canvas.station_radius):
+                self._area(x, y, canvas.station_radius, sign.colour)
+                self._sign(sign, x, y, max(sign.half * self._scale, LEAST_STATION))
+        for row, x, y in self._places(canvas.garbage, LOOK.item.half):
+            sign = LOOK.leftovers if canvas.leftover is not None and canvas.leftover[row] else LOOK.item
+            self._sign(sign, x, y, sign.half * self._scale)
+
+    def _draw_robots(self) -> None:
+        """Draw robots with fronts and cargo, and then their numbers, which nothing hides."""
+        canvas = self._canvas
+        shown = list(self._places(canvas.positions, canvas.radius))
+        size = max(canvas.radius * self._scale, LEAST_ROBOT)
+        ahead = (size * np.stack([np.cos(canvas.headings), np.sin(canvas.headings)], axis=1)).tolist()
+        for row, x, y in shown:
+            right, up = ahead[row]
+            self._shape("disc", x, y, size, self._colour(row), LOOK.paper)
+            front = LOOK.front_length * right, LOOK.front_length * up
+            self._outline(OUTLINES["front"], Affine2D.from_values(front[0], front[1], -front[1], front[0], x, y), WHITE)
+            if canvas.cargo is not None and canvas.cargo[row] != SEARCHING:
+                sign = LOOK.leftovers if canvas.cargo[row] == LEFTOVERS else LOOK.item
+                half = LOOK.cargo_half * size * sign.half / LOOK.item.half
+                self._sign(sign, x - LOOK.cargo_behind * right, y - LOOK.cargo_behind * up, half)
+        if len(canvas.positions) <= LOOK.most_numbered and size > LOOK.least_numbered:
+            numbers = range(len(canvas.positions)) if canvas.numbers is None else canvas.numbers
+            for row, x, y in shown:
+                number, place = _word(str(numbers[row])), Affine2D().translate(x + size + 1.0, y + size)
+                self._outline(number, place, LOOK.paper, LOOK.paper, HALO)
+                self._outline(number, place, LOOK.ink)
+
+    def _colour(self, row: int) -> str:
+        """Return the colour of a robot."""
+        if self._canvas.working is not None and not self._canvas.working[row]:
+            return LOOK.failed.colour
+        return OPTION_COLOURS[0 if self._canvas.held is None else self._canvas.held[row] % len(OPTION_COLOURS)]
+
+    def _places(self, places: Floats, extent: float) -> Iterator[tuple[int, float, float]]:
+        """Yield which of the things at places (K, 2) [m] show, and where."""
+        rows, shown = appearances(self._canvas, places, extent)
+        x, y = shown.T * self._scale
+        return zip(rows.tolist(), (x + self._left).tolist(), (y + self._bottom).tolist(), strict=True)
+
+    def _area(self, x: float, y: float, radius: float, colour: str) -> None:
+        """Draw a place of a radius [m]."""
+        self._shape("disc", x, y, radius * self._scale, (colour, LOOK.area_opacity))
+        self._shape("disc", x, y, radius * self._scale, NO_COLOUR, colour)
+
+    def _sign(self, sign: Sign, x: float, y: float, half: float) -> None:
+        self._shape(
+            sign.shape, x, y, half, (sign.colour, sign.opacity), LOOK.ink if sign.shape == "diamond" else NO_COLOUR
+        )
+        if sign.letter:
+            self._outline(_word(sign.letter, 1.5 * half, centred=True), Affine2D().translate(x, y), WHITE)
+
+    def _write(self, text: str, x: float, y: float, size: float = LOOK.letter_size, *, centred: bool = False) -> None:
+        """Write a line of text that begins at a place, or lies around it."""
+        self._outline(_word(text, size, centred), Affine2D().translate(x, y), LOOK.ink)
+
+    def _shape(self, shape: str, x: float, y: float, half: float, fill: Colour, edge: str = NO_COLOUR) -> None:
+        self._outline(OUTLINES[shape], Affine2D.from_values(half, 0.0, 0.0, half, x, y), fill, edge)
+
+    def _outline(
+        self, outline: Outline, place: Affine2D, fill: Colour, edge: str = NO_COLOUR, width: float = 1.0
+    ) -> None:
+        self._pen.set_linewidth(0.0 if edge == NO_COLOUR else width)
+        self._pen.set_foreground(_rgba(edge), isRGBA=True)
+        self._renderer.draw_path(self._pen, outline, place, None if fill == NO_COLOUR else _rgba(fill))
+
+
+_rgba = lru_cache(WORDS_KEPT)(to_rgba)
+
+
+@lru_cache(WORDS_KEPT)
+def _word(text: str, size: float = LOOK.letter_size, centred: bool = False) -> Outline:
+    """Return the outline of a line of text, which begins at 0, 0 or lies around it."""
+    with warnings.catch_warnings(action="ignore"):  # letters that the font lacks are drawn as boxes
+        corners, codes = text_to_path.get_text_path(FontProperties(family="DejaVu Sans"), text)
+    places = np.reshape(corners, (-1, 2)) * (size / text_to_path.FONT_SCALE)
+    middle = (places.min(axis=0) + places.max(axis=0)) / 2 if centred and len(places) else 0.0
+    return Outline(places - middle, codes)
+
+
+@lru_cache(WORDS_KEPT)
+def _length(text: str) -> float:
+    """Return the length of a line of text [pixels]."""
+    return float(_word(text).get_extents().width)
+
+
+def _trail(canvas: Canvas, across: int, up: int) -> Pixels:
+    """Return the pheromones (up, across, 4), the first line lowest: smooth between cells, across the seam too."""
+    strength = (trail_strength(canvas) * 255.0).astype(np.uint8)
+    lines, columns = strength.shape
+    inside = (1, 1, columns + 1, lines + 1)
+    smooth = Image.fromarray(np.pad(strength, 1, mode="wrap")).resize((across, up), Image.Resampling.BILINEAR, inside)
+    words: NDArray[np.uint32] = trail_colours().view(np.uint32)[:, 0]  # a number of 32 bits for each colour
+    return words.take(np.asarray(smooth)).view(np.uint8).reshape(up, across, 4)
+
+
+@lru_cache(1)
+def trail_colours() -> Pixels:
+    """Return the colour (256, 4) of each strength of pheromones."""
+    paper, trail = (np.array(to_rgba(colour)) for colour in (LOOK.paper, LOOK.pheromones.colour))
+    shares = np.linspace(0.0, LOOK.pheromones.opacity, 256)[:, None]
+    colours = 255.0 * (paper + shares * (trail - paper))
+    return np.asarray(colours.round(), dtype=np.uint8)
+
+
+def _even(length: float) -> int:
+    return 2 * round(length / 2)

@@ -1,0 +1,92 @@
+"""Pictures: options, cargo, items, stations, headings and numbers, also across a seam; files are the same each time."""
+
+import re
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.drawing.canvas import GARBAGE, Canvas
+from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS
+from clean_swarm_env.drawing.picture import MARGIN, TITLE, pixels_of, write_picture
+
+SIDE = 400
+
+
+def canvas(**changes):
+    given = {
+        "positions": np.array([[5.0, 5.0], [0.0, 3.0]]),
+        "headings": np.array([0.0, np.pi / 2]),
+        "stations": np.array([[2.75, 8.5], [8.25, 8.5]]),
+        "options": ("first", "second <&> $x"),
+        "held": np.array([0, 1]),
+    }
+    return Canvas(**(given | changes))
+
+
+def colour_at(drawn, x, y):
+    """Return the colour #rrggbb at a place [m]."""
+    scale = (SIDE - 2 * MARGIN) / drawn.width
+    pixel = pixels_of(drawn, SIDE)[round(TITLE + (drawn.height - y) * scale), round(MARGIN + x * scale)]
+    return "#" + bytes(pixel.tolist()).hex().upper()
+
+
+def test_a_robot_has_the_colour_of_its_option_and_a_bright_front_also_across_the_seam():
+    drawn = canvas()
+    assert colour_at(drawn, 4.9, 5.0) == OPTION_COLOURS[0]
+    assert colour_at(drawn, 5.15, 5.0) == "#FFFFFF"
+    assert colour_at(drawn, 0.1, 2.95) == OPTION_COLOURS[1]
+    assert colour_at(drawn, 10.9, 2.95) == OPTION_COLOURS[1]
+    assert colour_at(drawn, 7.0, 5.0) == LOOK.paper.upper()
+
+
+def test_cargo_items_stations_and_robots_that_failed_can_be_seen():
+    drawn = canvas(cargo=np.array([GARBAGE, 0]), garbage=np.array([[7.0, 7.0]]), working=np.array([True, False]))
+    assert colour_at(drawn, 4.9, 5.0) == colour_at(drawn, 7.0, 7.0) == LOOK.item.colour
+    assert colour_at(drawn, 0.1, 2.95) == LOOK.failed.colour.upper()
+    assert colour_at(drawn, 2.62, 8.4) == "#009E73"
+    assert colour_at(drawn, 8.12, 8.4) == "#8C6BB1"
+
+
+def test_pheromones_are_darker_in_their_middle_and_reach_across_the_seam():
+    drawn = canvas(pheromones=np.array([[0.05, 10.0]]), pheromone_diffusions=np.array([1.0]))
+    near, far, nothing = (int(colour_at(drawn, x, 10.0)[1:3], 16) for x in (0.2, 10.4, 6.0))
+    assert near < far < nothing == 0xFB
+
+
+def test_numbers_are_those_of_the_robots_and_left_out_where_there_is_no_room():
+    plain, many = canvas(), np.zeros((LOOK.most_numbered + 1, 2))
+    beside = np.s_[218:230, 192:210]  # right of and above the first robot
+    shown = [pixels_of(drawn, SIDE)[beside] for drawn in (plain, canvas(numbers=np.array([8, 1])))]
+    assert not np.array_equal(*shown)
+    crowd = replace(plain, positions=many + 5.0, headings=many[:, 0], held=None)
+    unnumbered = replace(crowd, numbers=np.arange(len(many)) + 100)
+    assert np.array_equal(pixels_of(crowd), pixels_of(unnumbered))
+
+
+@pytest.mark.parametrize("size", [(11.0, 11.0), (30.0, 10.0), (7.0, 23.0)])
+@pytest.mark.parametrize("side", [200, 501, 700])
+def test_height_and_width_are_even_whatever_the_world(size, side):
+    height, width, colours = pixels_of(canvas(width=size[0], height=size[1]), side).shape
+    assert (height % 2, width % 2, colours) == (0, 0, 3)
+    assert abs(max(size) / min(size) - 1.0) > 0.1 or width in (side, side + 1, side - 1)
+
+
+def test_the_size_does_not_depend_on_the_moment():
+    later = canvas(time=99.0, garbage=np.array([[1.0, 1.0]]), state="3 of 4 items dumped")
+    assert pixels_of(canvas()).shape == pixels_of(later).shape
+
+
+@pytest.mark.parametrize("suffix", ["svg", "png", "webp"])
+def test_a_file_is_the_same_each_time_and_needs_nothing_else(tmp_path, suffix):
+    drawn = canvas(pheromones=np.array([[0.05, 10.0]]), pheromone_diffusions=np.array([1.0]), state="\u6e05\u6383 $")
+    for name in ("a", "b"):
+        write_picture(drawn, tmp_path / f"{name}.{suffix}", SIDE)
+    content = (tmp_path / f"a.{suffix}").read_bytes()
+    assert content == (tmp_path / f"b.{suffix}").read_bytes()
+    if suffix == "svg":
+        colours = set(re.findall("#[0-9a-f]{6}", content.decode()))
+        assert {LOOK.ink, LOOK.failed.colour, OPTION_COLOURS[1].lower()} <= colours
+        named = [item for part in ElementTree.fromstring(content).iter() for item in part.items()]
+        assert all(value.startswith(("data:", "#")) for name, value in named if "href" in name)
