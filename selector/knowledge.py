@@ -112,7 +112,7 @@ class Knowledge:
         return np.array([(one.count, one.mean, one.variance) if one else (0.0, 0.0, 0.0) for one in found]).T
 
     def with_learned(self, learned: LearnedScores) -> "Knowledge":
-        """Return the knowledge with `learned` in place of what it holds of the same options.
+        """Return the knowledge with `learned` in place of its own learned rewards of the same options.
 
         Raises:
             DocumentError: a goal or an option is unknown.

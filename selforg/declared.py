@@ -34,10 +34,10 @@ class Shared(Protocol):
     """What keeps something for each world in no array or list of its own, as a buffer does."""
 
     def part_of(self, world: int) -> Any:  # noqa: ANN401  (whatever the class keeps)
-        """Return what is kept for a world; it stays as it is when the world goes on."""
+        """Return the kept state of a world, which does not change when the world runs."""
 
     def put_part(self, world: int, part: Any, later: float) -> None:  # noqa: ANN401
-        """Replace what is kept for a world by the result of `part_of`, `later` [s] after it."""
+        """Replace the kept state of a world by the result of `part_of`, `later` [s] after it."""
 
 
 class Found(NamedTuple):

@@ -92,7 +92,7 @@ def powers_of_two(value: float) -> tuple[int, float]:
 
 @part
 def exponential(value: float) -> float:
-    """Return e to the power of `value`; 0 for minus infinity and what is too small, infinity for what is too large."""
+    """Return e to the power of `value`; 0 for minus infinity and too small values, infinity for too large ones."""
     if value < LOWEST:
         return 0.0
     if value > HIGHEST:

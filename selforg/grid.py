@@ -1,8 +1,8 @@
 """Cells of a grid, by which points near a place are found without looking at all the others.
 
 A table of cells, float64 (L, CELL_COLUMNS), holds one grid in each row: number and width [m] of the cells along x, y
-and z. Open axes are rings of cells too: far cells that share a number are told apart by the distance of what lies
-there. Cells are kept in the buckets of a hash table, whose owner tells apart the cells that share a bucket.
+and z. Open axes are rings of cells too: far cells that share a number are distinguished by the distance of their
+contents. Cells are kept in the buckets of a hash table, whose owner tells apart the cells that share a bucket.
 """
 
 import numpy as np

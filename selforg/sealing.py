@@ -48,7 +48,7 @@ def unsealed(kind: str, state: bytes) -> Any:  # noqa: ANN401  (whatever was a s
 
 
 def check_alike(expected: Mapping[str, object], got: Mapping[str, object]) -> None:
-    """Raise ValueError with the first thing in which a state does not fit what is to go on from it."""
+    """Raise ValueError with the first thing in which a state does not fit the object that takes it."""
     for what in (*expected, *sorted(got.keys() - expected.keys())):
         own, found = expected.get(what), got.get(what)
         if isinstance(own, tuple) and isinstance(found, tuple) and len(own) == len(found):

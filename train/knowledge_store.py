@@ -24,7 +24,7 @@ class StoreRequest:
     url: str | None = None
     """URL or path of the store; none unless given."""
     learn: bool = False
-    """Whether the run gives back what it learns."""
+    """Whether the run gives back its rewards."""
 
     def __post_init__(self) -> None:
         if self.learn and self.url is None:
@@ -42,7 +42,7 @@ NO_STORE = StoreRequest()
 
 
 class Memory:
-    """What a run knows from a knowledge store, and what it gives back.
+    """The rewards that a run takes from a knowledge store, and those that it gives back.
 
     Args:
         store: the store.
@@ -67,7 +67,7 @@ class Memory:
 
     @property
     def learns(self) -> bool:
-        """Whether the run gives back what it learns."""
+        """Whether the run gives back its rewards."""
         return bool(self.source)
 
     def given(self, options: Collection[str] = ()) -> bool:
@@ -87,7 +87,7 @@ class Memory:
             raise StoreError(f"{self._store.name}: holds what {self.source!r} learned already; {advice}")
 
     def now(self) -> Knowledge:
-        """Return the expert knowledge with what the store knows now."""
+        """Return the expert knowledge with the present rewards of the store."""
         return self._expert.with_learned(self._store.contents().scores(self._expert, self.context))
 
     def contexts(self, keys: str | Sequence[str]) -> str | Sequence[str]:
@@ -115,7 +115,7 @@ class Memory:
 
 
 def as_plain(learned: LearnedScores) -> dict[str, dict[str, dict[str, float]]]:
-    """Return what was learned of options as plain data, for a manifest."""
+    """Return the learned rewards of options as plain data, for a manifest."""
     return {goal: {name: one.model_dump() for name, one in scores.items()} for goal, scores in learned.items()}
 
 

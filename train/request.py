@@ -1,4 +1,4 @@
-"""The request of a command: one record of what is run, what results are kept, and what the machine may use."""
+"""The request of a command: one record of the runs, the results that are kept, and the limits of the machine."""
 
 from __future__ import annotations
 

@@ -6,10 +6,10 @@
 
 What happens when the mission of a world is over:
 
-- `autoreset_mode="SameStep"` (the default): the world begins anew in the same step. The observation returned is the
-  first of the new episode. `infos["final_obs"]` holds the last one of the old episode, `infos["final_info"]` its infos.
-- "NextStep": the world begins anew in the next step, whatever the actions; that step pays nothing.
-- "Disabled": `reset(options={"reset_mask": mask})` must begin it anew before the next step.
+- `autoreset_mode="SameStep"` (the default): the world starts its next episode in the same step. The observation
+  returned is its first one. `infos["final_obs"]` has the last one of the old episode, `infos["final_info"]` its infos.
+- "NextStep": the world starts its next episode in the next step, whatever the actions; that step pays nothing.
+- "Disabled": `reset(options={"reset_mask": mask})` must reset it before the next step.
 
 World w of `reset(seed=S)` has the seed S + w.
 """

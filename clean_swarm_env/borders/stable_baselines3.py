@@ -6,7 +6,8 @@
     mix = RobotVecEnv(batches=[*family_batches("crowded", 8), *family_batches("unseen", 24)])
 
 Every robot of every world is an environment; the rows of several batches come one after the other. A world whose
-mission is over begins anew in the same step. Infos hold in every step what `clean_swarm_env.learning.figures` names
+mission is over starts its next episode in the same step. Infos have in every step what
+`clean_swarm_env.learning.figures` names
 (`VecMonitor` keeps figures of missions by `info_keywords`), and at the end of a mission:
 
 - `terminal_observation` and `TimeLimit.truncated` (the time was over and garbage was left),

@@ -59,7 +59,7 @@ class View:
         return self._drawn(self._canvas(world))
 
     def render(self) -> Pixels | list[Pixels] | None:
-        """Return what the mode says: a picture (height, width, 3), pictures, or nothing."""
+        """Return the output of the mode: a picture (height, width, 3), pictures, or nothing."""
         if self._mode == PICTURE:
             return self.picture()
         if self._window is not None:

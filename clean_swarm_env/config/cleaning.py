@@ -1,4 +1,4 @@
-"""Typed configuration of cleaning: stations for recycling and for what is left, garbage, and the patrol."""
+"""Typed configuration of cleaning: recycling stations and dumps, garbage, and the patrol."""
 
 from collections.abc import Sequence
 from typing import Self

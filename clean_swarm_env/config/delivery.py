@@ -22,7 +22,7 @@ class DeliveryConfig(Closed):
     pose_memory: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=3600.0)] = 1.0
     """Time for which a robot keeps the last pose it received from another one, from its arrival on [s]."""
     own_contents: Flag = False
-    """Whether each robot stores by itself what it receives even if nothing is ever lost; it costs time."""
+    """Whether each robot stores its own messages even if none is ever lost; it costs time."""
 
     @property
     def ideal(self) -> bool:

@@ -70,7 +70,7 @@ class FamilyConfig(Closed):
     description: str
     """Particulars of its scenarios, in one sentence."""
     mission: MissionConfig = MissionConfig()
-    """The mission; a scenario changes what is drawn. Its events happen in every scenario."""
+    """The mission; a scenario changes the drawn keys. Its events happen in every scenario."""
     sizes: Annotated[tuple[tuple[Length, Length], ...], Field(max_length=1000)] = ()
     """Widths and heights of tori, one of which is drawn; if empty, the torus of the mission [m]."""
     robots: tuple[Robots, Robots] = (5, 5)
@@ -84,7 +84,7 @@ class FamilyConfig(Closed):
     stations: Literal["given", "random"] = "given"
     """Whether the stations are where the mission has them, or as many of them at random places."""
     station_places: tuple[PlaceCount, PlaceCount] | None = None
-    """Least and largest number of random places at which the stations of each kind stand; a place each unless given."""
+    """Least and largest number of random places for the stations of each kind; one for each station unless given."""
     changes: ChangesConfig = ChangesConfig()
     """The events that are drawn."""
     starts: tuple[StartConfiguration, ...] = ()

@@ -1,4 +1,4 @@
-"""Knowledge of a mission: that of the experts, and what was learned in missions of its name."""
+"""Knowledge of a mission: that of the experts, and rewards from missions of its name."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,7 +9,7 @@ from selector.knowledge import Knowledge, load_knowledge
 
 
 def knowledge_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> Knowledge:
-    """Return the expert knowledge that a mission names, with what it has learned, and with what its store knows now.
+    """Return the expert knowledge that a mission names, with its learned rewards, and with those of its store.
 
     Raises:
         DocumentError: there is no such knowledge or store, or they do not fit.

@@ -89,7 +89,7 @@ class StartConfiguration(Closed):
 
 
 class MissionConfig(Closed):
-    """One mission: what there is to do, where, by which robots, and for how long."""
+    """One mission: its task, world, robots and time limit."""
 
     name: Name = "cleaning"
     """Name of the mission."""
@@ -220,7 +220,7 @@ class MissionConfig(Closed):
             raise impossible("garbage.capacity", expected, self.garbage.capacity)
 
     def beginning_with(self, learned: Mapping[str, Any]) -> "MissionConfig":
-        """Return the mission without a store, and with what was learned of options, if anything, as plain data."""
+        """Return the mission without a store, and with learned rewards of options, if any, as plain data."""
         known = learned_from(learned, "learned") if learned else self.learned
         return self.model_copy(update={"store": "", "learned": known})
 
@@ -271,6 +271,6 @@ class MissionConfig(Closed):
 
     @property
     def own_contents(self) -> bool:
-        """Whether each robot stores what it receives by itself, because delivery is not ideal or may change."""
+        """Whether each robot stores its own messages, because delivery is not ideal or may change."""
         changes = any(isinstance(event, SetDelivery) for event in self.events)
         return self.delivery.own_contents or not self.delivery.ideal or changes

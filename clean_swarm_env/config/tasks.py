@@ -162,7 +162,7 @@ def with_task_defaults(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _below(content: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `content` with what it lacks of `usual`, in parts that are mappings, too."""
+    """Return `content`, completed from `usual`, in parts that are mappings, too."""
     merged = dict(content)
     for key, value in usual.items():
         if key not in merged:

@@ -32,7 +32,7 @@ Rate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.01, le=10_0
 Seconds = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0, le=1e7)]
 """A time in a mission [s], up to four months."""
 Wait = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=3600.0)]
-"""A time for which a robot stands [s], up to an hour."""
+"""A time for which a robot stops [s], up to an hour."""
 ArrivalRate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=10_000.0)]
 """Items that arrive in a minute [1/min]; robots cannot clean a hundredth of it."""
 Point = tuple[Number, Number]

@@ -13,7 +13,7 @@ MAX_COVERED_SHARE = 0.45
 """Largest share of the torus that solid discs may cover [-]; random sequential placement ends at 0.547."""
 
 MOST_STEPS = 1000
-"""Physics steps of a control period, between which nobody can interrupt a mission."""
+"""Physics steps of a control period, between which a mission cannot be interrupted."""
 
 
 GroundKind = Literal["torus", "open"]
@@ -55,7 +55,7 @@ class ConsequencesConfig(Closed):
     """Consequences of a collision event for the robots at work that take part; none unless set."""
 
     stop: Wait = 0.0
-    """Time for which a robot that collides stands, decides nothing and handles no cargo; 0: it goes on [s]."""
+    """Time for which a robot that collides stops, decides nothing and handles no cargo; 0: it does not stop [s]."""
     back_off: Wait = 0.0
     """Time for which it then drives off at half its speed, away from the nearest robot that it met [s]."""
     drop: Flag = False
@@ -65,7 +65,7 @@ class ConsequencesConfig(Closed):
     damaged_speed: Annotated[float, Field(strict=True, ge=0.01, le=1.0)] = 0.5
     """Share of its largest speed that a damaged robot keeps [-]."""
     mending: Wait = 10.0
-    """Time for which a damaged robot stands at the first station that it reaches; then it is as new [s]."""
+    """Time for which a damaged robot stops at the first station that it reaches; then it is as new [s]."""
 
 
 def robots_that_fit(world: WorldConfig, radius: float) -> int:

@@ -92,7 +92,7 @@ class RecordedCourse:
     """The course of a recorded mission, as canvases.
 
     Raises:
-        ConfigurationError: the recording lacks what a picture shows.
+        ConfigurationError: the recording lacks channels of the picture.
 
     """
 

@@ -55,7 +55,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
 
 
 def shown_part(worlds: Worlds, places: Floats) -> tuple[Floats, Floats]:
-    """Return lower left corner (2,) and size (2,) [m] of what is shown of a world; `places` (K, 2) of its robots.
+    """Return lower left corner (2,) and size (2,) [m] of the visible part of a world; `places` (K, 2) of its robots.
 
     Of open land it is a square around the middle: where robots start, and in steps what they have reached.
     """
@@ -77,7 +77,7 @@ def trail_of(buffer: SoBuffer, row: int, now: float) -> tuple[Floats, Floats]:
 
 
 def _state_of(worlds: Worlds, world: int) -> str:
-    """Return what there is to say of a world: items dumped, or the measures of its task."""
+    """Return the caption of a world: items dumped, or the measures of its task."""
     if worlds.mission.cleans:
         return f"{worlds.garbage.done[world]} of {worlds.garbage.arrived[world]} items dumped"
     return ", ".join(f"{name} {values[world]:.3g}" for name, values in worlds.task.result().items())

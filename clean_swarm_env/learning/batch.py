@@ -143,7 +143,7 @@ class Batch:
     ) -> Observations:
         """Begin an episode in every world and return the observations (R, F), valid until the next call.
 
-        `seeds` (W,) begin the series of episodes anew. A world without a seed (None) continues its series, or begins
+        `seeds` (W,) restart the series of episodes. A world without a seed (None) continues its series, or begins
         one whose seed is drawn from the system. `starts` (W,) take the place of random starts.
         """
         self._finished.clear()
@@ -305,7 +305,7 @@ class Batch:
                 break
 
     def end_period(self) -> BatchStep:
-        """Begin the next missions, and return what the period gave."""
+        """Begin the next missions, and return the results of the period."""
         progress = self.progress
         self.rewards.of(self, self._gained)
         terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIME_OVER

@@ -76,7 +76,7 @@ class Series:
         return None if running is None else (running.seed, running.number, running.step)
 
     def put_part(self, world: int, following: tuple[int, int, int] | None, later: float) -> None:
-        """Make a world go on with an episode as `part_of` names it, whatever the time is."""
+        """Let a world continue with an episode as `part_of` names it, at any time of the clock."""
         self._running[world] = None if following is None else self._episodes(*following)
 
     def share(self, seed: int) -> None:

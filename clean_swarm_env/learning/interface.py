@@ -21,7 +21,7 @@ class BatchStep(NamedTuple):
     """The result of one decision period; the arrays belong to the batch and are valid until the next call."""
 
     observations: Observations
-    """(R, F) float32; of worlds that have begun anew, the first observations of the new episode."""
+    """(R, F) float32; of worlds that have started an episode, its first observations."""
     rewards: Floats
     """(R,) float64."""
     terminated: Flags

@@ -65,8 +65,8 @@ OwnRewards = Callable[[Any], Floats]
 def own_rewards(chosen: object) -> OwnRewards | None:
     """Return the user's own function, given as it is or as `module:name`, with its result checked; None for weights.
 
-    The function is called at the end of each decision period, before worlds whose missions ended begin anew. Robots
-    that took no part in the period are paid nothing.
+    The function is called at the end of each decision period, before worlds whose missions ended start their next
+    episode. Robots that took no part in the period are paid nothing.
     """
     function = imported(chosen, "reward") if isinstance(chosen, str) else chosen
     if not callable(function):
@@ -180,7 +180,7 @@ class MeasureRewards:
         rewards[:] = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
 
     def _measured(self) -> Floats:
-        """Return the measures (K, W) as they stand."""
+        """Return the present measures (K, W)."""
         values = self._worlds.task.result()
         return np.stack([values[measure.name] for measure in self._worlds.task.measures])
 

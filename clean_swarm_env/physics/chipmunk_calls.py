@@ -112,7 +112,7 @@ for each in RESULTS:
 def make_space(world: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> int:
     """Return the address of a new space that holds the discs of a world, in the order of their rows.
 
-    Absent robots lie in it and touch nobody, so that the others are computed as they were.
+    Absent robots lie in it and touch no other, so that the others are computed as they were.
     """
     c, m = open_chipmunk(chipmunk).functions, open_robot_motion(motion)
     space = call_for_pointer(c[SPACE_NEW], ())

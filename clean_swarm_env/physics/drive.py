@@ -49,7 +49,7 @@ open_drive = DRIVE.open
 
 
 class DifferentialDrive:
-    """Drives of R robots; a command holds until the next one, or until `command_timeout` has passed.
+    """Drives of R robots; a command is valid until the next one, or until `command_timeout` has passed.
 
     speed: (R,) float64 [m/s] along the heading; the same array all the time, as Physics.substep takes it.
     turn_rate: (R,) float64 [rad/s]; the same array all the time.

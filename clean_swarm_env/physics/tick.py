@@ -17,7 +17,7 @@ from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words, Written
 
 NO_SPACE, IN_PYTHON = 0, -1
-"""In place of the address of a space: nobody has touched in this tick; Python has to let robots touch."""
+"""In place of the address of a space: no robots have touched in this tick; Python has to let robots touch."""
 
 
 @inlined

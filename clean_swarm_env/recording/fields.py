@@ -19,13 +19,13 @@ class Traces(NamedTuple):
     positions: Floats
     """(D, 2) [m]."""
     diffusion: Floats
-    """(D,) what is left of its diffusion [m]."""
+    """(D,) its diffusion then [m]."""
     robot: Ints
     """(D,) who left it."""
 
 
 def traces_at(recording: RecordedMission, frame: int) -> Traces:
-    """Return what was left before a frame and can still be perceived at it.
+    """Return the deposits from before a frame that can still be perceived at it.
 
     A robot of the mission stores fewer: of traces within the aggregation distance it keeps one.
     """

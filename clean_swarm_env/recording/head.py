@@ -1,4 +1,4 @@
-"""What a recording must hold to be read: the JSON objects of its blocks as models; further keys are for readers."""
+"""The required content of a recording: the JSON objects of its blocks as models; further keys are for readers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Head(_Object):
     """The head of a recording."""
 
     channels: Annotated[tuple[Channel, ...], Field(min_length=1)]
-    """What every frame holds."""
+    """The content of every frame."""
     period: Positive
     """Time from frame to frame [s]."""
     width: Positive
@@ -29,7 +29,7 @@ class Head(_Object):
     robots: Amount
     items: Amount
     minds: Flag
-    """Whether it holds what the robots' networks decided."""
+    """Whether it includes the decisions of the robots' networks."""
     about: dict[str, Any]
     """What the recording is of."""
     options: dict[str, tuple[Text, ...]]

@@ -44,7 +44,7 @@ class RecordSettings:
     name: str = ""
     """Name of the file of a single mission; made of scenario and condition unless given."""
     thinking: bool = False
-    """Whether `MissionRecorder.think` will be told what the chooser of options thinks of each."""
+    """Whether `MissionRecorder.think` will get the chooser's opinion of each option."""
 
 
 @dataclass
@@ -131,11 +131,11 @@ class MissionRecorder:
         return path
 
     def think(self, goal: str, values: Floats) -> None:
-        """Note what the chooser of options thinks of each option of a goal from the next frame on: values (R, O)."""
+        """Note the chooser's opinion of each option of a goal from the next frame on: values (R, O)."""
         self._opinions[goal][:] = values
 
     def note_by_hand(self, change: Mapping[str, Any]) -> None:
-        """Note what was done by hand, plain data, before the next tick of the only world."""
+        """Note a change by hand, plain data, before the next tick of the only world."""
         self._by_hand.append(dict(change))
         self._note_poses()
 

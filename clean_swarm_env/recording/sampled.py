@@ -130,7 +130,7 @@ def mind_arrays(robots: int, minds: Thinking) -> Iterator[Sampled]:
 
 
 def networks_of(minds: Thinking) -> dict[str, Any]:
-    """Return what the head says about networks: names along the axes of their channels, and the words of reasons."""
+    """Return the head's entries about networks: names along the axes of their channels, and the words of reasons."""
     found = {"robot": minds.network}
     for c in minds.coordinators:
         names = zip(c.model.options, c.contents, strict=True)

@@ -92,7 +92,7 @@ class WaitingFrames:
         self._new.append(world)
 
     def restart(self, worlds: Iterable[int]) -> None:
-        """Begin anew, with some worlds, once all frames are packed."""
+        """Start again with some worlds, once all frames are packed."""
         self.at = 0
         for world in worlds:
             self.start(world)
@@ -132,7 +132,7 @@ class WaitingFrames:
         return self._packed(self._last[world], np.zeros_like(self._bits[world]), world, self.at - 1)
 
     def present(self, world: int) -> PackedFrames:
-        """Return a frame of what the arrays hold now; it is not taken."""
+        """Return a frame of the present arrays, which is not recorded."""
         for prepare in self._prepare:
             prepare()
         numbers = [channel.whole(values[world : world + 1])[0] for _, channel, values in self._sources]

@@ -1,4 +1,4 @@
-"""Tasks: what there is to do in a world. `Task` is what a task of your own begins with; importing this registers ours.
+"""Tasks: the work in a world. `Task` is the base class of a task of your own; importing this registers ours.
 
 `TASKS` has the tasks by name; cleaning is in `clean_swarm_env.world.cleaning.cleaning_task`.
 """

@@ -30,7 +30,7 @@ class ObstacleSettings(TaskSettings):
 
 
 class ObstacleState(TaskState):
-    """Obstacles of a world, and who touches them."""
+    """Obstacles of a world, and the robots that touch them."""
 
     obstacles: Annotated[Floats, "W obstacles 2", KEPT]  # [m]
     touching: Annotated[Flags, "R obstacles", KEPT]
@@ -91,7 +91,7 @@ class Crossing(Task[S, E]):
         commands.vectors[:] = self.world.max_speed * self.state.wanted
 
     def bend(self, commands: Commands) -> None:
-        """Add the errand to what other mechanisms command."""
+        """Add the errand to the commands of other mechanisms."""
         adding = ~self.world.steers
         moving = commands.commanded & adding
         commands.vectors[adding & ~moving] = 0.0
@@ -104,7 +104,7 @@ class Crossing(Task[S, E]):
         commands.commanded[:] = True
 
     def after_moving(self) -> None:
-        """Add what robots have advanced."""
+        """Count the progress of robots."""
         positions, state = self.world.floor.physics.positions, self.state
         steps = self.world.ground.offsets(state.before, positions)
         state.advance += (steps * state.wanted).sum(axis=1)
@@ -148,7 +148,7 @@ class CrossingObstacles(
         self.state.obstacles[start.world] = start.scattered(self.settings.obstacles, 2.0, free_of=start.places, gap=1.6)
 
     def after_moving(self) -> None:
-        """Add what robots have advanced, and what they have hit."""
+        """Count the progress of robots, and the obstacles that they hit."""
         Crossing.after_moving(self)
         Obstacles.after_moving(self)
 

@@ -56,7 +56,7 @@ class Foraging(Task[TaskSettings, Food]):
         )
 
     def after_moving(self) -> None:
-        """Count what robots have put down at the nest."""
+        """Count the items that robots have put down at the nest."""
         world, state = self.world, self.state
         carrying = world.carrying
         at_nest = world.ground.distances(world.floor.physics.positions, world.ground.centre) < NEST_RADIUS + AT_NEST
@@ -64,6 +64,6 @@ class Foraging(Task[TaskSettings, Food]):
         state.carried[:] = carrying
 
     def result(self) -> dict[str, Floats]:
-        """Return what the team has brought so far, by the minutes of the whole mission."""
+        """Return the items that the team has brought, divided by the minutes of the whole mission."""
         minutes = self.world.limits * self.world.period / 60.0
         return {"items brought per minute": self.state.brought / minutes}

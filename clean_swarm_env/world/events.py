@@ -141,7 +141,7 @@ class Agendas:
         self.over = np.zeros(affected.floor.worlds, dtype=np.bool_)
 
     def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
-        """Begin a world anew; its agenda depends on `mission` and `seed` only."""
+        """Reset a world; its agenda depends on `mission` and `seed` only."""
         agenda = self._agendas[world] = Agenda(mission, seed)
         self.over[world] = agenda.over
         self._due[0] = 0

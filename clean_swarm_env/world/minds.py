@@ -71,7 +71,7 @@ class Inner(Protocol):
         """Spread and deposit what other robots perceive from the next tick on."""
 
     def reset(self, rows: Ints) -> None:
-        """Begin anew in `rows` (K,)."""
+        """Reset `rows` (K,)."""
 
 
 class Minds:
@@ -268,7 +268,7 @@ class Minds:
             inner.leave(now)
 
     def follow(self, vectors: Floats, rows: Flags) -> None:
-        """Command the robots marked in `rows` (R,) to follow vectors (R, 2) [m/s] in place of what they decide."""
+        """Command the robots marked in `rows` (R,) to follow vectors (R, 2) [m/s] in place of their decisions."""
         np.copyto(self.commands.vectors, vectors)
         np.copyto(self.commands.commanded, rows)
         self.commands.in_place[:] = False

@@ -47,7 +47,7 @@ class MissionResult:
     cost_s: float
     """See `mission_cost`, and `Task.costs` for other tasks [s]."""
     unavoidable_s: float
-    """The part of the cost that nobody could avoid [s]; see `unavoidable_cost`."""
+    """The part of the cost that no team could avoid [s]; see `unavoidable_cost`."""
     measures: Mapping[str, float] = field(default_factory=dict)
     """The measures of a task other than cleaning, by name."""
 
@@ -115,7 +115,7 @@ class MissionRun:
                 yield explain_robot(course.worlds, robot)
 
     def _explained(self, robot: int) -> Course:
-        """Return the mission at its beginning, for one who asks why."""
+        """Return the mission at its beginning, to be explained."""
         course = Course(self, explained=True)
         if not 0 <= robot < course.worlds.robots:
             raise ValueError(f"robot: expected a number from 0 to {course.worlds.robots - 1}, got {robot}")

@@ -1,4 +1,4 @@
-"""The end of a mission, and its cost: seconds, the price of its collisions, and what is left undone.
+"""The end of a mission, and its cost: seconds, the price of its collisions, and of items left.
 
 `docs/cost.md` says why. The reward of learners adds up to the same numbers.
 """
@@ -102,9 +102,9 @@ def left_cost(mission: MissionConfig, done: int) -> float:
 
 
 def unavoidable_cost(mission: MissionConfig, came: int) -> float:
-    """Return the part of the cost that nobody could avoid, because garbage comes when it comes [s].
+    """Return the part of the cost that no team could avoid, because of the arrival times of garbage [s].
 
-    Where garbage keeps coming, nobody dumps more items than `came`. Elsewhere nobody is done before the last one lands.
+    Where garbage keeps coming, no team dumps more items than `came`. Elsewhere none is done before the last one lands.
     """
     if mission.continuous:
         return mission.time_limit / max(came, NO_ITEM)

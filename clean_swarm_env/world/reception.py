@@ -54,7 +54,7 @@ class Reception:
         self._generators = [np.random.default_rng(0)] * rows
 
     def delivery(self) -> Delivery:
-        """Return the delivery of what robots leave behind."""
+        """Return the delivery of robots' deposits."""
         if not self.own_contents:
             return Delivery()
         return Delivery(self.reaches, self.losses, self._delay, self._generators)
@@ -66,7 +66,7 @@ class Reception:
         return PoseDelivery(poses, self.reaches, self.losses, self._generators, self.delay_ticks)
 
     def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
-        """Set range, losses and random draws of a world that begins anew."""
+        """Set range, losses and random draws of a world that is reset."""
         if self.own_contents:
             robots = len(self._generators) // len(self.losses)
             self._generators[world * robots : (world + 1) * robots] = generators_of(seed, LOSSES, robots)
@@ -83,7 +83,7 @@ class Reception:
 
 
 class Localisation:
-    """Errors of the positions at which R robots take themselves to be, drawn anew in each control period."""
+    """Errors of the positions that R robots believe, drawn again in each control period."""
 
     _generators: Annotated[list[np.random.Generator], "R", KEPT]
     _errors: Annotated[Floats, "R 2", SCRATCH]
@@ -94,7 +94,7 @@ class Localisation:
         self._errors = np.zeros((rows, 2))
 
     def reset(self, rows: Ints, seed: np.random.SeedSequence) -> None:
-        """Begin the draws of `rows` (N,) anew."""
+        """Restart the draws of `rows` (N,)."""
         if self._deviation > 0.0:
             self._generators[rows[0] : rows[-1] + 1] = generators_of(seed, ERRORS, len(rows))
 

@@ -203,7 +203,7 @@ class KeptStates:
 
 
 def saved(thing: object) -> object:
-    """Return what is kept of an entry of a list."""
+    """Return the kept state of an entry of a list."""
     return StreamState(dict(thing.bit_generator.state)) if isinstance(thing, np.random.Generator) else thing
 
 

@@ -1,4 +1,4 @@
-"""Tasks: what there is to do in a world. A class in one file is a task of your own; see `Task`.
+"""Tasks: the work in a world. A class in one file is a task of your own; see `Task`.
 
 Why there is one world for all of them: docs/decisions/0223-one-world-any-task.md.
 
@@ -214,7 +214,7 @@ class Task(ABC, Generic[S, T]):
                     thing.show(buffer, world, self.world.now)
 
     def follow(self, vectors: Floats, working: Flags) -> None:
-        """Do what robots do that are driven by vectors (R, 2) [m/s]; working (R,): those that are at work."""
+        """Act for robots that are driven by vectors (R, 2) [m/s]; working (R,): those that are at work."""
 
     def after_deciding(self) -> None:
         """Carry out behaviours that have just started."""
@@ -225,7 +225,7 @@ class Task(ABC, Generic[S, T]):
         self.asked[:] = np.where(commands.commanded[:, None], commands.vectors, 0.0)
 
     def after_leaving(self) -> None:
-        """Carry out what robots have asked for while they acted."""
+        """Carry out the requests of robots while they acted."""
 
     def costs(self) -> Floats:
         """Return what the missions (W,) cost [s]: their time limits times their worst measures by the targets.

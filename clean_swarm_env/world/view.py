@@ -121,7 +121,7 @@ class World:
 
     @property
     def steers(self) -> Flags:
-        """Which robots (R,) hold an option that bends commands in place of giving some."""
+        """Which robots (R,) hold an option that changes commands instead of giving some."""
         found: Flags = self._coordinator.beside[self._coordinator.held] == 1
         return found
 

@@ -49,7 +49,7 @@ class Worlds:
             attributes of the worlds too.
         minds: what the robots know and decide; its `network` and `coordinators` are attributes of the worlds too.
         team: which robots are present and at work.
-        task: what there is to do.
+        task: the work in the worlds.
 
     """
 
@@ -186,7 +186,7 @@ class Worlds:
         self._driven, self._correction = vectors, None
 
     def correct(self, vectors: Floats | None) -> None:
-        """Add vectors (R, 2) [m/s], or nothing, to what behaviours command from now on; networks decide as ever."""
+        """Add vectors (R, 2) [m/s], or nothing, to behaviours' commands from now on; networks decide as before."""
         self._driven, self._correction = None, vectors
 
     def lead(self, baseline: bool) -> None:

@@ -87,7 +87,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
         return tuple(sorted({spec.buffer for spec in users}))
 
     def kind_of(self, sensor: SensorSpec) -> SensorKind:
-        """Return what a sensor reads."""
+        """Return the reading of a sensor."""
         cls = sensor.component
         if cls.kind_of is None:
             return cls.kind

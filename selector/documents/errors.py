@@ -56,7 +56,7 @@ def one_line(error: ValidationError, where: str, model: type[BaseModel]) -> str:
 
 @contextmanager
 def within(where: str) -> Iterator[None]:
-    """Let every DocumentError begin with `where`, the file or the key that led to what is wrong."""
+    """Let every DocumentError begin with `where`, the file or the key that led to the mistake."""
     try:
         yield
     except DocumentError as error:
@@ -70,7 +70,7 @@ def shown(path: Path) -> str:
 
 
 def _first_mistake(error: ValidationError, model: type[BaseModel]) -> tuple[str, str]:
-    """Return the dotted key of the first mistake, and what is wrong."""
+    """Return the dotted key of the first mistake, and its text."""
     details = error.errors(include_url=False)
     # A misspelt key gives two errors, an unknown key and a missing one; the unknown key shows the mistake.
     first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
@@ -80,7 +80,7 @@ def _first_mistake(error: ValidationError, model: type[BaseModel]) -> tuple[str,
 
 
 def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
-    """Return what is wrong, without the key."""
+    """Return the mistake without the key."""
     kind = details["type"]
     if kind == "extra_forbidden":
         known = _known_keys(model, details["loc"][:-1])

@@ -86,7 +86,7 @@ def files_of(kind: str, directories: Sequence[Path] = ()) -> dict[str, Path]:
 
 
 def load_file(kind: str, name: str, model: type[M], directories: Sequence[Path] = (), where: str = "") -> M:
-    """Return what a YAML file holds, as a model; the arguments are those of `find_file`.
+    """Return the content of a YAML file as a model; the arguments are those of `find_file`.
 
     Raises:
         DocumentError: there is no such file, or it has a mistake.

@@ -28,7 +28,7 @@ NameOrImport = Annotated[
     Field(strict=True),
     AfterValidator(lambda text: check_trust(text, f"import {text}") if is_import(text) else as_name(text)),
 ]
-"""Name of what is registered, or of the user's own code."""
+"""A registered name, or one of the user's own code."""
 
 
 def imported(text: str, where: str) -> Any:  # noqa: ANN401  (whatever the user's code defines)

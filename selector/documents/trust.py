@@ -33,7 +33,7 @@ class Permission:
     trusted: bool = False
     """Whether files may name code."""
     said: frozenset[str] = frozenset()
-    """Names in trusted files of which the user was told."""
+    """Names in trusted files that the user was informed of."""
 
 
 _of_process = Permission()

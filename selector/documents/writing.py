@@ -10,7 +10,7 @@ from shutil import rmtree
 from selector.documents.errors import DocumentError, shown
 
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Numbers of the errors of a full disk, which is nobody's mistake: they stay an OSError."""
+"""Numbers of the errors of a full disk, which is not the user's mistake: they stay an OSError."""
 
 
 @contextmanager

@@ -133,13 +133,13 @@ def _sqlite(url: URL, path: Path, create: bool) -> Engine:
 
 
 def _on_read_only_medium(path: Path) -> bool:
-    """Return whether nobody can write a file; SQLite then needs a flag, because it cannot lock the file."""
+    """Return whether a file is read-only; SQLite then needs a flag, because it cannot lock the file."""
     wal = path.with_name(f"{path.name}-wal")
     return path.exists() and not wal.exists() and not os.access(path.parent, os.W_OK) and not os.access(path, os.W_OK)
 
 
 def prepare(engine: Engine, where: str, *, create: bool) -> None:
-    """Check that a database holds a store of a known version; with `create`, make a missing one."""
+    """Check that a database is a store of a known version; with `create`, make a missing one."""
     with engine.connect() as connection:
         _check_file(connection, where)
         exists = _has_store(connection, where)

@@ -252,7 +252,7 @@ class KnowledgeStore:
 
 @contextmanager
 def _opening(where: str) -> Iterator[None]:
-    """Turn what a database, its driver or the system says of a URL into a StoreError that begins with `where`."""
+    """Turn errors of a database, its driver or the system about a URL into a StoreError that begins with `where`."""
     try:
         with reported(where):
             yield

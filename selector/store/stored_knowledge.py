@@ -138,7 +138,7 @@ def stored(knowledge: Knowledge, source: str = EXPERT, updated: int | None = Non
 
 
 def definition(option: Option) -> tuple[str, str]:
-    """Return what the name of an option means: its configuration, and its parameters as JSON.
+    """Return the meaning of an option's name: its configuration, and its parameters as JSON.
 
     Raises:
         StoreError: JSON cannot hold the parameters.

@@ -1,4 +1,4 @@
-"""Files of what a strategy learned: saved, checked against another strategy, and loaded into it."""
+"""Files of learned strategies: saved, checked against another strategy, and loaded into it."""
 
 from pathlib import Path
 from typing import Any, Literal
@@ -37,7 +37,7 @@ class LearnedDescription(Closed):
 
 
 def save_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False) -> None:
-    """Write what a strategy learned; with `whole` also the random state of its rows, to continue exactly.
+    """Write the learned state of a strategy; with `whole` also the random state of its rows, to continue exactly.
 
     Raises:
         DocumentError: the file cannot be written.

@@ -43,7 +43,7 @@ class Network:
 
 
 def passed(values: Floats32, layer: tuple[Floats32, Floats32], activation: int) -> Floats32:
-    """Return what a layer with weights (I, H) and bias (H,) makes of `values` (K, I)."""
+    """Return the output of a layer with weights (I, H) and bias (H,) for `values` (K, I)."""
     following = np.empty((len(values), len(layer[1])), dtype=np.float32)
     dense(values, *layer, activation, following)
     return following

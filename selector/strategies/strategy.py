@@ -225,7 +225,7 @@ class DecisionStrategy(ABC):
         """Return the option (K,) of each decision; set `chance[decisions.rows]` if the choice was random."""
 
     def _opinions(self, decisions: Decisions) -> Floats:
-        """Return what is thought of each option (K, O); the scores of the expert unless a strategy has better."""
+        """Return the opinion of each option (K, O); the scores of the expert unless a strategy has better."""
         return self.problem.scores
 
     def _update(self, outcomes: Outcomes) -> None:  # noqa: B027  (not every strategy learns)

@@ -103,7 +103,7 @@ class EffectSpec(Closed):
 
 
 class BehaviourSpec(Closed):
-    """A behaviour: when it can run, and with what effects."""
+    """A behaviour: when it can run, and its effects."""
 
     preconditions: tuple[AnyCondition, ...] = ()
     """Conditions; the behaviour is ready while the product of the mandatory ones reaches `ready_threshold`."""
@@ -141,7 +141,7 @@ class GoalSpec(Closed):
     """A goal of a robot."""
 
     conditions: Annotated[tuple[AnyCondition, ...], Field(min_length=1)]
-    """Conditions, all of which shall hold."""
+    """Conditions that must all be true."""
     priority: Priority = 0
     """Goals of lower priority are given up first [-]."""
     permanent: Flag = True

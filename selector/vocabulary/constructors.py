@@ -90,7 +90,7 @@ _REFERENCES = {
 
 @cache
 def references_of(cls: type) -> dict[str, Reference]:
-    """Return the parameters of a class that are references, with what they refer to."""
+    """Return the parameters of a class that are references, with their targets."""
     found = {name: _reference(parameter.annotation) for name, parameter in parameters_of(cls).items()}
     return {name: reference for name, reference in found.items() if reference is not None}
 

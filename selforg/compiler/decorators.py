@@ -3,8 +3,8 @@
 Numba's decorators have no types; these keep the type of the function that they compile, so that `mypy --strict` checks
 the callers. Kernels are kept on disk, see `selforg.compiler.cache`.
 
-Compiling takes time when a process starts with an empty cache. `part` and `lean_kernel` therefore leave out what is not
-needed, and the garbage collector is off while anything is compiled: it would visit all objects of the compiler again
+Compiling takes time when a process starts with an empty cache. `part` and `lean_kernel` therefore leave out unneeded
+parts, and the garbage collector is off while anything is compiled: it would visit all objects of the compiler again
 and again.
 """
 

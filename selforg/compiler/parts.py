@@ -88,7 +88,7 @@ register_model(PartType)(models.OpaqueModel)
 
 
 def known_to_kernels(function: Callable[Given, Result], options: Mapping[str, Any]) -> Callable[Given, Result]:
-    """Return `function` itself, with attributes by which compiled callers find what it is compiled to."""
+    """Return `function` itself, with attributes by which compiled callers find its compiled code."""
     named: Any = function
     named.compiled = JIT(**options, no_cpython_wrapper=True, pipeline_class=PartCompiler)(function)
     named._numba_type_ = PartType(named.compiled)

@@ -56,7 +56,7 @@ Written = Words
 class Packed(Generic[Record]):
     """A record with its words.
 
-    A copy or a pickle is packed anew, on the copied arrays. An array that owner and record share is shared by their
+    A copy or a pickle is packed again, on the copied arrays. An array that owner and record share is shared by their
     copies too, if both are copied in one go.
 
     Attributes:

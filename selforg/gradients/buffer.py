@@ -140,12 +140,12 @@ class SoBuffer(Contents):
             self.store_tables(messages, tags, now)
 
     def clear_rows(self, rows: Ints) -> None:
-        """Delete what `rows` (R,) have stored, and messages under way to them; what a team shares stays."""
+        """Delete what `rows` (R,) have stored, and messages under way to them; shared gradients of a team stay."""
         if not self.shared:
             self._clear_spaces(rows)
 
     def evaporate(self, now: float) -> None:
-        """Evaporate everything up to `now` [s] and free the memory of what is gone; no answer depends on this call."""
+        """Evaporate everything up to `now` [s] and free memory of deleted gradients; answers do not depend on it."""
         for space in range(self.table.spaces):
             evaporate_space(space, float(now), self.table.packed.words)
 

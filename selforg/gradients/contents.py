@@ -74,7 +74,7 @@ class Contents:
         return self.channels.code(channel)
 
     def part_of(self, team: int) -> TeamContents:
-        """Return what is stored for a team, with its messages under way."""
+        """Return the stored gradients of a team, with its messages under way."""
         store, channels = self.table.record, self.channels.numbered()
         layers = self._layers(team, np.arange(len(channels)))
         slots = np.zeros(int(store.layers[layers, c.LAYER_COUNT].sum()), dtype=np.int64)
@@ -98,7 +98,7 @@ class Contents:
         return TeamContents(store.near[slots], store.far[slots], links, marks, sweeps, *names, payloads, mail)
 
     def put_part(self, team: int, state: TeamContents, later: float) -> None:
-        """Replace what is stored for a team by the result of `part_of`, `later` [s] after it; as many rows."""
+        """Replace the stored gradients of a team by the result of `part_of`, `later` [s] after it; as many rows."""
         self.clear(team)
         near, far, links, marks = state.near.copy(), state.far.copy(), state.links.copy(), state.marks.copy()
         count = len(near)

@@ -30,7 +30,7 @@ class Delivery:
     """How gradients travel from row to row.
 
     Attributes:
-        reach: farthest receiver [m], from the centre of what is spread.
+        reach: farthest receiver [m], from the centre of the gradient.
         loss: probability that a receiver misses a message, drawn for each receiver.
         delay: from spreading to storing [s].
         generators: one per team, or one per row for what it spreads; needed if `loss` is neither 0 nor 1.
@@ -75,18 +75,18 @@ class Mail:
         self.posts.append((arrival, messages, tags))
 
     def collect(self, now: float) -> list[Post]:
-        """Remove and return what has arrived by `now` [s], in the order of arrival, then of posting."""
+        """Remove and return the messages that have arrived by `now` [s], in the order of arrival, then of posting."""
         due = sorted((post for post in self.posts if post[0] <= now), key=itemgetter(0))
         self.posts = [post for post in self.posts if post[0] > now]
         return due
 
     def to(self, rows: Ints) -> list[Post]:
-        """Return copies of what is under way to `rows` (R,)."""
+        """Return copies of the messages under way to `rows` (R,)."""
         addressed = ((*post, np.isin(post[2][:, c.TAG_SPACE], rows)) for post in self.posts)
         return [(arrival, messages[to], tags[to]) for arrival, messages, tags, to in addressed if to.any()]
 
     def forget(self, rows: Ints) -> None:
-        """Delete what is under way to `rows` (R,)."""
+        """Delete the messages under way to `rows` (R,)."""
         stays = [~np.isin(tags[:, c.TAG_SPACE], rows) for _, _, tags in self.posts]
         posts = zip(self.posts, stays, strict=True)
         self.posts = [(arrival, messages[kept], tags[kept]) for (arrival, messages, tags), kept in posts]

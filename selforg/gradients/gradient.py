@@ -24,7 +24,7 @@ class Gradient:
         attraction: +1 attractive, -1 repulsive, 0 neutral.
         diffusion: radius over which it weakens [m], may be infinite.
         goal_radius: radius of its goal area [m].
-        evaporation_factor: what is left of the diffusion after each period [-], in [0, 1]; 1: never evaporates.
+        evaporation_factor: share of the diffusion that remains after each period [-], in [0, 1]; 1: never evaporates.
         evaporation_period: [s], 0 with a factor below 1: the diffusion is gone at once.
         stamp: when it was spread [s].
         clock: time up to which it has evaporated already [s]; None: its stamp.

@@ -1,4 +1,4 @@
-"""Queries: what rows see in a buffer, as tables for many rows and as gradients for one.
+"""Queries: the gradients that rows see in a buffer, as tables for many rows and as gradients for one.
 
 A query evaporates first, and answers with the gradients in *view*: distance <= reach + view distance. If there is none,
 the answer is an empty range of the table, an empty list, or a mask that is False.

@@ -1,4 +1,4 @@
-"""The kernel of movement mechanisms: what a row looks at, what it makes of the pairs it sees, and the limits of speed.
+"""The kernel of movement mechanisms: a row's query, the sum over the pairs that it sees, and the limits of speed.
 
 Every formula has a kernel of its own: a copy of `move_rows` that calls what its mechanism makes of pairs.
 """

@@ -1,7 +1,7 @@
 """The patterns of self-organisation by purpose, as Fig. 1 of the paper groups them, with their mechanisms here.
 
-The patterns are those of Fernandez-Marquez et al. (2013), doi:10.1007/s11047-012-9324-y. The paper sorts them by what
-they are for: basic functionality, which the buffer of gradients has; movement; decision. All movement and decision
+The patterns are those of Fernandez-Marquez et al. (2013), doi:10.1007/s11047-012-9324-y. The paper sorts them by
+purpose: basic functionality, which the buffer of gradients has; movement; decision. All movement and decision
 patterns build on gradients.
 """
 

@@ -121,7 +121,7 @@ class BehaviourNetwork:
     ) -> None:
         """Switch `behaviour` to one of its alternatives in `rows` (K,); a row that changes asks for a new plan.
 
-        `forgotten`: sensors whose readings become 0 in the rows that change, until they are read anew.
+        `forgotten`: sensors whose readings become 0 in the rows that change, until they are read again.
         """
         wanted = np.full(len(rows), alternative) if isinstance(alternative, int) else alternative
         forgotten = self._none if forgotten is None else forgotten

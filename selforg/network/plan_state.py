@@ -1,4 +1,4 @@
-"""The state of plans: which plan each row follows, how far, and what it has seen since."""
+"""The state of plans: which plan each row follows, how far, and its readings since."""
 
 from __future__ import annotations
 

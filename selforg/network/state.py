@@ -1,4 +1,4 @@
-"""The state of a network: what its rows (robots) know between two steps, and what the last step computed.
+"""The state of a network: what its rows (robots) know between two steps, and the numbers of the last step.
 
 Values and marks of a row have layers, one for each quantity below. All layers of a row lie together in memory, because
 compiled code goes from row to row: it takes the tables, with the rows first. Python code takes `values`, `marks` and

@@ -31,7 +31,7 @@ class Claim:
     of: Ratio
     """The ratio, with the interval and the p-value that it has alone."""
     corrected: Interval
-    """Interval that holds together with those of all other claims."""
+    """Joint interval with those of all other claims."""
     holm: float | None
     """p-value corrected for the number of claims; None for few scenarios."""
 
@@ -59,7 +59,7 @@ def claims_of(
     Args:
         families: family -> label -> excess costs (S, K, V), at least two scenarios.
         strategies: labels that all families have.
-        against: family -> label of what the strategies are compared with.
+        against: family -> label of the strategy with which the others are compared.
 
     """
     ratios = {

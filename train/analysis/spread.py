@@ -2,7 +2,7 @@
 
 Scenarios are drawn at random, and so are trainings where a strategy has several. Every interval and p-value is
 therefore Student's, by the number of scenarios and trainings, however many missions were run. A ratio of means is taken
-by its logarithm. docs/decisions/0212-ratios-by-student.md says how often intervals of ratios hold the truth.
+by its logarithm. docs/decisions/0212-ratios-by-student.md says how often intervals of ratios contain the truth.
 
 Shapes: S trainings of a strategy, K scenarios.
 """

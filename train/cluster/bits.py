@@ -24,7 +24,7 @@ CPU_FILE = Path("/proc/cpuinfo")
 
 
 class WorkerBits:
-    """The CPUs that took part in a run elsewhere, by the fingerprints of what they make of missions.
+    """The CPUs that took part in a run elsewhere, by the fingerprints of the missions that they ran.
 
     Args:
         mixed: whether CPUs may differ.

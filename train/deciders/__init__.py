@@ -1,1 +1,1 @@
-"""Deciders: who says in each decision period what robots do, and how a text names them."""
+"""Deciders, which say in each decision period what robots do, and the texts that name them."""

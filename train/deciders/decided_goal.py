@@ -101,7 +101,7 @@ class DecidedGoal:
         return np.stack(np.unravel_index(options, [len(part) for part in self.parts]), axis=1)
 
     def think(self, opinions: Floats) -> None:
-        """Record what is thought (R, O) of the options; of an option of one goal, the best of its combinations."""
+        """Record the opinions (R, O) of the options; of an option of one goal, the best of its combinations."""
         assert self._recorder is not None
         table = opinions.reshape(-1, *(len(part) for part in self.parts))
         for k, goal in enumerate(self._goals):

@@ -45,7 +45,7 @@ class Decider(ABC):
         problem: goal and options; its features are all components of the observation.
 
     Attributes:
-        leads: whether the baseline of the task commands the robots, in place of what the decider says.
+        leads: whether the baseline of the task commands the robots, in place of the decider.
 
     """
 

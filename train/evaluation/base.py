@@ -89,7 +89,7 @@ class Evaluation(ABC):
         return sorted((key for task in self.tasks({}) for key in task.keys), key=lambda key: key[1])
 
     def identify(self, identity: Mapping[str, Any], **beside: object) -> None:
-        """Make the manifest of an identity, and of what stands `beside` it."""
+        """Make the manifest of an identity, with further entries `beside` it."""
         learns = {"learns": True} if self.learns_in_turn else {}
         self.manifest = {
             "identity": {**identity, "files": fingerprints(self.directories), **learns},

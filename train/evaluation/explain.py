@@ -104,7 +104,7 @@ def _inside(title: str, inner: Explanation) -> list[RenderableType]:
 
 
 def _table(behaviours: Sequence[BehaviourAccount]) -> Table:
-    """Return a table of what the step added to each activation; * marks running behaviours."""
+    """Return a table of the terms that the step added to each activation; * marks running behaviours."""
     table = Table(box=None, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("", no_wrap=True)
     table.add_column("behaviour", overflow="fold")

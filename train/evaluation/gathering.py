@@ -13,7 +13,7 @@ from train.running.runs import RunKey, RunRecord
 
 
 def gathered(evaluation: Evaluation, directory: Path, count: int) -> tuple[list[RunRecord], Json]:
-    """Return the runs of all shares, and what was known of options when they began.
+    """Return the runs of all shares, and the knowledge of options at their beginning.
 
     Raises:
         ConfigurationError: a share is not there, is not finished, or is one of another evaluation.

@@ -104,11 +104,11 @@ class TrialTask:
             yield RunRecord(*run, counts=self.counts(scenarios[place]))
 
     def counts(self, scenario: Scenario) -> Mapping[str, int]:
-        """Return what was counted in a mission; see `RunRecord`."""
+        """Return the counts of a mission; see `RunRecord`."""
         return {}
 
     def knowing(self, learned: Mapping[str, Any]) -> TrialTask:
-        """Return the runs that begin with what was learned of options, as a manifest holds it."""
+        """Return the runs with the learned rewards of a manifest at their beginning."""
         mission = self.family.mission.beginning_with(learned)
         return replace(self, family=self.family.model_copy(update={"mission": mission}))
 

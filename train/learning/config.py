@@ -187,7 +187,7 @@ class DesignConfig(MembersConfig):
     candidates: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 20
     """New machines of each race; those that are equal to others are left out."""
     fresh: Share = 0.2
-    """Share of the new machines that are drawn anew; the others are changed best ones. 1: random search."""
+    """Share of the new machines that are drawn at random; the others are varied best ones. 1: random search."""
     kept: Annotated[int, Field(strict=True, ge=1, le=1000)] = 4
     """Best machines that go on to the next race."""
     race: RaceConfig = RaceConfig(block=4, blocks=5)

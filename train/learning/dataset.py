@@ -102,7 +102,7 @@ def _in_space(actions: NDArray[Any], space: gymnasium.Space[Any]) -> Any:  # noq
 
 
 def _description(request: Request, batch: Any, figures: list[dict[str, float]]) -> str:  # noqa: ANN401  (a Batch)
-    """Return what a user of the dataset has to know."""
+    """Return the description of the dataset for its users."""
     mean = {name: float(np.mean([mission[name] for mission in figures])) for name in figures[0]}
     options = "; ".join(f"{goal}: {', '.join(names)}" for goal, names in batch.options.items())
     last, period = request.seed + len(figures) - 1, batch.mission.decision_period

@@ -136,7 +136,7 @@ class Training(ABC):
 
     @abstractmethod
     def _decider_maker(self) -> DeciderMaker:
-        """Return a maker of deciders that use what was learned so far."""
+        """Return a maker of deciders with the present learned state."""
 
     @abstractmethod
     def _keep_best(self) -> None:

@@ -67,7 +67,7 @@ class CheckpointHistory:
 
 
 class CheckpointDescription(Closed):
-    """What a checkpoint says besides what was learned."""
+    """The entries of a checkpoint beside the learned state."""
 
     checkpoint: Count
     """Number of checkpoints done."""

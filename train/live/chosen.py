@@ -30,12 +30,12 @@ STRATEGY = "MaxScore"
 SPARE_ROBOTS, SPARE_ITEMS = 20, 40
 """Robots and items that can be added by hand."""
 MOST_HEARING = 200
-"""Robots up to which each stores by itself what it receives, so that messages can get lost: it takes their square."""
+"""Robots up to which each stores its own messages, so that some can get lost: it takes their square."""
 
 
 @dataclass(frozen=True)
 class PlayedMission:
-    """What is played: one scenario, who chooses the options, and what was done by hand when it was played before."""
+    """A play: one scenario, the decider of its options, and the changes by hand of an earlier play."""
 
     name: str
     scenario: Scenario
@@ -106,7 +106,7 @@ def again(recording: RecordedMission) -> PlayedMission:
 def with_room(mission: MissionConfig) -> MissionConfig:
     """Return the mission with messages that can get lost in small teams, and with room for what may be added by hand.
 
-    The measures of tasks other than cleaning are of all rows of a world, so nobody can be added there.
+    The measures of tasks other than cleaning are of all rows of a world, so no robot can be added there.
     """
     parts: dict[str, dict[str, Any]] = {
         "delivery": {"own_contents": mission.own_contents or mission.rows <= MOST_HEARING}
@@ -119,7 +119,7 @@ def with_room(mission: MissionConfig) -> MissionConfig:
 
 
 def chosen(name: str, number: int, seed: int, strategy: str | None, directories: tuple[Path, ...]) -> PlayedMission:
-    """Return what is played: scenario `number`, from 1 on, of a mission, family or task, or a recording of a play.
+    """Return the play of scenario `number`, from 1 on, of a mission, family or task, or a recording of a play.
 
     Raises:
         ConfigurationError: there is nothing of this name, or it cannot be played.

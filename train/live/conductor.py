@@ -17,7 +17,7 @@ from train.live.stream import Stream
 LEAST_SPEED: Final = 0.01
 """Smallest speed: a control period in 20 s."""
 MOST_SPEED: Final = 1000.0
-"""Largest speed; whatever the machine does not reach is as fast as it can."""
+"""Largest speed; above its limit the machine runs as fast as it can."""
 MOST_LATE: Final = 0.2
 """A session that is later than this does not catch up [s]."""
 LOOKING: Final = 0.2

@@ -1,8 +1,8 @@
 """The server of a session, for browsers and programs on this machine: the page, the stream, and orders.
 
-It listens on 127.0.0.1 only, and whoever asks must know its token: other users and other pages in the browser do not.
-docs/play.md says against whom it is made, docs/decisions/0204-one-request-a-connection.md what else was
-thought of.
+It listens on 127.0.0.1 only, and every request must name its token, which other users and other pages in the browser
+do not know. docs/play.md says against whom it is made, docs/decisions/0204-one-request-a-connection.md which other
+ways were rejected.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from typing import Any
 
 
 class Stream:
-    """Blocks that one writer appends and readers fetch; a reader that is slow or sleeps delays nobody else.
+    """Blocks that one writer appends and readers fetch; a slow or sleeping reader delays no other.
 
     Attributes:
         state: how the session runs, plain data.

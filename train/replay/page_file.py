@@ -49,7 +49,7 @@ def live_page() -> str:
 
 
 def _page(title: str, content: str, asked: str) -> str:
-    """Return the page with its content; it may connect to what is `asked`, a source of a content security policy."""
+    """Return the page with its content; it may connect to `asked`, a source of a content security policy."""
     folder = files("train.replay") / "page"
     legends = [[asdict(sign) for sign in legend((), cleans)] for cleans in (False, True)]
     wrong, due = LOOK.contact, LOOK.options[0]

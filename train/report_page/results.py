@@ -1,4 +1,4 @@
-"""What a directory of results holds: finished runs of an evaluation, or the history of a training."""
+"""The content of a directory of results: finished runs of an evaluation, or the history of a training."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tables of what is known of options: of all goals of a store, of one goal in detail, and for one run."""
+"""The tables of knowledge about options: of all goals of a store, of one goal in detail, and for one run."""
 
 import math
 from collections.abc import Iterable

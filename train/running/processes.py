@@ -52,7 +52,7 @@ class _Attempt:
     done: set[RunKey] = field(default_factory=set)
 
     def again(self) -> "_Attempt | None":
-        """Return the attempt at what the task lacks after its worker has died; None if it lacks nothing."""
+        """Return the attempt at the task's missing runs after its worker has died; None if it lacks nothing."""
         if self.done.issuperset(self.task.keys):
             return None
         if self.deaths + 1 == MOST_DEATHS:
@@ -118,7 +118,7 @@ class _Workers:
         return ours
 
     def _buried(self, connection: Connection) -> _Attempt:
-        """Forget a dead process, and return what it did."""
+        """Forget a dead process, and return its task."""
         self._processes.pop(connection).join()
         connection.close()
         return self._busy.pop(connection)

@@ -27,7 +27,7 @@ MOST_STEM = 200
 RECORDINGS = "recordings"
 """Directory of the recordings below a run folder."""
 LEARNED_BEFORE = "learned"
-"""Key of the manifest for what was known at the beginning."""
+"""Key of the manifest for the knowledge at the beginning."""
 COMMAND = "command"
 """Key of the manifest for the command as it was typed."""
 ASKED = "asked"

@@ -117,7 +117,7 @@ NAMING = ("experiment", "scenario", "seed", "condition")
 MEASURES = "measures"
 """Key of the measures of a task in `runs.jsonl`; in `runs.csv` each has a column of its own name."""
 COUNTED = "counts"
-"""Key of what was counted in a run."""
+"""Key of the counts of a run."""
 FURTHER = (MEASURES, COUNTED)
 _RESULT_COLUMNS = tuple(column.name for column in fields(MissionResult) if column.name != MEASURES)
 _RECORD = TypeAdapter(RunRecord)
@@ -214,7 +214,7 @@ class RunTask:
         return [RunRecord(self.experiment, self.scenario, self.seed, self.condition, result, wall)]
 
     def knowing(self, learned: Mapping[str, Any]) -> "RunTask":
-        """Return the run that begins with what was learned of options, as a manifest holds it."""
+        """Return the run with the learned rewards of a manifest at its beginning."""
         return replace(self, mission=self.mission.beginning_with(learned))
 
     def serving(self, options: Mapping[str, str]) -> "RunTask":

@@ -64,14 +64,14 @@ class Conclusion:
     yardsticks: tuple[Stated, ...]
 
     def marks(self, result: Stated) -> list[str]:
-        """Return the labels of what a result had to beat but did not."""
+        """Return the labels of the yardsticks that a result did not beat."""
         return [one.label for one in self.yardsticks if one.label in TO_BEAT and not result.beats(one)]
 
 
 def conclude(
     study: StudyConfig, space: StudySpace, search: CandidateSearch, arms: Sequence[Arm], field: MissionField
 ) -> Conclusion:
-    """Run the last race of each method and state what came out; random search counts with its cheapest."""
+    """Run the last race of each method and state its results; random search counts with its cheapest."""
     winners = {arm.method: search.winners(arm) for arm in arms}
     found = winners[study.method]
     single = len(found) == 1

@@ -65,7 +65,7 @@ class CandidateTask(TrialTask):
 
     @property
     def settings(self) -> TrialSettings:
-        """What the candidate decides on, and what is seen of its avoidance."""
+        """Those of the base class, with the observations of avoidance."""
         return replace(super().settings, observation=SEEN)
 
     def decider(self, problem: Problem, teams: Ints) -> AvoidanceWatch:
@@ -73,7 +73,7 @@ class CandidateTask(TrialTask):
         return AvoidanceWatch(super().decider(problem, teams), problem, self._counted)
 
     def counts(self, scenario: Scenario) -> dict[str, int]:
-        """Return what was counted in a mission up to now."""
+        """Return the counts of a mission up to now."""
         return dict(self._counted[scenario.seed])
 
     @cached_property
@@ -110,7 +110,7 @@ class AvoidanceWatch(Decider):
         return self._decider.decide(observations)
 
     def opinions(self) -> Floats:
-        """Return what the decider thought (R, O)."""
+        """Return the opinions of the decider (R, O)."""
         return self._decider.opinions()
 
 

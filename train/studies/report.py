@@ -49,7 +49,7 @@ def importances(arms: Sequence[Arm], space: StudySpace) -> dict[str, float]:
 
 
 def study_tables(conclusion: Conclusion, space: StudySpace, importance: Importances) -> list[Grid]:
-    """Return the tables: what the results cost beside what they must beat, and their values."""
+    """Return the tables: costs of the results beside their yardsticks, and their values."""
     return [_costs(conclusion), _comparison(conclusion), _values(conclusion, space, importance)]
 
 

@@ -38,7 +38,7 @@ MEANS = "means"
 
 @dataclass(frozen=True)
 class StudyTrial:
-    """A candidate, and what the method was told of it."""
+    """A candidate, and its figures as the method got them."""
 
     candidate: Candidate
     means: tuple[float, ...] = ()
@@ -167,7 +167,7 @@ class CandidateSearch:
         return Arm(method, tuple(trials), tuple(best))
 
     def winners(self, arm: Arm) -> list[Candidate]:
-        """Return who wins the last race, on fresh scenarios: the cheapest, or those on the front."""
+        """Return the winners of the last race, on fresh scenarios: the cheapest, or those on the front."""
         rules = self._study.race
         blocks = -(-self._study.last.scenarios // rules.block)
         measure = self._measure(LAST_RACE)

@@ -34,7 +34,7 @@ from train.studies.search import Arm, CandidateSearch, StudyTrial
 from train.studies.space import StudySpace
 
 MISSIONS = "missions.jsonl"
-"""File with the finished missions. A study is a function of its seed and of these: one that was killed begins anew,
+"""File with the finished missions. A study is a function of its seed and of these: one that was killed starts again,
 finds its missions here, and comes to the same trials (docs/decisions/0170-studies-replay.md)."""
 
 

@@ -122,7 +122,7 @@ class ObservationConfig(Closed):
         return validated(type(self), {**given, "terms": (*seen, *further)}, "observation", own=True)
 
     def build(self, observed: Observed) -> tuple[Term, ...]:
-        """Return the terms of what is `observed`."""
+        """Return the terms, made for `observed`."""
         return tuple(self._built(term, observed) for term in self.terms)
 
     def _built(self, term: TermConfig, observed: Observed) -> Term:

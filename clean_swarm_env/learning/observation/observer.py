@@ -79,7 +79,7 @@ class Observer:
 
 
 def around_robots(worlds: Worlds, progress: MissionProgress, config: ObservationConfig) -> Around:
-    """Return what is around the robots of `worlds`, with nothing searched yet."""
+    """Return the surroundings of the robots of `worlds`, before any search."""
     physics, garbage, network, robots = worlds.physics, worlds.garbage, worlds.network, worlds.mission.robots
     sizes = [len(coordinator.model.options) for coordinator in worlds.coordinators]
 

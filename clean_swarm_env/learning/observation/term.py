@@ -84,7 +84,7 @@ class Term(ABC):
 
     @classmethod
     def meaning(cls) -> str:
-        """Return what the components mean."""
+        """Return the meaning of the components."""
         return " ".join((cls.__doc__ or "").split())
 
     @classmethod

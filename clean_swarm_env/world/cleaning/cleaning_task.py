@@ -1,4 +1,4 @@
-"""Cleaning: robots find garbage, carry it to a recycling station, then what is left to a dump.
+"""Cleaning: robots find garbage, carry it to a recycling station, then the rest of it to a dump.
 
 Items and stations lie on the floor (`world.floor`); behaviours carry out what compiled stages of the tick do with them.
 """

@@ -42,7 +42,7 @@ open_consequence = CONSEQUENCE.open
 
 
 class Consequences:
-    """The owner of what collisions have done to the robots of a batch of worlds.
+    """The effects of collisions on the robots of a batch of worlds.
 
     Attributes:
         active: whether collisions have any consequence in this mission.
@@ -81,7 +81,7 @@ class Consequences:
         return damaged
 
     def reset(self, rows: Ints) -> None:
-        """Begin anew in `rows` (K,)."""
+        """Reset `rows` (K,)."""
         self.standing[rows] = 0
         self.collisions[rows] = 0
 

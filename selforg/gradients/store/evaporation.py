@@ -65,7 +65,7 @@ def evaporate_whole_seconds(slot: int, now: float, store: Written[Store]) -> Non
 
 @inlined
 def evaporated(diffusion: float, factor: float, periods: float) -> float:
-    """Return what is left of a diffusion [m] after `periods`; an infinite one stays until a factor of 0 ends it."""
+    """Return a diffusion [m] after `periods`; an infinite one stays until a factor of 0 ends it."""
     if np.isinf(diffusion):
         return 0.0 if factor == 0.0 and periods > 0.0 else diffusion
     return float(diffusion * whole_power(factor, periods))

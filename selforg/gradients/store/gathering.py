@@ -44,7 +44,7 @@ def look_all_around(
 
 @part
 def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Written[Store]) -> int:
-    """Write what a row sees into the pairs of `sight` from `look.first` on and return where it ends.
+    """Write the gradients that a row sees into the pairs of `sight` from `look.first` on and return where it ends.
 
     Pairs beyond the end of the table are counted, not written; the caller then calls again with a longer table.
     """

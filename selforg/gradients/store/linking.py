@@ -1,6 +1,6 @@
 """Linking of stored gradients: a list per layer, and buckets of cells by which near gradients are found.
 
-A bucket may hold several cells, told apart by LINK_LAYER and LINK_CELL. Within a cell the newest gradient comes first;
+A bucket may have several cells, distinguished by LINK_LAYER and LINK_CELL. Within a cell the newest comes first;
 neither growing the tables nor other spaces change that order, so the sum over a cell is reproducible.
 """
 

@@ -146,7 +146,7 @@ def sweep(layer: int, now: float, store: Written[Store]) -> None:
 
 @lean_kernel
 def evaporate_space(space: int, now: float, store: Written[Store]) -> None:
-    """Evaporate everything in one space up to `now` [s] and delete what is gone."""
+    """Evaporate everything in one space up to `now` [s] and delete those that have disappeared."""
     s = open_store(store)
     for channel in range(len(s.rules)):
         first = first_layer(channel, space, store)

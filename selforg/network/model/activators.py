@@ -77,7 +77,7 @@ class Boolean(Activator):
 class Threshold(Activator):
     """Fulfilled at or above `threshold` (at or below, if not `minimum`).
 
-    The wish is what is missing, divided by `value_range` and clamped to [-1, 1]; without a range it is +1 or -1.
+    The wish is the missing amount, divided by `value_range` and clamped to [-1, 1]; without a range it is +1 or -1.
     """
 
     threshold: Finite

@@ -1,4 +1,4 @@
-"""The network model: what a network is made of, checked once, with its packed form."""
+"""The network model: the parts of a network, checked once, with its packed form."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 A key is what a plan can depend on: the alternatives held, the goals that are on, the facts, and for each number how
 many steps of its grid it is away from each of its bounds. Two rows with equal keys have the same plans, because every
 change of a number is a whole number of grid steps; the memory changes speed only, never an answer. Numbers that plans
-only use up are told apart no further than `reach` grid steps from where they suffice; the planner says when that is too
+only use up are distinguished only within `reach` grid steps from where they suffice; the planner says when that is too
 little (see `spending`). docs/decisions/0053-planner-ablation.md says what each memory saves.
 """
 

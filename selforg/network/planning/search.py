@@ -47,7 +47,7 @@ State: TypeAlias = tuple[int, tuple[int, ...]]
 
 
 class Search(ABC):
-    """The interface of what finds plans for one problem: the built-in search, or an engine in its place.
+    """The interface of planners for one problem: the built-in search, or an engine in its place.
 
     `plan` and `read_state` are the same for all; an implementation answers in `plan_from`.
     """

@@ -149,7 +149,7 @@ def flow_between(row: int, model: Words[PackedModel], states: Written[RowStates]
 
 @inlined
 def flow_from_plan(row: int, model: Words[PackedModel], states: Written[RowStates], plans: Words[RowPlans]) -> None:
-    """Set what the plan adds to the behaviours of its remaining steps: the sooner one is due, the more."""
+    """Set the plan's term for the behaviours of its remaining steps: the sooner one is due, the more."""
     p, values, weight = open_plans(plans), open_states(states).values, open_model(model).plan_weight
     index, length = p.marks[row, INDEX], p.marks[row, LENGTH]
     for k in range(length - 1, index - 1, -1):  # backwards: the first occurrence is written last

@@ -46,7 +46,7 @@ def select_row(
 ) -> bool:
     """Go once through the behaviours of `row` in falling activation; return whether anything runs afterwards.
 
-    With `advance` the time of what keeps running goes on.
+    With `advance` the time of behaviours that keep running advances.
     """
     s, own, limit = open_states(states), open_scratch(scratch), open_model(model).max_parallel
     threshold = s.row_values[row, st.THRESHOLD]

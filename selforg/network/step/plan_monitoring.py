@@ -35,7 +35,7 @@ from selforg.network.state import RowStates, open_states
 def monitor_plan(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Written[RowPlans]) -> None:
     """Pass the due step of the plan of `row` if it is done, and note whether a new plan is needed.
 
-    Call it before the marks of what ended itself are cleared.
+    Call it before the marks of behaviours that ended themselves are cleared.
     """
     expected = see_changes(row, model, states, plans)
     p = open_plans(plans)

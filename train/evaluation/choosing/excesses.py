@@ -36,7 +36,7 @@ class ExcessComparison:
         return np.array([[result.excess_s for result in row] for row in self.results[label]])
 
     def ratio(self, label: str) -> Ratio:
-        """Return the ratio of the mean excess to that of what a strategy is compared with."""
+        """Return the ratio of the mean excess to that of the strategy's yardstick."""
         return Ratio.of(self.excesses(label), self.excesses(self.against[label]).mean(axis=0))
 
     def publication(self, title: str, head: str, notes: Sequence[str] = ()) -> Publication:

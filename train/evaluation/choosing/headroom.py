@@ -94,7 +94,7 @@ class HeadroomEvaluation(FamilyEvaluation):
         self.stem += "-headroom"
 
     def settings(self) -> Mapping[str, Any]:
-        """Return what the search goes by."""
+        """Return the situations and scenarios of the search."""
         return {"headroom": {"situations": list(self._searched.situations), "scenarios": self._searched.scenarios}}
 
     def tasks(self, done: Done) -> list[TrialTask]:

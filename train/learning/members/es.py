@@ -39,7 +39,7 @@ class EsState(Closed):
     parameters: Numbers
     """(P,) the point about which members are drawn."""
     average: Numbers
-    """(P,) running mean of the points, which is what is exported."""
+    """(P,) running mean of the points, which is exported."""
     slope: Numbers
     """(P,) Adam's running mean of slopes."""
     square: Numbers

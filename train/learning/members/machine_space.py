@@ -1,4 +1,4 @@
-"""The space of machines that a design searches: machines drawn anew, and changes of a machine.
+"""The space of machines that a design searches: random machines, and changes of a machine.
 
 A threshold is drawn within two standard deviations about the mean of its component. Numbers are rounded, so that a
 machine can be read.
@@ -65,7 +65,7 @@ class MachineSpace:
         states[name] = states[name].model_copy(update={"option": self._one_of(self._problem.options)})
 
     def _other_way(self, states: States, name: str) -> None:
-        """Draw a transition anew, or add one."""
+        """Redraw a transition, or add one."""
         if len(states) == 1:
             return
         ways = list(states[name].transitions)

@@ -169,5 +169,5 @@ class MembersDecider(Decider):
         return decided
 
     def opinions(self) -> Floats:
-        """Return what the members thought (R, O)."""
+        """Return the opinions of the members (R, O)."""
         return np.concatenate([mission.decider.opinions() for _, mission in sorted(self._missions.items())])

@@ -45,7 +45,7 @@ class MembersCheckpoint(CheckpointDescription):
     """Everything that a training depends on."""
 
     scale: ObservationScale
-    """The scale of what robots see."""
+    """The scale of robots' observations."""
     now: dict[str, Any]
     """The state."""
     kept: dict[str, Any]

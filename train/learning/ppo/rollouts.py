@@ -107,7 +107,7 @@ class RobotRollouts(RolloutBuffer):
         self._waiting = {**kept, "counted": last >= 0}
 
     def get(self, batch_size: int | None = None) -> Iterator[RolloutBufferSamples]:
-        """Yield the decisions of which is known what came of them, in a random order."""
+        """Yield the decisions whose results are known, in a random order."""
         if not self.generator_ready:
             chosen = self.swap_and_flatten(self.known)[:, 0]
             for name in (*WAITING, "advantages", "returns"):
