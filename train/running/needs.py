@@ -33,7 +33,7 @@ FILE_COSTS = {
 in each picture of a video, a byte of a recording on a page, a recorded number in tables."""
 
 LONGEST = 7 * 86_400.0
-"""Longest estimated time of a command [s]: nobody waits longer without knowing."""
+"""Longest estimated time of a command [s], unless the user forces it."""
 LONGEST_TICK = 5.0
 """Longest estimated time of a control period [s]; the estimate is coarse, and compiled code hears no Ctrl-C."""
 CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
@@ -63,7 +63,7 @@ class Needs:
 
 
 def needs_of(mission: MissionConfig) -> Needs:
-    """Return an estimate of what a mission needs."""
+    """Return an estimate of the needs of a mission."""
     robots, items = mission.rows, mission.item_rows
     pairs = robots**2 if mission.own_contents else 0
     remembered = ceil(mission.delivery.pose_memory * mission.world.control_rate) + mission.delay_ticks if pairs else 1
@@ -83,7 +83,7 @@ class Machine:
     workers: int = 1
     """Processes."""
     forced: bool = False
-    """Whether to run what the machine is estimated to be too small for."""
+    """Whether to run even if the machine is estimated to be too small."""
     place: str | None = None
     """Where missions run; in processes of this machine unless given."""
 
@@ -125,7 +125,7 @@ def check_needs(workload: Workload, machine: Machine, hint: str = "--force start
 
 
 def check_file(output: Path, amount: float, what: str, hint: str) -> str:
-    """Return what a file is estimated to need, in words. `FILE_COSTS` says of what `amount` is; `what` tells of it.
+    """Return the estimated needs of a file, in words. `FILE_COSTS` says of what `amount` is; `what` tells of it.
 
     Raises:
         ConfigurationError: it is more memory, time or room than there is.
@@ -145,7 +145,7 @@ def most_numbers() -> float:
 
 
 def _check(what: str, estimates: Sequence[tuple[str, float, float, Callable[[float], str]]], hint: str) -> None:
-    """Compare what is needed with what is there, of memory, time and more; each is said in words of its own."""
+    """Compare needs with the machine's memory, time and more; each is said in words of its own."""
     for name, needed, there, in_words in estimates:
         if needed > there:
             text = f"expected at most {in_words(there)} of {name}, got about {in_words(needed)}"
