@@ -25,9 +25,9 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from clean_swarm_env.borders.infos import MASK, Info, team_infos
-from clean_swarm_env.borders.members import Member
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
 from clean_swarm_env.borders.spaces import (
+    Member,
     action_space,
     check_render_mode,
     observation_space,
@@ -36,6 +36,7 @@ from clean_swarm_env.borders.spaces import (
 )
 from clean_swarm_env.borders.views import PICTURE, View
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.figures import own_columns
 from clean_swarm_env.learning.given import seeds_from, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Floats, Ints
@@ -47,6 +48,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     Args:
         together: rows of one environment: 1, or 0 for all robots of a world.
         worlds: W.
+        one_for_all: whether one action serves all rows of an environment.
         autoreset_mode: what happens when the mission of a world is over.
         render_mode: None or "rgb_array".
         settings: see `VectorSettings`.
@@ -64,6 +66,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         together: int,
         worlds: int,
         *,
+        one_for_all: bool = False,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         render_mode: str | None = None,
         **settings: Unpack[VectorSettings],
@@ -75,10 +78,11 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         self.view = View(self.batch, render_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": self.view.fps}
         self._together = together or self.batch.robots
+        self._sharing = self._together if one_for_all else 1
         self.num_envs = self.batch.rows // self._together
         self._per_world = self.batch.robots // self._together
         self.single_observation_space = observation_space(self.batch, self._together)
-        self.single_action_space = action_space(self.batch, self._together)
+        self.single_action_space = action_space(self.batch, self._together // self._sharing)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._over = np.zeros(worlds, dtype=np.bool_)
@@ -105,10 +109,11 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
 
     def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, Info]:
         """Run one decision period."""
-        rows, waiting = self._rows_of(actions), np.flatnonzero(self._over)
+        given = rows_of(actions, self.action_space, self.batch.rows // self._sharing)
+        waiting = np.flatnonzero(self._over)
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise RuntimeError(f"step: the missions of worlds {waiting.tolist()} are over, call reset first")
-        step = self.view.step(rows)
+        step = self.view.step(np.repeat(given, self._sharing, axis=0))
         terminated, truncated = step.terminated & ~self._over, step.truncated & ~self._over
         if len(waiting):
             self.batch.reset_worlds(waiting)
@@ -124,6 +129,11 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
             np.repeat(truncated, self._per_world),
             infos,
         )
+
+    def masks(self) -> Flags:
+        """Return which options (E, ...) can serve next; one option for all can if it can in any robot."""
+        masks: Flags = np.logical_or.reduce(self.batch.masks().reshape(self.num_envs, self._sharing, -1), axis=1)
+        return masks
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the states of `worlds`, or of all; see `Batch.get_state`."""
@@ -181,17 +191,13 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
             raise ValueError("options['reset_mask']: expected all robots of a world or none")
         return np.flatnonzero(worlds[:, 0])
 
-    def _rows_of(self, actions: Any) -> NDArray[Any]:  # noqa: ANN401  (what a user gave)
-        """Return the actions (R, ...) of rows."""
-        return rows_of(actions, self.action_space, self.batch.rows)
-
     def _joined(self, observations: Observations) -> Observations:
         return observations.reshape(self.num_envs, -1).copy()
 
     def _infos(self) -> Info:
         """Return the infos as arrays: (E,) for a team's, (E,) or (E, N) for a robot's own, (E, ...) for the mask."""
         infos: Info = {name: np.repeat(values, self._per_world) for name, values in team_infos(self.batch).items()}
-        for name, own in self.batch.own_figures().items():
+        for name, own in own_columns(self.batch.worlds, self.batch.progress).items():
             infos[name] = np.array(own) if self._together == 1 else np.reshape(own, (self.num_envs, -1))
         if self.batch.action.mode != "velocity":
             infos[MASK] = self.batch.masks().astype(np.int8).reshape(self.num_envs, -1)
@@ -246,18 +252,4 @@ class TeamVectorEnv(BatchVectorEnv):
 
     @spelled_out
     def __init__(self, num_envs: int = 1, *, one_for_all: bool = False, **settings: Unpack[ViewedSettings]) -> None:
-        super().__init__(0, whole_number(num_envs, "num_envs", 1), **settings)
-        self._one_for_all = one_for_all
-        if one_for_all:
-            self.single_action_space = action_space(self.batch)
-            self.action_space = batch_space(self.single_action_space, self.num_envs)
-
-    def masks(self) -> Flags:
-        """Return which options (E, ...) can serve next; one option for all can if it can in any robot."""
-        masks = self.batch.masks().reshape(self.num_envs, self.batch.robots, -1)
-        return np.any(masks, axis=1, out=None) if self._one_for_all else masks.reshape(self.num_envs, -1)
-
-    def _rows_of(self, actions: Any) -> NDArray[Any]:  # noqa: ANN401  (what a user gave)
-        if not self._one_for_all:
-            return super()._rows_of(actions)
-        return np.repeat(rows_of(actions, self.action_space, self.num_envs), self.batch.robots, axis=0)
+        super().__init__(0, whole_number(num_envs, "num_envs", 1), one_for_all=one_for_all, **settings)

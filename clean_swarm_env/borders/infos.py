@@ -11,6 +11,7 @@ from typing import Any
 
 from clean_swarm_env.borders.spaces import masks_of
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.figures import own_columns, team_columns
 from clean_swarm_env.learning.interface import FigureColumns
 
 Info = dict[str, Any]
@@ -21,7 +22,7 @@ MASK = "action_mask"
 
 def team_infos(batch: Batch) -> FigureColumns:
     """Return the values of each world that are the same for all its robots."""
-    columns = batch.team_figures()
+    columns = team_columns(batch.worlds, batch.progress)
     for end in batch.finished:  # such a world may have begun anew
         for name, value in end.statistics.items():
             columns[name][end.world] = value
@@ -30,7 +31,7 @@ def team_infos(batch: Batch) -> FigureColumns:
 
 def robot_infos(batch: Batch) -> list[Info]:
     """Return the infos of each row: those of its world, its own, and the mask."""
-    team, own = team_infos(batch), batch.own_figures()
+    team, own = team_infos(batch), own_columns(batch.worlds, batch.progress)
     if batch.action.mode != "velocity":
         own[MASK] = list(masks_of(batch))
     rows, infos = zip(*own.values(), strict=True), []

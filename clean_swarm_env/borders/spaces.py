@@ -1,4 +1,4 @@
-"""Helpers of all borders: spaces of a batch, masks in the form that `sample` takes, a start among options."""
+"""Helpers of all borders: spaces of a batch and of its members, masks as `sample` takes them, a start among options."""
 
 from __future__ import annotations
 
@@ -106,3 +106,46 @@ def check_render_mode(mode: object, known: Sequence[str]) -> None:
     """Raise ValueError for a render mode other than None and those `known`."""
     if mode is not None and mode not in known:
         raise ValueError(f"render_mode: expected None or {' or '.join(map(repr, known))}, got {mode!r}")
+
+
+class Member:
+    """One environment of a vectorised environment.
+
+    Attributes:
+        batch: the batch of its world.
+        world: number of its world, over all batches.
+        robot: number of its first robot within the world.
+
+    """
+
+    spec = None
+    render_mode = None
+
+    def __init__(self, batch: Batch, world: int, rows: slice) -> None:
+        """Make the environment of the `rows` of a batch that belong to one world."""
+        self.world, self.robot = world, rows.start % batch.robots
+        self._batch, self._rows = batch, rows
+
+    @property
+    def batch(self) -> Batch:
+        """The batch of the world."""
+        return self._batch
+
+    @property
+    def options(self) -> dict[str, tuple[str, ...]]:
+        """Coordinated goal -> names of its options."""
+        return dict(self._batch.options)
+
+    @property
+    def observation_space(self) -> spaces.Box:
+        """Space of the observations."""
+        return observation_space(self._batch, self._rows.stop - self._rows.start)
+
+    @property
+    def action_space(self) -> spaces.Space[Any]:
+        """Space of the actions."""
+        return action_space(self._batch, self._rows.stop - self._rows.start)
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Return which options of all goals and robots, one after the other, can serve next (for sb3-contrib)."""
+        return self._batch.masks()[self._rows].ravel()

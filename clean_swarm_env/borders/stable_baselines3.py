@@ -35,9 +35,8 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 from clean_swarm_env.borders.infos import Info, robot_infos
-from clean_swarm_env.borders.members import Member
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
-from clean_swarm_env.borders.spaces import flat_space, observation_space, preferred, start_of
+from clean_swarm_env.borders.spaces import Member, flat_space, observation_space, preferred, start_of
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import seeds_from
 from clean_swarm_env.learning.interface import BatchStep, Finished

@@ -19,7 +19,6 @@ from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, Controls, OptionActions
 from clean_swarm_env.learning.episodes import BatchSettings, EpisodeSource, Series, episodes_of
-from clean_swarm_env.learning.figures import own_columns, team_columns
 from clean_swarm_env.learning.given import (
     GivenMission,
     check_settings,
@@ -29,7 +28,7 @@ from clean_swarm_env.learning.given import (
     whole_number,
 )
 from clean_swarm_env.learning.global_state import GlobalState
-from clean_swarm_env.learning.interface import NO_JUMPS, BatchStep, FigureColumns, Finished
+from clean_swarm_env.learning.interface import NO_JUMPS, BatchStep, Finished
 from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TASK_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
@@ -54,7 +53,7 @@ class Batch:
         observation: terms of the observation; the default ones, and those of the mission, unless given.
         reward: weights of the reward's terms, or a function of the batch that returns the rewards (R,) of the period.
         action: what an action is.
-        settings: see `BatchSettings` and `EpisodeSettings`.
+        settings: see `BatchSettings`.
 
     Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S (of those
     on the torus of `size`).
@@ -104,7 +103,7 @@ class Batch:
         worlds = whole_number(worlds, "worlds", 1)
         compile_missions()
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
-        self.mission = next(episodes(0, 0, 1)).mission
+        self.mission = episodes.following((0, 0, 1))[0].mission
         self._series = Series(episodes, worlds)
         self._source = settings.get("source") or self._series
         self.action = config_from(ActionConfig, action, "action")
@@ -226,14 +225,6 @@ class Batch:
         """(W,) whether the mission of a world is over and no other has begun."""
         over: Flags = self.progress.outcome != RUNNING
         return over
-
-    def team_figures(self) -> FigureColumns:
-        """Return the infos that are the same for all robots of a world, of each world; see `figures.TEAM`."""
-        return team_columns(self.worlds, self.progress)
-
-    def own_figures(self) -> FigureColumns:
-        """Return the infos of each row; see `figures.OWN`."""
-        return own_columns(self.worlds, self.progress)
 
     def global_state(self) -> GlobalState:
         """Return what tells the global state of the worlds, and keeps it at the ends of missions from now on."""

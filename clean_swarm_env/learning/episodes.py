@@ -33,8 +33,35 @@ Size = tuple[float, float]
 """Width and height of a torus [m]."""
 EpisodeSource = Callable[[int], Scenario | None]
 """Function from the number of a world to its next scenario, None if there is none left."""
-Episodes = Callable[[int, int, int], "DrawnEpisodes"]
-"""Function from a seed, a first number and a step to the episodes of these numbers, without end."""
+Following = tuple[int, int, int]
+"""Seed and number of the next episode of a series, and the step to the number after it."""
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """The episodes of a mission: random starts; or of a family: scenarios of a split, those on the torus of `size`."""
+
+    source: MissionConfig | FamilyConfig
+    split: Split = "train"
+    size: Size | None = None
+
+    def draw(self, seed: int, number: int) -> Scenario:
+        """Return an episode, on whatever torus."""
+        if isinstance(self.source, FamilyConfig):
+            return self.source.scenario(seed, number, self.split)
+        start = random_start(self.source, seed, number)
+        return Scenario(start.id, run_seed(seed, f"episode {number}"), self.source, start)
+
+    def following(self, place: Following) -> tuple[Scenario, Following]:
+        """Return the first episode of a series from a place on, and the place after it."""
+        seed, number, step = place
+        drawn = bool(self.size and isinstance(self.source, FamilyConfig) and self.source.sizes)
+        while True:
+            scenario = self.draw(seed, number)
+            number += step
+            world = scenario.mission.world
+            if not drawn or (world.width, world.height) == self.size:
+                return scenario, (seed, number, step)
 
 
 class Series:
@@ -52,13 +79,14 @@ class Series:
 
     def __init__(self, episodes: Episodes, worlds: int) -> None:
         self._episodes = episodes
-        self._running: list[DrawnEpisodes | None] = [None] * worlds
+        self._places: list[Following | None] = [None] * worlds
 
     def __call__(self, world: int) -> Scenario:
         """Return the next episode of a world."""
-        running = self._running[world]
-        assert running is not None
-        return next(running)
+        place = self._places[world]
+        assert place is not None
+        scenario, self._places[world] = self._episodes.following(place)
+        return scenario
 
     def reset(self, seeds: Sequence[int | None]) -> None:
         """Give each world (W,) the episodes 0, 1, ... of its seed.
@@ -66,28 +94,27 @@ class Series:
         A world without a seed (None) continues its episodes, or begins those of a seed drawn from the system.
         """
         for world, seed in enumerate(seeds):
-            if seed is not None or self._running[world] is None:
+            if seed is not None or self._places[world] is None:
                 known = np.random.SeedSequence().entropy if seed is None else seed
-                self._running[world] = self._episodes(int(known), 0, 1)  # type: ignore[arg-type]
+                self._places[world] = (int(known), 0, 1)  # type: ignore[arg-type]
 
-    def part_of(self, world: int) -> tuple[int, int, int] | None:
-        """Return seed, number and step of the next episode of a world; None before its first."""
-        running = self._running[world]
-        return None if running is None else (running.seed, running.number, running.step)
+    def part_of(self, world: int) -> Following | None:
+        """Return the place of the next episode of a world; None before its first."""
+        return self._places[world]
 
-    def put_part(self, world: int, following: tuple[int, int, int] | None, later: float) -> None:
-        """Let a world continue with an episode as `part_of` names it, at any time of the clock."""
-        self._running[world] = None if following is None else self._episodes(*following)
+    def put_part(self, world: int, place: Following | None, later: float) -> None:
+        """Let a world continue with the episode at a place, at any time of the clock."""
+        self._places[world] = place
 
     def share(self, seed: int) -> None:
         """Distribute the episodes of one seed: world w of W gets the episodes w, w + W, ..."""
-        worlds = len(self._running)
+        worlds = len(self._places)
         whole_number(seed, "seed")
-        self._running = [self._episodes(seed, world, worlds) for world in range(worlds)]
+        self._places = [(seed, world, worlds) for world in range(worlds)]
 
 
-class EpisodeSettings(TypedDict, total=False):
-    """The choice of episodes; without settings the mission from random starts."""
+class WorldSettings(TypedDict, total=False):
+    """Settings of the worlds and their episodes, as keyword arguments of all borders."""
 
     family: GivenFamily | None
     """A family of scenarios (its name in `configs/families`, its path, its keys) in place of the mission: its scenarios
@@ -107,11 +134,6 @@ class EpisodeSettings(TypedDict, total=False):
     """Python files with tasks of the user's own, which a mission may then name."""
     trust: bool
     """Whether the files of the mission or the family may ask for code and databases; by default not (docs/trust.md)."""
-
-
-class WorldSettings(EpisodeSettings, total=False):
-    """Further settings of the worlds, as keyword arguments of all borders."""
-
     source: EpisodeSource | None
     """Function from a world to its next scenario, in place of episodes that follow from seeds. All scenarios have the
     frame of the mission or the family (`frames`). A world without a next scenario stays as it is until `reset`, and
@@ -123,14 +145,14 @@ class WorldSettings(EpisodeSettings, total=False):
 
 
 class BatchSettings(WorldSettings, total=False):
-    """Further settings of a batch, as keyword arguments."""
+    """Settings of a batch, as keyword arguments."""
 
     begin_anew: bool
     """Whether a world whose mission is over begins its next episode at the end of that period, by default yes. If not,
     the world stays as it is until `reset`, and counts no more."""
 
 
-def episodes_of(mission: GivenMission | None = None, settings: EpisodeSettings | None = None) -> Episodes:
+def episodes_of(mission: GivenMission | None = None, settings: WorldSettings | None = None) -> Episodes:
     """Return the episodes of a mission, "table1" unless given, or of the family that the settings name."""
     chosen = settings or {}
     import_tasks(chosen.get("imports", ()))
@@ -144,76 +166,14 @@ def episodes_of(mission: GivenMission | None = None, settings: EpisodeSettings |
             if chosen.get(name) is not None:
                 raise ValueError(f"{name}: expected with a family only, got {chosen.get(name)!r}")
         given = mission_from("table1" if mission is None else mission, directories)
-        return MissionEpisodes(_changed(given, chosen))
+        return Episodes(_changed(given, chosen))
     if mission is not None:
         raise ValueError("family: expected a mission or a family, got both")
     drawn = family_from(family, directories)
     size = None if size is None else (size[0], size[1])
     _check_size(drawn, size)
     known = drawn.model_copy(update={"mission": _changed(drawn.mission, chosen)})
-    return FamilyEpisodes(known, chosen.get("split", "train"), size)
-
-
-@dataclass(frozen=True)
-class MissionEpisodes:
-    """The episodes of a mission: random starts."""
-
-    mission: MissionConfig
-
-    def __call__(self, seed: int, first: int, step: int) -> DrawnEpisodes:
-        """Return the episodes of a seed; see `Episodes`."""
-        return DrawnEpisodes(self, seed, first, step)
-
-    def draw(self, seed: int, number: int) -> Scenario:
-        """Return an episode."""
-        start = random_start(self.mission, seed, number)
-        return Scenario(start.id, run_seed(seed, f"episode {number}"), self.mission, start)
-
-    def fits(self, scenario: Scenario) -> bool:
-        """Return whether an episode is one of those wanted."""
-        return True
-
-
-@dataclass(frozen=True)
-class FamilyEpisodes:
-    """The episodes of a family: scenarios of one split, those on the torus of `size` if given."""
-
-    family: FamilyConfig
-    split: Split
-    size: Size | None
-
-    def __call__(self, seed: int, first: int, step: int) -> DrawnEpisodes:
-        """Return the episodes of a seed; see `Episodes`."""
-        return DrawnEpisodes(self, seed, first, step)
-
-    def draw(self, seed: int, number: int) -> Scenario:
-        """Return an episode."""
-        return self.family.scenario(seed, number, self.split)
-
-    def fits(self, scenario: Scenario) -> bool:
-        """Return whether an episode is one of those wanted."""
-        world = scenario.mission.world
-        return self.size is None or not self.family.sizes or (world.width, world.height) == self.size
-
-
-@dataclass
-class DrawnEpisodes:
-    """An iterator of episodes that can be copied and pickled; `number` is that of the next one."""
-
-    episodes: MissionEpisodes | FamilyEpisodes
-    seed: int
-    number: int
-    step: int
-
-    def __iter__(self) -> DrawnEpisodes:
-        return self
-
-    def __next__(self) -> Scenario:
-        while True:
-            scenario = self.episodes.draw(self.seed, self.number)
-            self.number += self.step
-            if self.episodes.fits(scenario):
-                return scenario
+    return Episodes(known, chosen.get("split", "train"), size)
 
 
 def _check_size(family: FamilyConfig, size: Size | None) -> None:
@@ -224,7 +184,7 @@ def _check_size(family: FamilyConfig, size: Size | None) -> None:
         raise ValueError(f"size: expected one of those of family {family.name!r}, {known}, got {size}")
 
 
-def _changed(mission: MissionConfig, chosen: EpisodeSettings) -> MissionConfig:
+def _changed(mission: MissionConfig, chosen: WorldSettings) -> MissionConfig:
     """Return the mission with the knowledge and the time limit that were chosen in place of its own."""
     knowledge, limit = chosen.get("knowledge"), chosen.get("time_limit")
     changes = {"knowledge": knowledge and os.fspath(knowledge), "time_limit": limit}

@@ -92,11 +92,6 @@ class Joined:
         """(R,) whether there is a robot in the row."""
         return np.concatenate([batch.worlds.physics.present for batch in self.batches])
 
-    @property
-    def events(self) -> Ints:
-        """(E, R) counts of the events of the last period, see `Period.events`."""
-        return np.concatenate([batch.progress.events for batch in self.batches], axis=1)
-
     def masks(self) -> Flags:
         """Return which options (R, O) can serve in the coming period."""
         return np.concatenate([batch.masks() for batch in self.batches])

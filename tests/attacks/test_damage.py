@@ -26,8 +26,7 @@ from tests.train import fake_mission
 from tests.train.commands import told
 from tests.train.live.sessions import SMALL, play_of
 from train.deciders.models import ModelDecider
-from train.evaluation.gathering import gathered
-from train.evaluation.held import held_evaluation
+from train.evaluation.gathering import gathered, held_evaluation
 from train.evaluation.repeat import record_run
 from train.live.session import Session
 from train.replay.export import export
@@ -141,14 +140,14 @@ def test_a_damaged_model_decides_or_is_refused_in_one_line(ending, tmp_path):
     if ending not in written:
         pytest.skip("needs the extras train and onnx")
     path, problem = written[ending], Problem("G", ("a", "b"), np.ones(2), ("near", "far"))
-    ModelDecider(path, problem, "option")
+    ModelDecider(path, "option", problem, np.zeros(3))
 
     def read(content):
         bad = tmp_path / f"bad{ending}"
         bad.write_bytes(content)
         message = f"{bad}: decides"
         try:
-            ModelDecider(bad, problem, "option").decide(np.zeros((3, 2), dtype=np.float32))
+            ModelDecider(bad, "option", problem, np.zeros(3)).decide(np.zeros((3, 2), dtype=np.float32))
         except DocumentError as error:
             message = str(error)
         assert message.startswith(str(bad))

@@ -23,23 +23,8 @@ from selector.documents.plain import plain
 from selector.documents.reading import read_mapping
 from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
-from train.cli import (
-    choosing,
-    claims,
-    dataset,
-    draw,
-    evaluate,
-    knowledge,
-    play,
-    repeat,
-    run,
-    score,
-    train,
-    tune,
-)
-from train.cli.cluster import gather, script, warm
+from train.cli import evaluate, knowledge, look, machine, play, repeat, run, study, train
 from train.cli.options import Configs, error_console, print_error
-from train.cli.showing import picture, report, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 TRUST, READ_TASKS = "--trust", "--import"
@@ -114,37 +99,37 @@ COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
         "explain": (repeat.explain_command, "what a robot decided at a time, and why (seconds)"),
         "record": (repeat.record_command, "a run again, into a file (seconds)"),
         "replay": (repeat.replay_command, "a run as a page, or two side by side (seconds)"),
-        "video": (video.video_command, "a run as a video (1 min)"),
-        "report": (report.report_command, "results as a page with charts (seconds)"),
+        "video": (look.video_command, "a run as a video (1 min)"),
+        "report": (look.report_command, "results as a page with charts (seconds)"),
     },
     "learn": {},
-    "study": {"tune": (tune.tune_command, "parameters and scores of options, by missions (10 to 60 min)")},
-    "machine": {"gather": (gather.gather_command, "the shares of an evaluation into one (seconds)")},
+    "study": {"tune": (study.tune_command, "parameters and scores of options, by missions (10 to 60 min)")},
+    "machine": {"gather": (machine.gather_command, "the shares of an evaluation into one (seconds)")},
 }
 """Panel -> command -> its function, and what it is for with its usual time."""
 GROUPS: dict[str, tuple[str, dict[str, Any]]] = {
     "look": (
         "picture, draw, export: a file of what one sees (seconds)",
-        {"picture": picture.picture_command, "draw": draw.draw_command, "export": repeat.export_command},
+        {"picture": look.picture_command, "draw": look.draw_command, "export": repeat.export_command},
     ),
     "learn": (
         "knowledge, dataset: what is known and learned (seconds)",
-        {"dataset": dataset.dataset_command},
+        {"dataset": train.dataset_command},
     ),
     "study": (
         "what choosing brings, in six ways (1 to 60 min)",
         {
-            "score": score.score_command,
-            "headroom": choosing.headroom_command,
-            "look-ahead": choosing.look_ahead_command,
-            "periods": choosing.periods_command,
-            "configure": tune.configure_command,
-            "claims": claims.claims_command,
+            "score": study.score_command,
+            "headroom": study.headroom_command,
+            "look-ahead": study.look_ahead_command,
+            "periods": study.periods_command,
+            "configure": study.configure_command,
+            "claims": study.claims_command,
         },
     ),
     "machine": (
         "warm, slurm: compile all, print a job array (1 min)",
-        {"warm": warm.warm_command},
+        {"warm": machine.warm_command},
     ),
 }
 """Group, in the panel of its name -> what it is for, and its commands."""
@@ -157,7 +142,7 @@ for _name, (_summary, _below) in GROUPS.items():
         groups[_name].command(_own)(_command)
     app.add_typer(groups[_name], name=_name, short_help=_summary, rich_help_panel=_name)
 groups["learn"].add_typer(knowledge.app, name="knowledge")
-groups["machine"].command("slurm", context_settings=script.PASSED_ON)(script.slurm_command)
+groups["machine"].command("slurm", context_settings=machine.PASSED_ON)(machine.slurm_command)
 app.add_typer(
     train.app,
     name="train",

@@ -52,8 +52,7 @@ def evaluate_command(
     from train.evaluation import pipeline
     from train.evaluation.base import Evaluation
     from train.evaluation.experiment import ExperimentEvaluation
-    from train.evaluation.family import FamilyEvaluation
-    from train.evaluation.robustness import RobustnessEvaluation
+    from train.evaluation.family import FamilyEvaluation, RobustnessEvaluation
 
     evaluation: Evaluation
     if family is not None:

@@ -118,9 +118,9 @@ SHARED: dict[str, tuple[Any, Any]] = {
     ),
     "configs": (Configs, None),
 }
-"""GivenOptions that commands share: name -> type and help, default."""
+"""Options that commands share: name -> type and help, default."""
 KEEPING = ("output", "resume", "workers", "on", "any_bits", "force", "configs")
-"""GivenOptions of all commands that do missions and keep results."""
+"""Options of all commands that do missions and keep results."""
 BOUNDS = {"scenarios": (1, MOST_SCENARIOS), "seed": (0, MOST_SEED), "workers": (1, 1000)}
 """Least and largest number."""
 
@@ -179,7 +179,7 @@ class GivenOptions:
 def asking(*names: str, **defaults: object) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command the shared options of these names; it gets what is given for them, checked, as `given`.
 
-    GivenOptions with a default of their own get it: `scenarios=30`.
+    Options with a default of their own get it: `scenarios=30`.
     """
 
     def with_options(command: Callable[..., None]) -> Callable[..., None]:

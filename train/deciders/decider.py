@@ -1,12 +1,13 @@
 """The base class of deciders, which say in each decision period what robots do: options, movement vectors, or both.
 
-Shapes: R rows, F components of an observation, O options.
+Shapes: R rows, F components of an observation, O options, M missions.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections import defaultdict, deque
+from collections.abc import Callable, Sequence
 from typing import ClassVar, NamedTuple, final
 
 import numpy as np
@@ -37,12 +38,14 @@ class Decider(ABC):
     >>> class Nearest(OptionDecider):
     ...     def _choose(self, observations):
     ...         return observations.argmin(axis=1)
-    >>> nearest = Nearest(Problem("Goal", ("left", "right"), np.zeros(2), ("on_the_left", "on_the_right")))
+    >>> problem = Problem("Goal", ("left", "right"), np.zeros(2), ("on_the_left", "on_the_right"))
+    >>> nearest = Nearest(problem, teams=np.zeros(2, dtype=np.int64))
     >>> nearest.decide(np.array([[3.0, 1.0], [0.5, 1.0]])).options
     array([1, 0])
 
     Args:
         problem: goal and options; its features are all components of the observation.
+        teams: (R,) number of the team of each row.
 
     Attributes:
         leads: whether the baseline of the task commands the robots, in place of the decider.
@@ -51,8 +54,8 @@ class Decider(ABC):
 
     leads: ClassVar[bool] = False
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
+    def __init__(self, problem: Problem, teams: Ints) -> None:
+        self.problem, self.teams = problem, teams
 
     def reset(self, rows: Ints, seed: int) -> None:  # noqa: B027  (decisions of many depend on no mission)
         """Prepare `rows` (N,) for a new mission with `seed`."""
@@ -93,7 +96,57 @@ class BaselineDecider(OptionDecider):
 
 
 DeciderMaker = Callable[[Problem, Ints], Decider]
-"""Makes a decider for rows of teams (R,), for a problem whose features are all components of the observation."""
+"""Makes a decider for a problem and teams (R,); a class of deciders, or a `partial` of one, which can be pickled."""
+
+
+class TeamsDecider(Decider):
+    """Each team follows a decider of its own during its mission.
+
+    Args:
+        makers: (M,) what makes the decider of each mission.
+        seeds: (M,) seed of each mission; missions of one seed begin in this order.
+        problem, teams: see `Decider`.
+        seen: number of a mission -> (3, F) number, sum and sum of squares of its observations, which this notes.
+
+    """
+
+    def __init__(
+        self,
+        makers: Sequence[DeciderMaker],
+        seeds: Sequence[int],
+        problem: Problem,
+        teams: Ints,
+        seen: dict[int, Floats] | None = None,
+    ) -> None:
+        super().__init__(problem, teams)
+        self._makers, self._seen = makers, {} if seen is None else seen
+        self._waiting: dict[int, deque[int]] = defaultdict(deque)
+        for number, seed in enumerate(seeds):
+            self._waiting[seed].append(number)
+        self._missions: dict[int, tuple[Ints, Decider, int]] = {}
+
+    def reset(self, rows: Ints, seed: int) -> None:
+        """Let `rows` (N,) follow the decider of the next mission of a seed."""
+        number = self._waiting[seed].popleft()
+        own = np.arange(len(rows))
+        decider = self._makers[number](self.problem, np.zeros_like(own))
+        decider.reset(own, seed)
+        self._missions[int(rows[0])] = rows, decider, number
+        self._seen[number] = np.zeros((3, len(self.problem.features)))
+
+    def opinions(self) -> Floats:
+        """Return the opinions of the deciders (R, O)."""
+        return np.concatenate([decider.opinions() for _, (_, decider, _) in sorted(self._missions.items())])
+
+    def _decide(self, observations: Observations) -> Decided:
+        count = len(observations)
+        decided = Decided(np.zeros(count, dtype=np.int64), np.zeros((count, 2)))
+        for rows, decider, number in self._missions.values():
+            own = observations[rows]
+            decided.options[rows], decided.vectors[rows] = decider.decide(own)
+            numbers = own.astype(np.float64)
+            self._seen[number] += np.stack([np.full(numbers.shape[1], len(own)), numbers.sum(0), (numbers**2).sum(0)])
+        return decided
 
 
 def mode_of(*, options: bool, vector: bool) -> Mode:

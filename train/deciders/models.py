@@ -93,16 +93,16 @@ class ModelDecider(Decider):
 
     Args:
         path: the model.
-        problem: see `Decider`; without options among its features if the model only drives.
         mode: what it gives.
+        problem, teams: see `Decider`; without options among its features if the model only drives.
 
     Raises:
         DocumentError: there is no such file, its library is not installed, or it does not fit the problem.
 
     """
 
-    def __init__(self, path: Path, problem: Problem, mode: Mode) -> None:
-        super().__init__(problem)
+    def __init__(self, path: Path, mode: Mode, problem: Problem, teams: Ints) -> None:
+        super().__init__(problem, teams)
         known = remembered(path)
         if known.options and known.goal != problem.goal:
             raise DocumentError(f"{path}: goal: expected {problem.goal}, got {known.goal}")

@@ -1,62 +1,90 @@
-"""Rules: an option for each situation of a robot.
+"""Deciders by rules: an option for each situation of a robot, or a finite state machine.
 
-Shapes: R rows, S situations, at least one; M missions.
+Shapes: R rows, F components of an observation; S situations, or states; T transitions of the state that has most.
 """
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
 from collections.abc import Sequence
 
 import numpy as np
 
 from clean_swarm_env.learning.observation.observer import Observations
+from selector.strategies.machine_file import StateMachine
 from selector.strategies.problem import Problem
+from selector.strategies.streams import Keys, row_keys, uniforms
 from selforg.arrays import Ints
 from train.deciders.decider import OptionDecider, columns_of
 
 
 class RuleDecider(OptionDecider):
-    """Each row decides by its own rule.
+    """All rows decide by one rule.
 
     Args:
-        problem: see `Decider`.
         situations: components of the observation; the largest one gives the situation of a robot. Empty: S is 1.
-        rules: (R, S) options.
+        rule: (S,) option for each situation.
+        problem, teams: see `Decider`.
 
     """
 
-    def __init__(self, problem: Problem, situations: tuple[str, ...], rules: Ints) -> None:
-        super().__init__(problem)
-        self._columns, self.rules = columns_of(problem, situations, "context"), rules
+    def __init__(self, situations: tuple[str, ...], rule: Sequence[int], problem: Problem, teams: Ints) -> None:
+        super().__init__(problem, teams)
+        self._columns, self._rule = columns_of(problem, situations, "context"), np.array(rule, dtype=np.int64)
 
     def _choose(self, observations: Observations) -> Ints:
-        rows = np.arange(len(self.rules))
-        situations = observations[:, self._columns].argmax(axis=1) if len(self._columns) else np.zeros_like(rows)
-        chosen: Ints = self.rules[rows, situations]
+        if not len(self._columns):
+            return np.full(len(observations), self._rule[0])
+        chosen: Ints = self._rule[observations[:, self._columns].argmax(axis=1)]
         return chosen
 
 
-class TeamRuleDecider(RuleDecider):
-    """Each team follows one rule during its mission.
+class MachineDecider(OptionDecider):
+    """Each row is in a state of the machine, and takes the option of this state.
 
     Args:
-        problem: see `Decider`.
-        situations: see `RuleDecider`.
-        rows: R.
-        seeds: (M,) seed of each mission; missions of one seed begin in this order.
-        rules: (M, S) options of each mission.
+        machine: the machine.
+        problem, teams: see `Decider`.
+
+    Raises:
+        DocumentError: the machine does not fit the problem.
 
     """
 
-    def __init__(
-        self, problem: Problem, situations: tuple[str, ...], rows: int, seeds: Sequence[int], rules: Ints
-    ) -> None:
-        super().__init__(problem, situations, np.zeros((rows, rules.shape[1]), dtype=np.int64))
-        self._waiting: dict[int, deque[Ints]] = defaultdict(deque)
-        for seed, rule in zip(seeds, rules, strict=True):
-            self._waiting[seed].append(rule)
+    def __init__(self, machine: StateMachine, problem: Problem, teams: Ints) -> None:
+        super().__init__(problem, teams)
+        machine.check_fits(problem, "machine")
+        names, states = list(machine.states), list(machine.states.values())
+        self._first = names.index(machine.start)
+        self._options: Ints = np.array([problem.options.index(state.option) for state in states])
+        shape = (len(states), max(len(state.transitions) for state in states))
+        self._to, self._column = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.int64)
+        self._above, self._below = np.full(shape, -np.inf), np.full(shape, np.inf)
+        self._probability = np.zeros(shape)  # of a transition that does not exist
+        for s, state in enumerate(states):
+            for t, way in enumerate(state.transitions):
+                self._to[s, t], self._probability[s, t] = names.index(way.to), way.probability
+                self._column[s, t] = problem.features.index(way.when) if way.when is not None else 0
+                self._above[s, t] = -np.inf if way.above is None else way.above
+                self._below[s, t] = np.inf if way.below is None else way.below
+        self._states: Ints = np.full(len(teams), self._first)
+        self._keys: Keys = row_keys(np.random.SeedSequence(0), len(teams))
+        self._decided: Keys = np.zeros(len(teams), dtype=np.uint64)
 
     def reset(self, rows: Ints, seed: int) -> None:
-        """Give `rows` (N,) the rule of the next mission of a seed."""
-        self.rules[rows] = self._waiting[seed].popleft()
+        """Put `rows` (N,) into the first state, with new keys of random numbers."""
+        self._states[rows], self._decided[rows] = self._first, 0
+        self._keys[rows] = row_keys(np.random.SeedSequence([seed, 1]), len(rows))
+
+    def _choose(self, observations: Observations) -> Ints:
+        """Return the options (R,) of the states after this decision's transitions."""
+        states = self._states
+        if self._to.shape[1]:
+            seen = np.take_along_axis(observations.astype(np.float64), self._column[states], axis=1)  # (R, T)
+            drawn = uniforms(self._keys, self._decided, self._to.shape[1])
+            open_ways = (
+                (seen > self._above[states]) & (seen < self._below[states]) & (drawn < self._probability[states])
+            )
+            first = open_ways.argmax(axis=1)
+            self._states = np.where(open_ways.any(axis=1), self._to[states, first], states)
+            self._decided += np.uint64(1)
+        return self._options[self._states]

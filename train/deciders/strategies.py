@@ -1,31 +1,50 @@
-"""Deciders by strategies, which choose by the scores, their estimates or a network."""
+"""Deciders by strategies, which choose by scores or estimates, and by trained networks."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from clean_swarm_env.learning.observation.observer import Observations
+from selector.documents.arrays import check_known
+from selector.strategies.choosing import shares
+from selector.strategies.policy import Network
+from selector.strategies.policy_file import TrainedPolicy
 from selector.strategies.problem import Problem
-from selector.strategies.strategy import DecisionStrategy
+from selector.strategies.registry import StrategySpec
 from selector.strategies.streams import row_keys
 from selforg.arrays import Floats, Ints
-from train.deciders.decider import OptionDecider
+from train.deciders.decider import Decided, Decider, OptionDecider, columns_of
 
 
 class StrategyDecider(OptionDecider):
     """A strategy that decides in every decision period, and does not learn.
 
     Args:
-        strategy: decides among all options of `problem`, or among those that it knows.
-        columns: (K,) components of an observation that are its context.
-        problem: see `Decider`.
+        spec: the strategy.
+        problem, teams: see `Decider`.
+        options: names of the options that it knows; all unless given.
+        features: components of the observation that are its context.
+
+    Attributes:
+        strategy: the strategy.
 
     """
 
-    def __init__(self, strategy: DecisionStrategy, columns: Ints, problem: Problem) -> None:
-        super().__init__(problem)
-        self.strategy, self._columns = strategy, columns
-        self._places: Ints = np.array([problem.options.index(name) for name in strategy.problem.options])
+    def __init__(
+        self,
+        spec: StrategySpec,
+        problem: Problem,
+        teams: Ints,
+        options: tuple[str, ...] = (),
+        features: tuple[str, ...] = (),
+    ) -> None:
+        super().__init__(problem, teams)
+        self._columns = columns_of(problem, features, f"strategy {spec.name}")
+        known = replace(problem.only(options) if options else problem, features=features)
+        self.strategy = spec.build(known, row_keys(np.random.SeedSequence(0), len(teams)), teams)
+        self._places: Ints = np.array([problem.options.index(name) for name in known.options])
 
     def reset(self, rows: Ints, seed: int) -> None:
         """Give rows new keys of random numbers."""
@@ -42,3 +61,24 @@ class StrategyDecider(OptionDecider):
         self._context = observations[:, self._columns].astype(np.float64)
         options: Ints = self._places[self.strategy.select(self._context)]
         return options
+
+
+class PolicyDecider(Decider):
+    """A trained network: the likeliest option, a movement vector, or both."""
+
+    def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints) -> None:
+        super().__init__(problem, teams)
+        names = policy.spec.observations
+        check_known("policy", "options", problem.options, policy.spec.options)
+        self._columns = columns_of(problem, names, "policy: observations")
+        self._network = Network(policy.ordered_for(replace(problem, features=names), "policy"))
+
+    def opinions(self) -> Floats:
+        """Return the probabilities (R, O) of the network."""
+        return shares(self._outputs)
+
+    def _decide(self, observations: Observations) -> Decided:
+        rows = len(observations)
+        heads = self._network.heads(observations[:, self._columns].astype(np.float64))
+        self._outputs = heads.get("options", np.zeros((rows, len(self.problem.options))))
+        return Decided(self._outputs.argmax(axis=1), heads.get("vector", np.zeros((rows, 2))))

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from types import MappingProxyType
 from typing import Annotated, Any
 
@@ -83,7 +84,7 @@ class Evaluation(ABC):
         """Whether missions run one after the other, and each chooses its options by the results of the earlier ones."""
         return self.memory is not None and self.memory.learns and not self.scored
 
-    @property
+    @cached_property
     def keys(self) -> list[RunKey]:
         """Scenario and condition of all runs that are known before the first, condition by condition."""
         return sorted((key for task in self.tasks({}) for key in task.keys), key=lambda key: key[1])

@@ -4,7 +4,6 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from selforg.registry import unknown
 from train.analysis.report import report_of, summary_json
 from train.evaluation.base import OWN_STARTS, Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT
-from train.evaluation.trial_task import StartTask, TrialTask, experiment_tasks, identities
+from train.evaluation.trial_task import TrialTask, experiment_tasks, identities
 from train.reports.experiment_tables import all_tables
 from train.reports.write_report import Publication
 from train.request import Request
@@ -40,37 +39,14 @@ class ExperimentEvaluation(Evaluation):
         self, request: Request, experiment: ExperimentConfig | None = None, asked: Asked | None = None
     ) -> None:
         super().__init__(request)
-        if request.scenarios is not None and request.starts is not None:
-            raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
         directories = self.directories
-        experiment = experiment or load_experiment(request.name, directories)
-        chosen = with_conditions(experiment, request.conditions)
-        self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}"
-        self.scored, measured, starts = {}, dict[str, Any](), OWN_STARTS
+        chosen = with_conditions(experiment or load_experiment(request.name, directories), request.conditions)
+        self.scored = {}
         if request.scoring:
             chosen, self.scored = by_option(chosen, directories)
-        if request.starts is not None:
-            given = load_starts(request.starts)
-            measured, starts_from = dict(given.measured), str(request.starts)
-            self.stem += f"-{request.starts.stem}"
-            starts = str(request.starts)
-            with within(shown(request.starts)):
-                mission = given.world_of(chosen.mission)
-            changes: dict[str, Any] = {"mission": mission, "starts": given.starts}
-        elif request.scenarios is None and chosen.starts:
-            starts_from, changes = "the experiment's own start configurations", {}
-        else:
-            count = request.scenarios or chosen.scenarios
-            with within(request.name):
-                check_needs(Workload(chosen.mission, count * len(chosen.conditions)), request.machine)
-            starts_from = f"{count} random start configurations of seed {request.seed}"
-            self.stem += f"-{count}-scenarios"
-            starts = "random starts"
-            with within(request.name):
-                drawn = tuple(random_start(chosen.mission, request.seed, index) for index in range(count))
-            changes = {"starts": drawn}
-        self.experiment = chosen.model_copy(update=changes)
-        self.asked = asked or Asked(scoring=request.scoring, starts=starts, starts_from=starts_from, measured=measured)
+        self.experiment, found, told = with_starts(chosen, request)
+        self.asked = asked or found
+        self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}{told}"
         check_mission(self.experiment, directories, request.name)
         store = replace(request.store, url=request.store.url or self.experiment.mission.store or None)
         self.mission = self.experiment.mission.model_copy(update={"store": ""})
@@ -80,19 +56,19 @@ class ExperimentEvaluation(Evaluation):
         self.memory = store.memory(knowledge_of(self.mission, directories), self.context, source)
         with within(shown(request.starts) if request.starts is not None else request.name):
             tasks = self._tasks()
-            for task in {task.condition: task for task in tasks if isinstance(task, StartTask)}.values():
+            for task in {task.condition: task for task in tasks if isinstance(task, TrialTask)}.values():
                 with within(f"condition {task.condition!r}"):
-                    task.check()
-            largest = max((task.mission for task in tasks), key=lambda mission: needs_of(mission).memory)
+                    task.team()
+            largest = max((task.first.mission for task in tasks), key=lambda mission: needs_of(mission).memory)
             check_needs(Workload(largest, len(tasks)), request.machine)
-        self._missions = {(task.scenario, task.condition): task.mission for task in tasks}
-        found = identities(tasks)
+        self._missions = {task.keys[0]: task.first.mission for task in tasks}
+        deciders = identities(tasks)
         identity = {
             "experiment": self.experiment.name,
             "seed": self.seed,
             "configuration": self.experiment.model_dump(mode="json"),
             "directories": [str(directory) for directory in directories],
-            **({"deciders": found} if found else {}),
+            **({"deciders": deciders} if deciders else {}),
         }
         self.identify(identity, platform=platform.platform())
 
@@ -166,6 +142,29 @@ def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> Expe
             raise ConfigurationError(f"{experiment.name}: {unknown('condition', name, known)}")
     conditions = tuple(c for c in experiment.conditions if not chosen or c.name in chosen)
     return experiment.model_copy(update={"conditions": conditions})
+
+
+def with_starts(experiment: ExperimentConfig, request: Request) -> tuple[ExperimentConfig, Asked, str]:
+    """Return an experiment with the starts that are asked for, where they come from, and the end of the stem."""
+    if request.starts is not None:
+        if request.scenarios is not None:
+            raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
+        given, path = load_starts(request.starts), str(request.starts)
+        with within(shown(request.starts)):
+            mission = given.world_of(experiment.mission)
+        asked = Asked(scoring=request.scoring, starts=path, starts_from=path, measured=dict(given.measured))
+        changes = {"mission": mission, "starts": given.starts}
+        return experiment.model_copy(update=changes), asked, f"-{request.starts.stem}"
+    if request.scenarios is None and experiment.starts:
+        asked = Asked(scoring=request.scoring, starts_from="the experiment's own start configurations")
+        return experiment, asked, ""
+    count = request.scenarios or experiment.scenarios
+    with within(request.name):
+        check_needs(Workload(experiment.mission, count * len(experiment.conditions)), request.machine)
+        drawn = tuple(random_start(experiment.mission, request.seed, index) for index in range(count))
+    told = f"{count} random start configurations of seed {request.seed}"
+    asked = Asked(scoring=request.scoring, starts="random starts", starts_from=told)
+    return experiment.model_copy(update={"starts": drawn}), asked, f"-{count}-scenarios"
 
 
 def by_option(

@@ -44,11 +44,11 @@ class Before:
 
 def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], RobotStep, Before]:
     """Repeat a run up to `time` [s]; return what run it is, what the robot decided then, and what led to it."""
-    count = task.mission.rows
+    count = task.first.mission.rows
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
-    names = {"experiment": task.experiment, "scenario": task.scenario, "condition": task.condition, "seed": task.seed}
-    places, running = [np.array(place[:2]) for place in task.start.robots[robot : robot + 1]], []
+    names = {"experiment": task.experiment, "scenario": task.first.id, "condition": task.condition, "seed": task.seed}
+    places, running = [np.array(place[:2]) for place in task.first.start.robots[robot : robot + 1]], []
     for worlds in steps_until(task, time):
         if robot >= worlds.team.joined[0]:
             continue

@@ -1,14 +1,18 @@
-"""The evaluation of strategies on a family of scenarios; all strategies get the same scenarios."""
+"""The evaluation of strategies on a family of scenarios, alone or under disturbances.
+
+All strategies and all disturbances get the same scenarios.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.families import FamilyConfig, place_of, scenario_name
+from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, Scenario, place_of, scenario_name
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
@@ -16,12 +20,14 @@ from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
+from train.analysis.robustness_report import RobustnessReport, RobustnessRuns, robustness_summary_json
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
-from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
+from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named
 from train.reports.family_tables import family_tables
+from train.reports.robustness_tables import robustness_tables
 from train.reports.write_report import Publication
 from train.request import Request
 from train.running.needs import Workload, check_needs
@@ -100,22 +106,25 @@ class FamilyEvaluation(Evaluation):
         """Return the tasks for all missing runs; each has scenarios of one member in one variant of the family."""
         tasks = []
         for variant, family in self.variants().items():
+            drawn = cache(partial(self.scenario, family))
             for condition, member in self._members():
                 name = under(variant, condition)
                 missing = [scenario for scenario in self.scenarios if (scenario, name) not in done]
                 for first in range(0, len(missing), TASK_SCENARIOS):
-                    tasks.append(self.task(missing[first : first + TASK_SCENARIOS], name, member, family))
+                    part = [drawn(scenario) for scenario in missing[first : first + TASK_SCENARIOS]]
+                    tasks.append(self.task(part, name, member))
         return tasks
 
-    def task(
-        self, scenarios: Sequence[str], condition: str, member: str, family: FamilyConfig | None = None
-    ) -> TrialTask:
-        """Return the task of a member on scenarios of a family, which is the own one unless given."""
-        family, request = family or self.family, self.request
-        mission = family.mission.model_copy(update={"store": "", "learned": self.mission.learned})
-        known = family.model_copy(update={"mission": mission})
-        places = tuple(place_of(name) for name in scenarios)
-        return TrialTask(known, request.seed, places, condition, member, self.goal, request.directories)
+    def task(self, scenarios: Sequence[Scenario], condition: str, member: str) -> TrialTask:
+        """Return the task of a member on scenarios."""
+        own = (self.family.name, self.request.seed, tuple(scenarios), condition, member, self.goal)
+        return TrialTask(*own, directories=self.request.directories)
+
+    def scenario(self, family: FamilyConfig, name: str) -> Scenario:
+        """Return a scenario of a variant of the family, with what was learned of options."""
+        drawn = scenario_named(family, self.request.seed, name)
+        changes = {"store": "", "learned": self.mission.learned}
+        return replace(drawn, mission=drawn.mission.model_copy(update=changes))
 
     def mistake(self, record: RunRecord) -> str:
         """Return why a run is not one of this family's; it may be of further scenarios and of other strategies."""
@@ -132,7 +141,7 @@ class FamilyEvaluation(Evaluation):
         return {
             condition: {
                 self.goal: decider_named(member, directories)
-                .spec()
+                .strategy()
                 .build(problem, row_keys(np.random.SeedSequence([self.request.seed, k]), 1), alone)
             }
             for k, (condition, member) in enumerate(self._members())
@@ -140,7 +149,7 @@ class FamilyEvaluation(Evaluation):
 
     def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> TrialTask:
         """Return the task of one run in which an option serves the goal."""
-        return self.task((scenario,), condition, "").serving(options)
+        return self.task([self.scenario(self.family, scenario)], condition, "").serving(options)
 
     def _members(self) -> list[tuple[str, str]]:
         """Return the condition and the name of each member of all entrants."""
@@ -163,3 +172,26 @@ class FamilyEvaluation(Evaluation):
         report = family_report_of(runs)
         heading = f"# {self.family.name}\n\n{self.family.description}\n\n"
         return Publication(heading, family_tables(report), family_summary_json(report), draw_front(report))
+
+
+class RobustnessEvaluation(FamilyEvaluation):
+    """Strategies on the scenarios of a family, without and under each of several disturbances."""
+
+    def __init__(self, request: Request, robustness: RobustnessConfig) -> None:
+        super().__init__(request, robustness)
+        self._robustness = robustness
+
+    def variants(self) -> Mapping[str, FamilyConfig]:
+        """Return the family without and under each disturbance."""
+        return self._robustness.disturbed
+
+    def publication(self, records: Sequence[RunRecord]) -> Publication:
+        """Return completion, duration and collisions of each strategy under each disturbance, and the picture."""
+        from train.reports.figures import draw_robustness  # waits: the runs need no Matplotlib
+
+        conditions = {entrant.label: entrant.conditions for entrant in self.entrants}
+        runs = RobustnessRuns(self._robustness, self.request.seed, tuple(self.scenarios), conditions)
+        report = RobustnessReport.of(runs, {record.key: record.result for record in records})
+        heading = f"# {self.family.name}\n\n{self.family.description}\n\n"
+        grids, summary = robustness_tables(report), robustness_summary_json(report)
+        return Publication(heading, grids, summary, draw_robustness(report))

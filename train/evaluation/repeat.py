@@ -1,15 +1,11 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
-
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.families import place_of
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.file import SUFFIX, blocks_of
 from clean_swarm_env.recording.reader import NoFrames, RecordedMission, RecordedParts
 from clean_swarm_env.recording.recorder import RecordSettings
@@ -22,14 +18,13 @@ from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text
 from selector.documents.writing import writing_to
 from selforg.registry import unknown
-from train.deciders.decided_goal import DecidedGoal
 from train.evaluation.identity import DIGEST, Identity
-from train.evaluation.trial_task import TrialTask, experiment_tasks
+from train.evaluation.trial_task import TrialTask, experiment_tasks, scenario_named
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import ALONE, Workload, check_needs
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import CHOSEN_OPTIONS, LEARNED_BEFORE, MANIFEST, RECORDINGS, read_manifest
-from train.running.runs import RunTask
+from train.running.runs import RunKey, RunTask
 
 Repeated = RunTask | TrialTask
 """One run that can be repeated; a task of trials has one scenario then."""
@@ -70,44 +65,42 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
             raise ConfigurationError(f"{directory}: expected the results of an evaluation, got those of {kind}")
     identity = Identity.of(manifest, directory)
     _check_same_files(identity, path)
-    tasks: Sequence[Repeated]
-    members: Mapping[str, str]
-    if identity.of_family:
-        tasks, members = _family_tasks(identity, directory)
-    else:
-        tasks, members = _experiment_tasks(identity, directory, condition), identity.deciders
-    of_scenario = _of_scenario(tasks, scenario, directory)
-    names = [task.condition for task in of_scenario]
-    if condition is not None and condition not in names:
-        raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
-    task = of_scenario[0 if condition is None else names.index(condition)].knowing(manifest.get(LEARNED_BEFORE, {}))
-    if isinstance(task, TrialTask) and task.named.identity != members.get(task.condition):
+    task, member = (_family_task if identity.of_family else _experiment_task)(identity, directory, scenario, condition)
+    task = task.knowing(manifest.get(LEARNED_BEFORE, {}))
+    if isinstance(task, TrialTask) and task.named.identity != member:
         told = f"condition {task.condition!r} is no longer what the evaluation ran with; its runs cannot be repeated"
         raise ConfigurationError(f"{path}: {told}")
-    options = chosen_options(directory).get((task.scenario, task.condition))
+    options = chosen_options(directory).get(task.keys[0])
     with within(f"{directory / CHOSEN_OPTIONS}"):
         return task.serving(options) if options else task
 
 
-def _family_tasks(identity: Identity, directory: Path) -> tuple[list[TrialTask], dict[str, str]]:
-    """Return a task for each finished run in a directory, in their order there, and condition -> member with digest."""
-    runs, tasks = identity.runs(identity.family(directory)), []
-    for scenario, condition in (record.key for record in runs_of(directory / JOURNAL)):
-        if condition not in runs:
-            where = f"{directory / MANIFEST}: identity.strategies"
-            raise ConfigurationError(f"{where}: expected the run {condition!r} among them")
-        family, member = runs[condition]
-        with within(f"{directory / JOURNAL}"):
-            place = place_of(scenario)
-        alone = member.partition(DIGEST)[0]
-        tasks.append(TrialTask(family, identity.seed, (place,), condition, alone, identity.goal, identity.directories))
-    if not tasks:
+def _family_task(
+    identity: Identity, directory: Path, scenario: str | None, condition: str | None
+) -> tuple[TrialTask, str]:
+    """Return the task of a finished run of a family, and its member with the digest of its file."""
+    keys = [record.key for record in runs_of(directory / JOURNAL)]
+    if not keys:
         raise ConfigurationError(f"{directory}: holds no finished run")
-    return tasks, {condition: member for condition, (_, member) in runs.items()}
+    name, chosen = _chosen(keys, scenario, condition, directory)
+    runs = identity.runs(identity.family(directory))
+    if chosen not in runs:
+        where = f"{directory / MANIFEST}: identity.strategies"
+        raise ConfigurationError(f"{where}: expected the run {chosen!r} among them")
+    family, member = runs[chosen]
+    with within(f"{directory / JOURNAL}"):
+        drawn = scenario_named(family, identity.seed, name)
+    own = (family.name, identity.seed, (drawn,), chosen, member.partition(DIGEST)[0], identity.goal)
+    return TrialTask(*own, directories=identity.directories), member
 
 
-def _experiment_tasks(identity: Identity, directory: Path, condition: str | None) -> Sequence[Repeated]:
-    """Return the tasks of one condition, the first unless given: what only others name is neither read nor refused."""
+def _experiment_task(
+    identity: Identity, directory: Path, scenario: str | None, condition: str | None
+) -> tuple[Repeated, str]:
+    """Return the task of a run of an experiment, and its decider with the digest of its file.
+
+    Its condition is the first unless given: what only others name is neither read nor refused.
+    """
     content, where = identity.content("configuration"), f"{directory / MANIFEST}: identity.configuration"
     if isinstance(content, dict) and isinstance(content.get("conditions"), list):
         named = {str(one["name"]): one for one in content["conditions"] if isinstance(one, dict) and "name" in one}
@@ -116,7 +109,22 @@ def _experiment_tasks(identity: Identity, directory: Path, condition: str | None
         content = content | {"conditions": [named[condition or next(iter(named))]] if named else []}
     experiment = validated(ExperimentConfig, content, where)
     with within(where):
-        return experiment_tasks(experiment, identity.seed, identity.directories)
+        tasks = {task.keys[0]: task for task in experiment_tasks(experiment, identity.seed, identity.directories)}
+    key = _chosen(list(tasks), scenario, condition, directory)
+    return tasks[key], identity.deciders.get(key[1], "")
+
+
+def _chosen(keys: Sequence[RunKey], scenario: str | None, condition: str | None, directory: Path) -> RunKey:
+    """Return the run of a scenario and a condition; the first of those that are not given."""
+    known = list(dict.fromkeys(name for name, _ in keys))
+    wanted = known[0] if scenario is None else scenario
+    if wanted not in known:
+        listed = ", ".join([*known[:LISTED], *(["..."] if len(known) > LISTED else [])])
+        raise ConfigurationError(f"{directory}: unknown scenario {wanted!r} (known: {listed}; {len(known)} in all)")
+    names = [own for name, own in keys if name == wanted]
+    if condition is not None and condition not in names:
+        raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
+    return wanted, condition or names[0]
 
 
 def chosen_options(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
@@ -144,7 +152,8 @@ def steps_of(task: Repeated) -> Iterator[Worlds]:
     if isinstance(task, TrialTask):
         yield from _trial_steps(task)
         return
-    run = MissionRun(task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories)
+    one = task.first
+    run = MissionRun(one.mission, one.start, one.seed, task.scores, task.strategy, task.directories)
     course = Course(run, explained=True)
     while course.in_progress:
         course.tick()
@@ -153,19 +162,10 @@ def steps_of(task: Repeated) -> Iterator[Worlds]:
 
 def _trial_steps(task: TrialTask) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
-    scenarios, settings = iter((task.scenario_of(task.places[0]),)), task.settings
-    batch = Batch(
-        task.mission,
-        source=lambda _: next(scenarios, None),
-        directories=task.directories,
-        explained=True,
-        observation=settings.observation,
-        action=settings.action,
-    )
-    decided = DecidedGoal(batch, settings.goal)
-    decider = task.decider(decided.problem, np.zeros(batch.robots, dtype=np.int64))
+    scenarios = iter(task.scenarios)
+    batch, decided, decider = task.team(source=lambda _: next(scenarios, None), explained=True)
     observations = batch.reset()
-    decider.reset(batch.worlds.rows_of(0), task.mission_seed)
+    decider.reset(batch.worlds.rows_of(0), task.first.seed)
     while batch.progress.outcome[0] == RUNNING:
         yield from batch.ticks(decided.decide(decider, observations))
         if batch.progress.outcome[0] == RUNNING:
@@ -179,7 +179,7 @@ def steps_until(task: Repeated, time: float) -> Iterator[Worlds]:
         ConfigurationError: the mission was not running at this time; the text says when it ended.
 
     """
-    wanted = period_of(time, task.mission.world.control_rate) + 1
+    wanted = period_of(time, task.first.mission.world.control_rate) + 1
     if not wanted:
         raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
     worlds = None
@@ -192,15 +192,6 @@ def steps_until(task: Repeated, time: float) -> Iterator[Worlds]:
     result = result_of(worlds, 0)
     how = "was completed after" if result.completed else "ended uncompleted at its time limit of"
     raise ConfigurationError(f"--time {time:g}: this mission {how} {result.duration_s:g} s")
-
-
-def _of_scenario(tasks: Sequence[Repeated], scenario: str | None, directory: Path) -> list[Repeated]:
-    known = list(dict.fromkeys(task.scenario for task in tasks))
-    wanted = known[0] if scenario is None else scenario
-    if wanted not in known:
-        listed = ", ".join([*known[:LISTED], *(["..."] if len(known) > LISTED else [])])
-        raise ConfigurationError(f"{directory}: unknown scenario {wanted!r} (known: {listed}; {len(known)} in all)")
-    return [task for task in tasks if task.scenario == wanted]
 
 
 def _check_same_files(identity: Identity, path: Path) -> None:
@@ -224,7 +215,7 @@ def record_run(task: Repeated, output: Path, *, minds: bool = True) -> Path:
         raise ConfigurationError(f"{output}: exists already; expected a new file")
     if not output.parent.is_dir():
         raise ConfigurationError(f"{output}: cannot be written (no such directory)")
-    check_needs(Workload(task.mission, 1), ALONE, "the run cannot be repeated here")
+    check_needs(Workload(task.first.mission, 1), ALONE, "the run cannot be repeated here")
     with writing_to(output, anew=True):
         task.recorded(RecordSettings(output.parent, minds, name=output.name)).run()
     return output
@@ -240,7 +231,7 @@ def recording_of(run: Path, scenario: str | None, condition: str | None, folder:
     task = task_of(run, scenario, condition)
     for path in sorted((run / RECORDINGS).glob(f"*{SUFFIX}")):
         head = RecordedParts(blocks_of(path), str(path)).head
-        own = (head["about"].get("scenario"), head["about"].get("condition")) == (task.scenario, task.condition)
+        own = (head["about"].get("scenario"), head["about"].get("condition")) == task.keys[0]
         if own and head["minds"] >= minds:
             with suppress(NoFrames):
                 if RecordedMission(path, ()).result is not None:

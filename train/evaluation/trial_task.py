@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,13 +12,10 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
-from clean_swarm_env.config.load import random_starts
-from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.starts import run_seed
+from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, place_of
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, validated
 from selector.documents.plain import short
 from selector.strategies.problem import Problem
@@ -27,8 +23,7 @@ from selforg.arrays import Ints
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import Decider
 from train.deciders.named import FIXED, NamedDecider, decider_named
-from train.running.finished_runs import natural_order
-from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord, RunTask, tasks_of
+from train.running.runs import Job, RunRecord, RunTask, tasks_of
 from train.running.trials import TrialSettings, each_trial
 
 TASK_SCENARIOS = 25
@@ -36,106 +31,31 @@ TASK_SCENARIOS = 25
 
 
 @dataclass(frozen=True)
-class TrialTask:
-    """Some scenarios of a family under one member of an entrant; plain data, which can be sent to a worker process."""
+class TrialTask(Job):
+    """Scenarios under one member of an entrant, or under the decider of a condition."""
 
-    family: FamilyConfig
-    seed: int
-    places: tuple[tuple[int, int], ...]
-    """Index and world of each scenario, from 0 on."""
-    condition: str
     member: str
-    goal: str
-    directories: tuple[Path, ...]
-    time_limit: float = math.inf
-    """Limit of simulated time in addition to that of the mission [s]."""
-    record: RecordSettings | None = None
-    """Where the missions are recorded; none is unless given."""
-    split: Split = "test"
-
-    @property
-    def keys(self) -> tuple[RunKey, ...]:
-        """Scenario and condition of each run."""
-        return tuple((scenario_name(self.split, *place), self.condition) for place in self.places)
-
-    def without(self, done: Collection[RunKey]) -> TrialTask:
-        """Return the task of the scenarios that are not `done`."""
-        keys = zip(self.places, self.keys, strict=True)
-        return replace(self, places=tuple(place for place, key in keys if key not in done))
-
-    @property
-    def experiment(self) -> str:
-        """Name of the family."""
-        return self.family.name
-
-    @property
-    def scenario(self) -> str:
-        """Name of the first scenario."""
-        return self.scenario_of(self.places[0]).id
-
-    @property
-    def mission(self) -> MissionConfig:
-        """Mission of the first scenario."""
-        return self.scenario_of(self.places[0]).mission
-
-    @property
-    def start(self) -> StartConfiguration:
-        """Start of the first mission."""
-        return self.scenario_of(self.places[0]).start
-
-    @property
-    def mission_seed(self) -> int:
-        """Seed of the first mission."""
-        return self.scenario_of(self.places[0]).seed
-
-    def run(self) -> list[RunRecord]:
-        """Run the scenarios in one batch, and return their runs in the order of the scenarios."""
-        return sorted(self.each(), key=lambda record: natural_order(record.scenario))
+    goal: str = ""
+    """Goal whose options it chooses; empty: the goal that it was made for."""
 
     def each(self) -> Iterator[RunRecord]:
         """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
         before = time.perf_counter()
-        scenarios = [self.scenario_of(place) for place in self.places]
         settings = replace(self.settings, record=self.record and replace(self.record, about=self.naming))
-        for place, result in each_trial(scenarios, self.decider, settings):
+        for place, result in each_trial(self.scenarios, self.decider, settings):
             before, began = time.perf_counter(), before
-            wall = round(before - began, 3)
-            run = (self.family.name, scenarios[place].id, self.seed, self.condition, result, wall)
-            yield RunRecord(*run, counts=self.counts(scenarios[place]))
+            scenario = self.scenarios[place]
+            yield self.finished(scenario, result, before - began, counts=self.counts(scenario))
 
     def counts(self, scenario: Scenario) -> Mapping[str, int]:
         """Return the counts of a mission; see `RunRecord`."""
         return {}
 
-    def knowing(self, learned: Mapping[str, Any]) -> TrialTask:
-        """Return the runs with the learned rewards of a manifest at their beginning."""
-        mission = self.family.mission.beginning_with(learned)
-        return replace(self, family=self.family.model_copy(update={"mission": mission}))
-
     def serving(self, options: Mapping[str, str]) -> TrialTask:
-        """Return the runs in which an option serves the goal all the time; goal -> option."""
+        """Return the runs under the option of the goal."""
         if self.goal not in options:
             raise DocumentError(f"expected an option of {self.goal}, got {short(options)}")
         return replace(self, member=f"{FIXED}:{options[self.goal]}")
-
-    def beginning(self) -> TrialTask:
-        """Return the first scenario up to `WARM_UP_LIMIT`."""
-        return replace(self, places=self.places[:1], time_limit=WARM_UP_LIMIT, record=None)
-
-    def recorded(self, settings: RecordSettings) -> TrialTask:
-        """Return the runs with recordings."""
-        return replace(self, record=settings)
-
-    @property
-    def naming(self) -> dict[str, str]:
-        """Plain data about the runs for the heads of their recordings."""
-        return {"experiment": self.family.name, "condition": self.condition}
-
-    def scenario_of(self, place: tuple[int, int]) -> Scenario:
-        """Return the scenario of an index and a world."""
-        scenario = self.family.scenario(self.seed, place[0], self.split, place[1])
-        limit = min(scenario.mission.time_limit, self.time_limit)
-        return replace(scenario, mission=scenario.mission.model_copy(update={"time_limit": limit}))
 
     @cached_property
     def named(self) -> NamedDecider:
@@ -145,45 +65,36 @@ class TrialTask:
     @property
     def settings(self) -> TrialSettings:
         """What the member decides on, sees and gives."""
-        seen, action = self.named.observation(self.family.mission.terms), ActionConfig(mode=self.named.mode)
-        goal = self.named.goal or self.goal
+        named = self.named
+        seen, action = named.observation(self.first.mission.terms), ActionConfig(mode=named.mode)
+        goal = named.goal or self.goal or named.meant_for or None
         return TrialSettings(goal, TASK_SCENARIOS, seen, self.directories, self.record, action)
 
     def decider(self, problem: Problem, teams: Ints) -> Decider:
         """Return the decider of the member."""
         return self.named.build(problem, teams)
 
-
-@dataclass(frozen=True)
-class StartTask(TrialTask):
-    """One start configuration of an experiment under a decider that is no strategy of all goals."""
-
-    given: StartConfiguration = field(kw_only=True)
-
-    @property
-    def keys(self) -> tuple[RunKey, ...]:
-        """Scenario and condition of the run."""
-        return ((self.given.id, self.condition),)
-
-    def scenario_of(self, place: tuple[int, int]) -> Scenario:
-        """Return the mission on the start configuration."""
-        mission = self.family.mission
-        mission = mission.model_copy(update={"time_limit": min(mission.time_limit, self.time_limit)})
-        return Scenario(self.given.id, run_seed(self.seed, self.given.id), mission, self.given)
-
-    @property
-    def settings(self) -> TrialSettings:
-        """What the member decides on, sees and gives."""
-        return replace(super().settings, goal=self.named.meant_for or None)
-
-    def check(self) -> None:
-        """Raise an error of one line for a decider that does not fit the mission."""
-        settings = self.settings
+    def team(self, **settings: Any) -> tuple[Batch, DecidedGoal, Decider]:  # noqa: ANN401  (those of Batch)
+        """Return a world, what is decided in it, and the decider; an error of one line if they do not fit."""
+        own = self.settings
         batch = Batch(
-            self.mission, directories=self.directories, observation=settings.observation, action=settings.action
+            self.first.mission,
+            directories=self.directories,
+            observation=own.observation,
+            action=own.action,
+            **settings,
         )
-        decided = DecidedGoal(batch, settings.goal)
-        decided.check(self.decider(decided.problem, np.zeros(batch.rows, dtype=np.int64)))
+        decided = DecidedGoal(batch, own.goal)
+        decider = self.decider(decided.problem, np.zeros(batch.rows, dtype=np.int64))
+        decided.check(decider)
+        return batch, decided, decider
+
+
+def scenario_named(family: FamilyConfig, seed: int, name: str) -> Scenario:
+    """Return the scenario of a family with a name such as `test-3`; DocumentError if there is none."""
+    index, world = place_of(name)
+    split: Split = "train" if name.startswith("train") else "test"
+    return family.scenario(seed, index, split, world)
 
 
 def experiment_tasks(
@@ -191,16 +102,12 @@ def experiment_tasks(
 ) -> list[RunTask | TrialTask]:
     """Return a task for every condition on every start; ConfigurationError for a start that does not fit."""
     members = {each.name: own for each in experiment.conditions if (own := each.deciders[1])}
-
-    def task(run: RunTask) -> RunTask | TrialTask:
-        if run.condition not in members:
-            return run
-        named = {"name": experiment.name, "description": experiment.description}
-        family = random_starts(run.mission).model_copy(update=named)
-        member = members[run.condition]
-        return StartTask(family, seed, ((0, 0),), run.condition, member, "", directories, given=run.start)
-
-    return [task(run) for run in tasks_of(experiment, seed, directories)]
+    found: list[RunTask | TrialTask] = []
+    for run in tasks_of(experiment, seed, directories):
+        named = (run.experiment, seed, run.scenarios, run.condition)
+        decided = run.condition in members
+        found.append(TrialTask(*named, members[run.condition], directories=directories) if decided else run)
+    return found
 
 
 def identities(tasks: Sequence[RunTask | TrialTask]) -> dict[str, str]:

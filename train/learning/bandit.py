@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +20,8 @@ from selforg.arrays import Ints
 from train.deciders.decider import DeciderMaker, columns_of
 from train.deciders.strategies import StrategyDecider
 from train.learning.by_missions import MissionLearning
-from train.learning.by_rewards import Learning, Paid, RewardLearning
-from train.learning.training import Training, TrainingJob, expert_knowledge
-from train.learning.validation import CheckpointDescription
+from train.learning.by_rewards import Paid, RewardLearning
+from train.learning.training import Checkpoint, Training, TrainingJob, expert_knowledge
 
 STRATEGY = "strategy.safetensors"
 
@@ -47,7 +45,7 @@ class BanditTraining(Training):
         expert = expert_knowledge(self.curriculum.batches[0].mission, job.directories)
         known = expert.with_learned(learned_from(job.folder.learned, "manifest: learned"))
         self.problem = Problem.of(known, whole.goal, self.settings.context)
-        self._learning: Learning = (
+        self._learning = (
             RewardLearning(job.config, self.curriculum, self.goal)
             if self.settings.comparison is None
             else MissionLearning(job.config, self.curriculum, self.trials)
@@ -77,15 +75,17 @@ class BanditTraining(Training):
     def _learn(self) -> dict[str, Any]:
         seeds = np.random.SeedSequence([self.job.seed, self.checkpoint, 2])
         self.strategy.reseed(np.arange(self.strategy.rows), row_keys(seeds, self.strategy.rows))
-        costs = self._learning.learn(self.strategy, self.checkpoint, self._learn_from)
+        costs: list[float] = []
+        for paid, decisions, ended in self._learning.lessons(self.strategy, self.checkpoint):
+            self._decisions += decisions
+            self.job.on_progress(self._decisions)
+            costs += ended
+            if len(paid.rows):
+                self._learn_from(paid)
         return {"missions": len(costs), "training_excess_s": float(np.mean(costs)) if costs else None}
 
-    def _learn_from(self, paid: Paid, decisions: int) -> None:
-        """Update the strategy by decisions whose rewards are complete, and count the decisions made."""
-        self._decisions += decisions
-        self.job.on_progress(self._decisions)
-        if not len(paid.rows):
-            return
+    def _learn_from(self, paid: Paid) -> None:
+        """Update the strategy by decisions whose rewards are complete."""
         self.strategy.update(paid.options, paid.rewards, paid.contexts, paid.rows, paid.chances)
         memory = self.job.memory
         if memory is not None and memory.learns:
@@ -96,9 +96,9 @@ class BanditTraining(Training):
         learned = self.strategy.learned()
 
         def decider(problem: Problem, teams: Ints) -> StrategyDecider:
-            own = self._built(self.settings.learned, replace(problem, features=self.settings.context), teams)
-            own.load_learned({name: array[:1] for name, array in learned.items()})
-            return StrategyDecider(own, columns_of(problem, self.settings.context, "context"), problem)
+            own = StrategyDecider(self.settings.learned, problem, teams, features=self.settings.context)
+            own.strategy.load_learned({name: array[:1] for name, array in learned.items()})
+            return own
 
         return decider
 
@@ -112,7 +112,7 @@ class BanditTraining(Training):
     def _save(self, figures: dict[str, Any]) -> None:
         arrays = {f"now.{name}": array for name, array in self.strategy.learned().items()}
         arrays |= {f"best.{name}": array for name, array in self._best.items()}
-        save_arrays(self.checkpoint_file, arrays, self._description())
+        save_arrays(self.checkpoint_file, arrays, {"history": self.history.entries})
         if self.job.memory is not None and self._record.count:
             self.job.memory.give_sums(self._record)
         self._record = RewardSums(self.problem.goal, self.problem.options)
@@ -120,7 +120,7 @@ class BanditTraining(Training):
     def _load(self) -> None:
         arrays, content = load_arrays(self.checkpoint_file)
         where = shown(self.checkpoint_file)
-        description = validated(CheckpointDescription, content, where)
+        found = validated(Checkpoint, content, where)
         parts: dict[str, Arrays] = {"now": {}, "best": {}}
         for name, array in arrays.items():
             kind, _, own = name.partition(".")
@@ -131,5 +131,5 @@ class BanditTraining(Training):
                 self.strategy.load_learned(parts[kind])
             except ValueError as error:
                 raise DocumentError(f"{where}: {kind}: {error}") from error
-        self._best, self._decisions = parts["best"], description.decisions
-        self._go_on(description)
+        self._best, self._decisions = parts["best"], found.decisions
+        self._go_on(found)

@@ -12,20 +12,21 @@ Shapes: M missions of a round, G of each scenario; S situations, at least one.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import islice
 
 import numpy as np
 
 from clean_swarm_env.config.families import Scenario
-from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
-from train.deciders.rules import TeamRuleDecider
-from train.learning.by_rewards import Paid, Taker
+from train.deciders.decider import TeamsDecider
+from train.deciders.rules import RuleDecider
+from train.learning.by_rewards import Lessons, Paid
 from train.learning.config import ComparisonConfig, TrainingConfig
 from train.learning.curriculum import Curriculum
-from train.learning.validation import judged
+from train.learning.training import judged
 from train.running.trials import TrialSettings, run_trials
 
 
@@ -45,9 +46,8 @@ class MissionLearning:
         self._missions = sum(task.worlds for task in config.tasks)
         self.teams: Ints = np.repeat(np.arange(self._missions), len(self._contexts))
 
-    def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
-        """Train the strategy until the next checkpoint; return the excess costs of all missions [s]."""
-        costs: list[float] = []
+    def lessons(self, strategy: DecisionStrategy, checkpoint: int) -> Lessons:
+        """Let the strategy decide until the next checkpoint; yield what it can learn after each round of missions."""
         contexts = np.tile(self._contexts, (self._missions, 1))
         rows = np.arange(len(self.teams))
         following = self._curriculum.scenarios(checkpoint)
@@ -61,19 +61,14 @@ class MissionLearning:
             chances = strategy.chance.copy()
             cost = self._costs(scenarios, options.reshape(self._missions, -1))
             rewards = np.repeat(relative(cost, self._compared.group, self._compared.limit), len(self._contexts))
-            take(Paid(rows, options, rewards, contexts, chances), len(rows))
-            costs += cost.tolist()
-        return costs
+            yield Paid(rows, options, rewards, contexts, chances), len(rows), cost.tolist()
 
     def _costs(self, scenarios: Sequence[Scenario], rules: Ints) -> Floats:
         """Return the excess (M,) [s] of missions in which teams follow `rules` (M, S); G missions for each scenario."""
         missions = [scenario for scenario in scenarios for _ in range(self._compared.group)]
-        seeds = [scenario.seed for scenario in missions]
-
-        def decider(problem: Problem, teams: Ints) -> TeamRuleDecider:
-            return TeamRuleDecider(problem, self._situations, len(teams), seeds, rules)
-
-        return np.array([judged(result) for result in run_trials(missions, decider, self._trials)])
+        makers = [partial(RuleDecider, self._situations, rule) for rule in rules]
+        maker = partial(TeamsDecider, makers, [scenario.seed for scenario in missions])
+        return np.array([judged(result) for result in run_trials(missions, maker, self._trials)])
 
 
 def relative(cost: Floats, group: int, limit: float) -> Floats:

@@ -5,8 +5,8 @@ A decision is credited with the discounted rewards within a horizon.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,19 +29,9 @@ class Paid(NamedTuple):
     chances: Floats
 
 
-Taker = Callable[[Paid, int], None]
-"""Function that gets decisions with complete rewards, and the number of decisions made since the last call."""
-
-
-class Learning(Protocol):
-    """A way of learning: when rows decide, and how each decision is rewarded."""
-
-    @property
-    def teams(self) -> Ints:
-        """(R,) team of each row of the strategy."""
-
-    def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
-        """Train the strategy until the next checkpoint; return the costs of the missions that ended [s]."""
+Lessons = Iterator[tuple[Paid, int, list[float]]]
+"""Decisions with complete rewards, the number of decisions made since the last lesson, and the excess costs [s] of the
+missions that ended since."""
 
 
 class RewardLearning:
@@ -62,15 +52,15 @@ class RewardLearning:
         self._watched = columns_of(goal.problem, self._credit.until, "until")
         self.teams: Ints = self._joined.world_of
 
-    def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
-        """Train the strategy until the next checkpoint; return the costs of the missions that ended [s]."""
+    def lessons(self, strategy: DecisionStrategy, checkpoint: int) -> Lessons:
+        """Let the strategy decide until the next checkpoint; yield what it can learn after each period."""
         self._curriculum.set_scenarios(checkpoint)
         seen, rows = self._joined.reset(), self._joined.rows
         periods = max(round(self._credit.horizon / self._period), 1)
         credit = Credit(rows, periods, len(self._columns), self._credit.discount**self._period)
         hold = round(self._credit.hold / self._period) or np.iinfo(np.int64).max
         left, options = np.zeros(rows, dtype=np.int64), np.zeros(rows, dtype=np.int64)
-        watched, costs = seen[:, self._watched].copy(), []
+        watched = seen[:, self._watched].copy()
         for _ in range(-(-self._decisions // rows)):
             changed = (seen[:, self._watched] != watched).any(axis=1)
             watched = seen[:, self._watched].copy()
@@ -85,9 +75,7 @@ class RewardLearning:
             left -= 1
             left[over] = 0
             seen = step.observations
-            take(credit.pay(step.rewards, over), rows)
-            costs += [end.result.excess_s for batch in self._curriculum.batches for end in batch.finished]
-        return costs
+            yield credit.pay(step.rewards, over), rows, [end.result.excess_s for end in self._joined.finished]
 
 
 class Credit:

@@ -5,31 +5,119 @@ training that is killed and resumed therefore gives the same bits (docs/decision
 
 A checkpoint is one file that is replaced whole, so that a kill at any moment leaves the old or the new file. Everything
 else in the directory is made from the checkpoint and can be written again.
+
+Validation tells what missions cost on scenarios that no training uses.
 """
 
 from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission import MissionResult
+from selector.documents.fields import Closed, Number
 from selector.knowledge import Knowledge, load_knowledge
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import DeciderMaker
 from train.knowledge_store import Memory
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
-from train.learning.validation import CheckpointDescription, CheckpointHistory, measured
 from train.running.engine import Round, in_turn
 from train.running.run_folder import RunFolder
-from train.running.trials import TrialSettings
+from train.running.trials import TrialSettings, run_trials
+
+LEAST_EXCESS = 0.01
+"""Excess [s] that counts for less: it has to have a logarithm."""
+
+
+def judged(result: MissionResult) -> float:
+    """Return what learners learn from [s]: the excess, by which tables compare."""
+    return max(result.excess_s, LEAST_EXCESS)
+
+
+def measured(
+    scenarios: Mapping[str, Sequence[Scenario]], maker: DeciderMaker, settings: TrialSettings
+) -> dict[str, float]:
+    """Return means for each family: cost, excess, share of completed missions, duration [s], collision events [1/s]."""
+    figures = {}
+    for family, some in scenarios.items():
+        record = settings.record and replace(settings.record, directory=settings.record.directory / family)
+        results = run_trials(some, maker, replace(settings, record=record))
+        figures[f"{family}/cost_s"] = float(np.mean([result.cost_s for result in results]))
+        figures[f"{family}/excess_s"] = float(np.mean([judged(result) for result in results]))
+        figures[f"{family}/completed"] = float(np.mean([result.completed for result in results]))
+        figures[f"{family}/duration_s"] = float(np.mean([result.duration_s for result in results]))
+        figures[f"{family}/events_per_s"] = float(np.mean([r.collision_events_per_s[0] for r in results]))
+    return figures
+
+
+@dataclass
+class CheckpointHistory:
+    """Figures of all checkpoints so far."""
+
+    entries: list[dict[str, Any]] = field(default_factory=list)
+    """One entry for each checkpoint."""
+
+    @property
+    def scores(self) -> list[float]:
+        """The scores of all measurements so far."""
+        return [entry["score"] for entry in self.entries if entry["score"] is not None]
+
+    @property
+    def since(self) -> int:
+        """Number of measurements since the best one."""
+        scores = self.scores
+        return len(scores) - 1 - scores.index(min(scores)) if scores else 0
+
+    def note(self, entry: dict[str, Any], figures: Mapping[str, float]) -> bool:
+        """Add a checkpoint's entry and its figures; return whether it is the best so far.
+
+        The score is the mean over families of the logarithm of the excess: families of high costs count no more.
+        """
+        costs = [value for name, value in figures.items() if name.endswith("/excess_s")]
+        score = float(np.mean(np.log(costs))) if costs else None
+        better = score is not None and score < min(self.scores, default=float("inf"))
+        self.entries.append({**entry, **figures, "score": score, "best": better})
+        return better
+
+
+class CheckpointEntry(BaseModel):
+    """What an entry of the history says at least."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    decisions: Annotated[int, Field(strict=True, ge=0)]
+    """Decisions made so far."""
+    score: Number | None
+    """Mean logarithm of the excess; None: not measured."""
+
+
+def _checked(entry: dict[str, Any]) -> dict[str, Any]:
+    CheckpointEntry.model_validate(entry)
+    return entry  # whose keys keep their order
+
+
+class Checkpoint(Closed):
+    """The entries of a checkpoint beside the learned state."""
+
+    history: Annotated[tuple[Annotated[dict[str, Any], AfterValidator(_checked)], ...], Field(min_length=1)]
+    """Figures of the checkpoints so far."""
+
+    @property
+    def decisions(self) -> int:
+        """Decisions made so far."""
+        return int(self.history[-1]["decisions"])
+
 
 HISTORY_FILE = "history.jsonl"
 
@@ -70,7 +158,6 @@ class Training(ABC):
         curriculum: the worlds to train in.
         goal: the goal whose options are learned.
         history: figures of the checkpoints.
-        checkpoint: number of checkpoints done.
 
     """
 
@@ -87,13 +174,18 @@ class Training(ABC):
             directories=job.directories,
             action=job.config.action,
         )
-        self.history, self.checkpoint = CheckpointHistory(), 0
+        self.history = CheckpointHistory()
 
     @property
     def finished(self) -> bool:
         """Whether all checkpoints are done, or the best score is older than the patience allows."""
         patient = self.history.since < self.config.validation.patience
         return self.checkpoint >= self.config.checkpoints or not patient
+
+    @property
+    def checkpoint(self) -> int:
+        """Number of checkpoints done."""
+        return len(self.history.entries)
 
     @property
     def checkpoint_file(self) -> Path:
@@ -103,9 +195,9 @@ class Training(ABC):
     def advance(self) -> None:
         """Learn up to the next checkpoint, validate, and save everything."""
         learned = self._learn()
-        self.checkpoint += 1
-        figures = self._measured()
-        entry = {"checkpoint": self.checkpoint, "decisions": self.decisions, **learned}
+        number = self.checkpoint + 1
+        figures = self._measured(number)
+        entry = {"checkpoint": number, "decisions": self.decisions, **learned}
         if self.history.note(entry, figures):
             self._keep_best()
         self._save({**entry, **figures})
@@ -146,29 +238,17 @@ class Training(ABC):
     def _save(self, figures: dict[str, Any]) -> None:
         """Write the checkpoint; `figures` are its entry in the history."""
 
-    def _description(self) -> dict[str, Any]:
-        """Return the content of `CheckpointDescription`."""
-        best = self.history.best if np.isfinite(self.history.best) else None
-        counted = {"checkpoint": self.checkpoint, "decisions": self.decisions}
-        return {**counted, "history": self.history.entries, "best": best, "since": self.history.since}
-
-    def _go_on(self, description: CheckpointDescription) -> None:
-        """Continue after the checkpoint that is described."""
-        self.checkpoint = description.checkpoint
-        best = float("inf") if description.best is None else description.best
-        self.history = CheckpointHistory(list(description.history), best, description.since)
+    def _go_on(self, done: Checkpoint) -> None:
+        """Continue after a checkpoint."""
+        self.history = CheckpointHistory(list(done.history))
         self.write_history()
 
-    def _measured(self) -> dict[str, float]:
-        if self.checkpoint % self.config.validation.every and self.checkpoint < self.config.checkpoints:
+    def _measured(self, checkpoint: int) -> dict[str, float]:
+        """Return the figures of a checkpoint; none where it is not measured."""
+        if checkpoint % self.config.validation.every and checkpoint < self.config.checkpoints:
             return {}
-        return measured(
-            self.curriculum.validation, self._decider_maker(), replace(self.trials, record=self._recording())
-        )
-
-    def _recording(self) -> RecordSettings | None:
-        record, name = self.job.record, f"checkpoint-{self.checkpoint}"
-        if record is None:
-            return None
-        directory = self.job.folder.path / record.directory / name
-        return replace(record, directory=directory, about={"experiment": self.config.name, "condition": name})
+        record, name = self.job.record, f"checkpoint-{checkpoint}"
+        if record is not None:
+            about = {"experiment": self.config.name, "condition": name}
+            record = replace(record, directory=self.job.folder.path / record.directory / name, about=about)
+        return measured(self.curriculum.validation, self._decider_maker(), replace(self.trials, record=record))

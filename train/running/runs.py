@@ -1,16 +1,20 @@
-"""One run, which is a mission under one condition: its task for a worker process, and its record."""
+"""Runs, which are missions under one condition: their tasks for worker processes, and their records."""
+
+from __future__ import annotations
 
 import json
 import os
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any, Protocol, Self
 
 from pydantic import Field, TypeAdapter, ValidationError
 
 from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
@@ -64,7 +68,7 @@ class RunRecord:
         return {**own, **result, "wall_s": self.wall_s, **{name: value for name, value in further.items() if value}}
 
     @classmethod
-    def of_mapping(cls, given: Mapping[str, Any]) -> "RunRecord":
+    def of_mapping(cls, given: Mapping[str, Any]) -> RunRecord:
         """Return the record of a mapping by `as_mapping`; ValueError for anything else."""
         if set(given) - set(FURTHER) != set(RUN_COLUMNS):
             raise ValueError(f"expected the keys {', '.join(RUN_COLUMNS)}")
@@ -137,98 +141,107 @@ class Work(Protocol):
     def keys(self) -> tuple[RunKey, ...]:
         """Scenario and condition of each run."""
 
-    def without(self, done: Collection[RunKey]) -> "Work":
+    def without(self, done: Collection[RunKey]) -> Work:
         """Return those runs that are not `done`, of which there is at least one."""
 
     def each(self) -> Iterator[RunRecord]:
         """Do the runs, and yield each when it is done."""
 
 
-class Job(Work, Protocol):
-    """Runs of an evaluation or a study that one process does."""
+@dataclass(frozen=True)
+class Job(ABC):
+    """Runs of an evaluation or a study that one process does; plain data, which can be sent to a worker process."""
+
+    experiment: str
+    """Name of the experiment or of the family."""
+    seed: int
+    """Seed of the evaluation."""
+    scenarios: tuple[Scenario, ...]
+    condition: str
+    directories: tuple[Path, ...] = field(default=(), kw_only=True)
+    """The user's own directories of configurations."""
+    record: RecordSettings | None = field(default=None, kw_only=True)
+    """Where the missions are recorded; none is unless given."""
+
+    @abstractmethod
+    def each(self) -> Iterator[RunRecord]:
+        """Do the runs, and yield each when it is done."""
+
+    @abstractmethod
+    def serving(self, options: Mapping[str, str]) -> Self:
+        """Return the runs in which `options` serve their goals all the time; goal -> option."""
+
+    @property
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and condition of each run."""
+        return tuple((scenario.id, self.condition) for scenario in self.scenarios)
+
+    @property
+    def first(self) -> Scenario:
+        """The first scenario."""
+        return self.scenarios[0]
+
+    @property
+    def naming(self) -> dict[str, str]:
+        """Plain data about the runs for the heads of their recordings."""
+        return {"experiment": self.experiment, "condition": self.condition}
 
     def run(self) -> list[RunRecord]:
-        """Do the runs, and return them in the order of the task."""
+        """Do the runs, and return them in the order of the scenarios."""
+        return sorted(self.each(), key=lambda record: self.keys.index(record.key))
 
-    def beginning(self) -> "Job":
-        """Return a task that does only the beginning of one run, which compiles the kernels that all runs call."""
+    def without(self, done: Collection[RunKey]) -> Self:
+        """Return the runs that are not `done`."""
+        left = tuple(scenario for scenario in self.scenarios if (scenario.id, self.condition) not in done)
+        return replace(self, scenarios=left)
 
-    def recorded(self, settings: RecordSettings) -> "Job":
-        """Return a task that does the same runs and records each."""
+    def beginning(self) -> Self:
+        """Return the beginning of the first run, which compiles the kernels that all runs call."""
+        limit = min(self.first.mission.time_limit, WARM_UP_LIMIT)
+        short = self.first.mission.model_copy(update={"time_limit": limit})
+        return replace(self, scenarios=(replace(self.first, mission=short),), record=None)
+
+    def knowing(self, learned: Mapping[str, Any]) -> Self:
+        """Return the runs with the learned rewards of a manifest at their beginning."""
+        known = [replace(each, mission=each.mission.beginning_with(learned)) for each in self.scenarios]
+        return replace(self, scenarios=tuple(known))
+
+    def recorded(self, settings: RecordSettings) -> Self:
+        """Return the runs with recordings."""
+        return replace(self, record=settings)
+
+    def finished(self, scenario: Scenario, result: MissionResult, seconds: float, **more: Any) -> RunRecord:  # noqa: ANN401
+        """Return the record of a run; `seconds` is the time that it took."""
+        wall = round(seconds, 3)
+        return RunRecord(self.experiment, scenario.id, self.seed, self.condition, result, wall, **more)
 
 
 @dataclass(frozen=True)
-class RunTask:
-    """One run of an experiment."""
+class RunTask(Job):
+    """Runs of an experiment whose strategy chooses the options of all goals."""
 
-    experiment: str
-    scenario: str
-    seed: int
-    """Seed of the experiment; the seed of the mission follows from it and `scenario`."""
-    condition: str
-    mission: MissionConfig
-    start: StartConfiguration
     scores: Mapping[str, Mapping[str, float]]
     """Goal -> option -> score, in place of scores of the expert knowledge."""
     strategy: StrategySpec
     """Strategy that chooses the options."""
-    directories: tuple[Path, ...]
-    """The user's own directories of configurations."""
     run_mission: MissionRunner
     """Function that runs the mission."""
-    record: RecordSettings | None = None
-    """Where the mission is recorded; it is not unless given."""
-
-    @property
-    def keys(self) -> tuple[RunKey, ...]:
-        """Scenario and condition."""
-        return ((self.scenario, self.condition),)
-
-    def without(self, done: Collection[RunKey]) -> "RunTask":
-        """Return this one run."""
-        return self
-
-    @property
-    def mission_seed(self) -> int:
-        """Seed of everything random in the mission."""
-        return run_seed(self.seed, self.scenario)
-
-    @property
-    def naming(self) -> dict[str, Any]:
-        """Plain data about the run for the head of its recording."""
-        return {"experiment": self.experiment, "scenario": self.scenario, "condition": self.condition}
 
     def each(self) -> Iterator[RunRecord]:
-        """Run the mission."""
-        yield from self.run()
+        """Run the missions."""
+        for scenario in self.scenarios:
+            began = time.perf_counter()
+            mission, start, seed = scenario.mission, scenario.start, scenario.seed
+            run = MissionRun(mission, start, seed, self.scores, self.strategy, self.directories)
+            if self.record is not None:
+                result = record_mission(run, self.record, self.naming)
+            else:
+                result = self.run_mission(mission, start, seed, self.scores, self.strategy, self.directories)
+            yield self.finished(scenario, result, time.perf_counter() - began)
 
-    def run(self) -> list[RunRecord]:
-        """Run the mission."""
-        began = time.perf_counter()
-        run = MissionRun(self.mission, self.start, self.mission_seed, self.scores, self.strategy, self.directories)
-        if self.record is not None:
-            result = record_mission(run, self.record, self.naming)
-        else:
-            result = self.run_mission(run.mission, run.start, run.seed, run.scores, run.strategy, run.directories)
-        wall = round(time.perf_counter() - began, 3)
-        return [RunRecord(self.experiment, self.scenario, self.seed, self.condition, result, wall)]
-
-    def knowing(self, learned: Mapping[str, Any]) -> "RunTask":
-        """Return the run with the learned rewards of a manifest at its beginning."""
-        return replace(self, mission=self.mission.beginning_with(learned))
-
-    def serving(self, options: Mapping[str, str]) -> "RunTask":
-        """Return the run in which `options` serve their goals all the time; goal -> option."""
+    def serving(self, options: Mapping[str, str]) -> RunTask:
+        """Return the runs with scores by which the options serve."""
         return replace(self, scores=forcing(options), strategy=BY_SCORE)
-
-    def beginning(self) -> "RunTask":
-        """Return the run up to `WARM_UP_LIMIT`."""
-        limit = min(self.mission.time_limit, WARM_UP_LIMIT)
-        return replace(self, mission=self.mission.model_copy(update={"time_limit": limit}), record=None)
-
-    def recorded(self, settings: RecordSettings) -> "RunTask":
-        """Return the run with a recording."""
-        return replace(self, record=settings)
 
 
 def forcing(options: Mapping[str, str]) -> dict[str, dict[str, float]]:
@@ -241,21 +254,20 @@ def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, .
 
     Where a machine or policy decides for its own goal, options of the highest score serve the others.
     """
-    missions = [for_start(experiment.mission, start) for start in experiment.starts]
+    starts = experiment.starts
+    scenarios = [Scenario(one.id, run_seed(seed, one.id), for_start(experiment.mission, one), one) for one in starts]
     return [
         RunTask(
-            experiment=experiment.name,
-            scenario=start.id,
-            seed=seed,
-            condition=condition.name,
-            mission=mission,
-            start=start,
-            scores=condition.scores,
-            strategy=condition.deciders[0],
+            experiment.name,
+            seed,
+            (scenario,),
+            condition.name,
+            condition.scores,
+            condition.deciders[0],
+            run_mission,
             directories=directories,
-            run_mission=run_mission,
         )
-        for start, mission in zip(experiment.starts, missions, strict=True)
+        for scenario in scenarios
         for condition in experiment.conditions
     ]
 

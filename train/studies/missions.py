@@ -93,7 +93,7 @@ class AvoidanceWatch(Decider):
     """
 
     def __init__(self, decider: Decider, problem: Problem, counted: dict[int, Counter[str]]) -> None:
-        super().__init__(problem)
+        super().__init__(problem, decider.teams)
         self._decider, self._column = decider, columns_of(problem, ("avoiding",), "study")[0]
         self._counted = counted
         self._missions: dict[int, tuple[Ints, Counter[str]]] = {}
@@ -148,9 +148,10 @@ class CandidateTasks:
             self.folder.write(file, as_yaml({"goals": candidate.goals}))
         changes = {"knowledge": str((self.folder.path / file).resolve()), "store": ""}
         family = self.family.model_copy(update={"mission": self.family.mission.model_copy(update=changes)})
-        named = (under(stage, candidate.name), BY_SCORE_MEMBER, self.goal, self.directories)
-        places = tuple((number, 0) for number in numbers)
-        return CandidateTask(family, stage_seeds(self.seed)[stage], places, *named, split="train")
+        seed = stage_seeds(self.seed)[stage]
+        scenarios = tuple(family.scenario(seed, number, "train") for number in numbers)
+        named = (under(stage, candidate.name), BY_SCORE_MEMBER, self.goal)
+        return CandidateTask(family.name, seed, scenarios, *named, directories=self.directories)
 
     def mistake(self, record: RunRecord) -> str:
         """Return why a mission that is kept is none of this study; empty if it is."""

@@ -40,7 +40,6 @@ def test_rows_and_worlds_are_those_of_the_batches_one_after_the_other():
         for name in step._fields:
             assert np.array_equal(getattr(step, name), np.concatenate([getattr(part, name) for part in parts])), name
         assert np.array_equal(joined.masks(), np.concatenate([b.masks() for b in alone]))
-        assert np.array_equal(joined.events, np.concatenate([b.progress.events for b in alone], axis=1))
         firsts = zip((0, 2, 3), alone, strict=True)
         expected = [(first + e.world, e.scenario, e.result) for first, b in firsts for e in b.finished]
         assert [(e.world, e.scenario, e.result) for e in joined.finished] == expected
@@ -54,9 +53,9 @@ def test_a_shared_seed_is_dealt_out_to_the_worlds():
     batch.share(9)
     for first in (0, 2):
         batch.reset()
-        assert batch.doing == [next(episodes(9, first, 1)), next(episodes(9, first + 1, 1))]
+        assert batch.doing == [episodes.draw(9, first), episodes.draw(9, first + 1)]
     batch.reset([4, None])
-    assert batch.doing == [next(episodes(4, 0, 1)), next(episodes(9, 5, 1))]
+    assert batch.doing == [episodes.draw(4, 0), episodes.draw(9, 5)]
 
 
 def test_a_family_of_several_tori_makes_a_batch_for_each():
@@ -75,8 +74,7 @@ def test_a_family_of_several_tori_makes_a_batch_for_each():
 
 @long_course
 def test_worlds_do_what_a_source_gives_and_stay_where_it_gives_nothing():
-    episodes = episodes_of(SHORT)(3, 0, 1)
-    given = [next(episodes) for _ in range(3)]
+    given = [episodes_of(SHORT).draw(3, number) for number in range(3)]
     waiting, ends = iter(given), []
     batch = Batch(SHORT, 4, source=lambda world: next(waiting, None))
     batch.reset()

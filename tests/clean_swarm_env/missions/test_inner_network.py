@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from selector.coordination.selection import BY_SCORE
@@ -99,7 +100,8 @@ def test_a_robot_that_begins_anew_begins_anew_inside(robot):
 
 def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
     start = random_start(MISSION, 5, 0)
-    task = RunTask("mine", start.id, 3, "c", MISSION, start, {}, BY_SCORE, (robot(nested=True),), run_mission)
+    one = Scenario(start.id, run_seed(3, start.id), MISSION, start)
+    task = RunTask("mine", 3, (one,), "c", {}, BY_SCORE, run_mission, directories=(robot(nested=True),))
     shown = json.loads(as_json(*explained(task, 0, 4.0)))
     assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
     (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]

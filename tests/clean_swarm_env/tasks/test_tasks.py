@@ -73,7 +73,7 @@ def course(batch, seeds, led=False, steps=SECONDS):
 
 def go_on(batch, seen, led, steps):
     decided, tracks = DecidedGoal(batch), [batch.worlds.physics.positions.copy()]
-    decider = BaselineDecider(decided.problem)
+    decider = BaselineDecider(decided.problem, np.zeros(1))
     default = np.full(batch.rows, batch.choices.default[0])
     for _ in range(steps):
         actions = decided.decide(decider, seen) if led else decided.actions(default)
@@ -182,7 +182,7 @@ def test_cleaning_has_no_baseline_to_lead():
     batch = Batch("table1")
     decided = DecidedGoal(batch)
     with pytest.raises(ConfigurationError, match="baseline: the task Cleaning has none"):
-        decided.check(BaselineDecider(decided.problem))
+        decided.check(BaselineDecider(decided.problem, np.zeros(1)))
 
 
 def test_a_task_has_one_class():

@@ -25,7 +25,8 @@ def test_the_data_are_what_the_command_prints(tmp_path, capsys):
     words = ("--scenarios", 1, "--condition", "RepulsionGradient", "--workers", 1, "--output", tmp_path / "run")
     assert run("evaluate", *words) == 0
     task = task_of(tmp_path / "run")
-    same = MissionRun(task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories)
+    one = task.first
+    same = MissionRun(one.mission, one.start, one.seed, task.scores, task.strategy, task.directories)
     for robot, time in ((0, 0.0), (3, 7.3), (4, 31.0)):
         capsys.readouterr()
         assert run("explain", tmp_path / "run", "--robot", robot, "--time", time, "--json") == 0

@@ -159,7 +159,7 @@ def test_a_digest_is_taken_without_running_code(canary):
     assert decider_named("bird:Own").identity.startswith("bird:Own sha256:")
     assert source_of("bird.py:Own", "here") == Path("bird.py")
     with pytest.raises(DocumentError, match=r"strategy: no\.module: no such file of Python code"):
-        decider_named("no.module:Own").digest()
+        decider_named("no.module:Own")
     assert not canary()
 
 

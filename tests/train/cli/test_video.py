@@ -20,7 +20,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from tests.train.commands import run
-from train.cli.showing import video
+from train.cli import look
 from train.running import needs
 
 OPENCV = importlib.util.find_spec("cv2") is not None
@@ -54,7 +54,7 @@ def test_a_video_has_twenty_pictures_a_second_of_the_run(recorded, tmp_path, suf
 
 
 def test_a_run_becomes_a_video_of_thirty_seconds_unless_a_speed_is_given(recorded, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(video, "USUAL_LENGTH", 2.0)  # of the 5.8 s, as 30 s of a whole mission
+    monkeypatch.setattr(look, "USUAL_LENGTH", 2.0)  # of the 5.8 s, as 30 s of a whole mission
     output = tmp_path / "out.webp"
     assert run("video", recorded, output, "--size", 200) == 0
     assert capsys.readouterr().out == f"{output}: 39 pictures, 1.95 s, 3 times as fast as the mission (--speed)\n"

@@ -12,9 +12,8 @@ from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.problem import Problem
 from tests.paths import ROOT
 from train.deciders.decided_goal import DecidedGoal
-from train.deciders.machine import MachineDecider
 from train.deciders.named import decider_named
-from train.deciders.rules import RuleDecider
+from train.deciders.rules import MachineDecider, RuleDecider
 from train.running.trials import run_trials
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.zeros(3), ("near", "far"))
@@ -42,7 +41,7 @@ def test_a_machine_that_goes_to_the_state_of_its_situation_is_a_rule(tmp_path):
 
     def by_hand(problem, teams):
         options = [problem.options.index(machine.states[name.replace("_", " ")].option) for name in situations]
-        return RuleDecider(problem, situations, np.tile(options, (len(teams), 1)))
+        return RuleDecider(situations, options, problem, teams)
 
     assert run_trials(scenarios, decider_named("fsm:rule").build) == run_trials(scenarios, by_hand)
 
@@ -69,7 +68,7 @@ def test_the_first_open_way_is_taken_and_one_way_a_decision():
             third={"option": "c"},
         ),
         PROBLEM,
-        rows=4,
+        np.zeros(4),
     )
     decider.reset(np.arange(4), 1)
     seen = np.array([[0.6, -1.0], [0.5, -0.1], [0.5, 0.0], [0.9, 0.9]], dtype=np.float32)
@@ -87,7 +86,7 @@ def test_probabilities_are_kept_and_rows_draw_the_same_in_any_batch():
     )
 
     def course(rows, first):
-        decider = MachineDecider(flips, PROBLEM, rows)
+        decider = MachineDecider(flips, PROBLEM, np.zeros(rows))
         decider.reset(np.arange(first, rows), 5)
         return np.array([decider.decide(np.zeros((rows, 2), dtype=np.float32)).options for _ in range(300)])[:, first:]
 
@@ -100,7 +99,7 @@ def test_probabilities_are_kept_and_rows_draw_the_same_in_any_batch():
 def test_chance_that_holds_draws_every_option_alike_and_anew_every_eight_decisions():
     held = load_machine("random-held")
     options = tuple(dict.fromkeys(state.option for state in held.states.values()))
-    decider = MachineDecider(held, Problem("ExplorationPatrol", options, np.zeros(7), ("any",)), 2000)
+    decider = MachineDecider(held, Problem("ExplorationPatrol", options, np.zeros(7), ("any",)), np.zeros(2000))
     decider.reset(np.arange(2000), 3)
     chosen = np.array([decider.decide(np.zeros((2000, 1), dtype=np.float32)).options for _ in range(40)])
     for one in (chosen[0], chosen[-1]):

@@ -60,7 +60,7 @@ def test_a_policy_decides_for_its_own_goal(folder):
     (task, _) = experiment_tasks(experiment.model_copy(update={"starts": starts(experiment)}), 0)
     assert task.settings.goal == "ExplorationPatrol"
     with pytest.raises(DocumentError, match="unknown goal 'ExplorationPatrol'"):
-        task.check()
+        task.team()
 
 
 def starts(experiment):

@@ -64,7 +64,7 @@ def told(capsys, monkeypatch):
 def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
     for condition in ("RepulsionFernandez", "RepulsionGradient"):
         task = task_of(evaluated, "2", condition)
-        plain = Course(MissionRun(task.mission, task.start, run_seed(5, "2"), task.scores))
+        plain = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "2"), task.scores))
         for explained in steps_of(task):
             assert plain.in_progress
             plain.tick()
@@ -76,7 +76,7 @@ def test_a_repeated_run_comes_to_what_the_evaluation_wrote(evaluated):
     for line in (evaluated / "runs.jsonl").read_text().splitlines():
         held = json.loads(line)
         task = task_of(evaluated, held["scenario"], held["condition"])
-        again = run_mission(task.mission, task.start, run_seed(task.seed, task.scenario), task.scores)
+        again = run_mission(task.first.mission, task.first.start, run_seed(task.seed, task.first.id), task.scores)
         fields = set(MissionResult.__dataclass_fields__) - {"measures"}  # which only other tasks have
         assert json.loads(json.dumps({name: getattr(again, name) for name in fields})) == {
             name: held[name] for name in fields
@@ -86,8 +86,8 @@ def test_a_repeated_run_comes_to_what_the_evaluation_wrote(evaluated):
 @pytest.mark.parametrize("time", [0.0, 0.2, 7.0, 30.0])
 def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, told, time):
     task, step = task_of(evaluated), round(time / 0.2)
-    course = Course(MissionRun(task.mission, task.start, run_seed(5, "1"), task.scores))
-    places, runs = [np.array(task.start.robots)[:, :2]], []
+    course = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "1"), task.scores))
+    places, runs = [np.array(task.first.start.robots)[:, :2]], []
     while len(runs) <= step:
         course.tick()
         places.append(course.worlds.physics.positions.copy())

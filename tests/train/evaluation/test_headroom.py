@@ -27,13 +27,13 @@ def evaluation_of(situations=SITUATIONS, scenarios=4, searched=2, name="random-b
 
 
 def played(evaluation, excess):
-    """Return the records of all runs that the search asks for; `excess`: task, place -> excess cost [s]."""
+    """Return the records of all runs that the search asks for; `excess`: task, scenario -> excess cost [s]."""
     done, rounds = {}, []
     while tasks := evaluation.tasks(done):
         rounds.append(tasks)
         for task in tasks:
-            for place, key in zip(task.places, task.keys, strict=True):
-                done[key] = record(*key, cost_s=float(excess(task, place)))
+            for scenario, key in zip(task.scenarios, task.keys, strict=True):
+                done[key] = record(*key, cost_s=float(excess(task, scenario)))
     return done, rounds
 
 
@@ -45,16 +45,16 @@ def rows_of(evaluation, done):
 def test_the_search_finds_the_planted_rule_and_judges_it_on_test_scenarios():
     planted, evaluation = (2, 0, 1, 3), evaluation_of()
 
-    def excess(task, place):
+    def excess(task, scenario):
         if not isinstance(task, RuleTask):
             return 99.0
-        rule = task.rules[place]
+        rule = task.rules[scenario.id]
         return 10.0 + sum(own != best for own, best in zip(rule, planted, strict=True)) + (rule[0] == 5)
 
     done, rounds = played(evaluation, excess)
     searches, judged = rounds[:-1], rounds[-1]
-    assert {task.split for tasks in searches for task in tasks} == {"train"}
-    assert {task.split for task in judged} == {"test"}
+    assert {task.first.id[:5] for tasks in searches for task in tasks} == {"train"}
+    assert {task.first.id[:5] for task in judged} == {"test-"}
     assert [task.condition for task in judged] == [SINGLE, RULE_FOUND, "fixed:Off", "Random"]
     rows, notes = rows_of(evaluation, done)
     assert rows[SINGLE][1:3] == ["13.0", "1"]
@@ -70,11 +70,11 @@ def test_the_best_choice_for_each_kind_of_scenario_is_found_and_judged():
     evaluation = evaluation_of((), 12, 8, "clustered", goal=goal)
     planted = {"spots 0 stations 2": "ORCA+Patrol", "spots 1 stations 2": "PredictiveSteering+Finds"}
 
-    def excess(task, place):
+    def excess(task, scenario):
         if not isinstance(task, RuleTask):
             return 99.0
-        [kind] = scenario_kinds([task.scenario_of(place)])
-        return 10.0 + abs(task.rules[place][0] - evaluation.options.index(planted[kind]))
+        [kind] = scenario_kinds([scenario])
+        return 10.0 + abs(task.rules[scenario.id][0] - evaluation.options.index(planted[kind]))
 
     done, _ = played(evaluation, excess)
     rows, notes = rows_of(evaluation, done)

@@ -37,18 +37,16 @@ def team_of(base, **times):
     looking = LookingAhead(base=base, copies=1, **times)
     asked = Request("clustered", seed=1, scenarios=1, goal="ExplorationPatrol")
     task = LookAheadEvaluation(asked, looking).tasks({})[0]
-    scenario = task.scenario_of(task.places[0])
-    return LookingTeam(task, scenario, 0), scenario
+    return LookingTeam(task), task.first
 
 
 def test_with_one_option_the_mission_is_that_of_the_option(tmp_path):
     task = evaluation_of(tmp_path, GOOD, hold=20.0, horizon=3.0).tasks({})[0]
-    scenario = task.scenario_of(task.places[0])
 
     def decider(problem, teams):
         return decider_named("fixed:PredictiveSteering", (tmp_path,)).build(problem, teams)
 
-    (alone,) = run_trials([scenario], decider, TrialSettings(directories=(tmp_path,)))
+    (alone,) = run_trials([task.first], decider, TrialSettings(directories=(tmp_path,)))
     [record] = task.run()
     assert record.result == alone
     assert sum(record.counts.values()) == -(-alone.duration_s // 20.0)
@@ -99,13 +97,13 @@ def test_an_option_that_is_tried_takes_the_place_of_that_of_the_policy_but_not_o
     team, _ = team_of(correcting(tmp_path), hold=1.0, horizon=1.0)
     seen, options = team._batch.reset(), np.arange(team._batch.rows) % len(team.alternatives)
     followed, tried = (
-        team._base.actions(np.full_like(options, team._base.number), seen),
-        team._base.actions(options, seen),
+        team._actions(np.full_like(options, team._base), seen),
+        team._actions(options, seen),
     )
     assert np.array_equal(followed[:, -2:], tried[:, -2:])
     assert np.abs(followed[:, -2:]).max() > 0.0
     goal = [coordinator.model.goal for coordinator in team._batch.worlds.coordinators].index("ExplorationPatrol")
-    follows = options == team._base.number
+    follows = options == team._base
     assert np.array_equal(tried[:, goal], np.where(follows, followed[:, goal], options))
 
 

@@ -63,7 +63,7 @@ def test_a_class_of_ones_own_decides(folder, module):
     [
         ("own_policies:Third", "strategy: own_policies defines no 'Third'"),
         ("own_policies:np", "strategy own_policies:np: expected a subclass of DecisionStrategy, got <module"),
-        ("no_policies:Third", "strategy: no_policies: No module named 'no_policies'"),
+        ("no_policies:Third", "strategy: no_policies: no such file of Python code"),
         ("own_policies:Second:speed=1", "speed: unknown key 'speed'"),
         ("policy:model.zip", "model.zip: no such file"),
         ("policy:broken.onnx", r"broken.onnx: .*(onnxruntime|expected a model)"),

@@ -103,12 +103,12 @@ def test_options_and_observations_go_by_their_names(tmp_path):
     (goal,), names = batch.options, envs.observation_space.names
     evaluation = FamilyEvaluation(Request("table1", (f"policy:{path}",), 0, 1, knowledge="avoidance"))
     problem = evaluation_problem(batch)
-    decider, model = ModelDecider(path, problem, "option"), PPO.load(path, device="cpu")
+    decider, model = ModelDecider(path, "option", problem, np.zeros(1)), PPO.load(path, device="cpu")
     columns = [batch.observer.names.index(name) for name in names]
     own = envs.normalize_obs(batch.observations[:, columns])
     assert decider.decide(batch.observations).options.tolist() == model.predict(own, deterministic=True)[0].tolist()
     turned = problem.__class__(goal, problem.options[::-1], problem.scores, problem.features[::-1])
-    backwards = ModelDecider(path, turned, "option").decide(batch.observations[:, ::-1]).options
+    backwards = ModelDecider(path, "option", turned, np.zeros(1)).decide(batch.observations[:, ::-1]).options
     last = len(problem.options) - 1
     assert backwards.tolist() == (last - decider.decide(batch.observations).options).tolist()
     assert evaluation.goal == goal
@@ -170,6 +170,6 @@ def test_names_beside_a_module_of_torch_make_it_an_entrant_of_several_goals_and_
 
     batch = Batch("exploring", action={"mode": "both"})
     problem = DecidedGoal(batch, known.goal).problem
-    decider = ModelDecider(path, problem, known.mode)
+    decider = ModelDecider(path, known.mode, problem, np.zeros(1))
     options, vectors = decider.decide(seen)
     assert (options.shape, vectors.shape) == ((3,), (3, 2))

@@ -1,5 +1,7 @@
 """Learning from the costs of whole missions: what each team holds, what is compared, what is found."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,8 @@ from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from tests.train.learning.trainings import job, written
-from train.deciders.rules import TeamRuleDecider
+from train.deciders.decider import TeamsDecider
+from train.deciders.rules import RuleDecider
 from train.learning import by_missions as mission_learning
 from train.learning.bandit import BanditTraining
 from train.learning.by_missions import MissionLearning, relative
@@ -20,8 +23,8 @@ OPTIONS = ("a", "b", "c")
 
 def test_teams_keep_to_their_rules_in_the_order_in_which_missions_begin():
     problem = Problem("AvoidCollision", OPTIONS, np.zeros(3), ("other", *SITUATIONS))
-    rules = np.array([[0, 1], [1, 2], [2, 0]])
-    decider = TeamRuleDecider(problem, SITUATIONS, rows=4, seeds=[7, 9, 7], rules=rules)
+    rules = [partial(RuleDecider, SITUATIONS, rule) for rule in ((0, 1), (1, 2), (2, 0))]
+    decider = TeamsDecider(rules, [7, 9, 7], problem, np.repeat([0, 1], 2))
     first, second = np.array([0, 1]), np.array([2, 3])
     decider.reset(second, 7)
     decider.reset(first, 9)

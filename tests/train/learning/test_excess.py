@@ -1,17 +1,18 @@
 """Learners learn from the excess, by which tables judge, and not from the cost that nobody could avoid."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.train.learning.trainings import job, written
+from train.deciders.rules import RuleDecider
 from train.learning import by_missions
 from train.learning.bandit import BanditTraining
 from train.learning.config import load_training
 from train.learning.members.es import EsTraining
-from train.learning.members.missions import OptionMember
-from train.learning.validation import LEAST_EXCESS, CheckpointHistory, judged
+from train.learning.training import LEAST_EXCESS, CheckpointHistory, judged
 
 UNAVOIDABLE = 20.0
 
@@ -25,7 +26,7 @@ def test_the_best_checkpoint_is_that_of_the_lowest_excess():
     assert history.note({}, still | {"arrivals/cost_s": 22.0, "arrivals/excess_s": 2.0})
     worse = {"still/cost_s": 80.0, "still/excess_s": 80.0, "arrivals/cost_s": 24.0, "arrivals/excess_s": 4.0}
     assert not history.note({}, worse)  # its costs are lower, by the product
-    assert history.best == pytest.approx(np.log([100.0, 2.0]).mean())
+    assert min(history.scores) == pytest.approx(np.log([100.0, 2.0]).mean())
 
 
 def test_bandits_compare_the_excess_of_missions(tmp_path, monkeypatch):
@@ -45,7 +46,7 @@ def test_members_are_compared_by_their_excess(tmp_path):
 
     training = EsTraining(job(load_training(str(written(tmp_path, "es")), "es"), tmp_path / "run", done=done))
     scenario = next(training.curriculum.scenarios(0)[0])
-    assert training.costs([OptionMember(0)], [scenario]).tolist() == [[3.0]]
+    assert training.costs([partial(RuleDecider, (), (0,))], [scenario]).tolist() == [[3.0]]
 
 
 def test_an_excess_that_has_no_logarithm_is_the_least():

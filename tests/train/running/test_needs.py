@@ -2,6 +2,7 @@
 
 import pytest
 
+from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
@@ -58,7 +59,8 @@ def test_a_container_has_its_own_memory(tmp_path, monkeypatch):
 
 
 def test_a_run_that_this_machine_is_too_small_for_is_not_repeated(tmp_path, monkeypatch):
-    task = RunTask("mine", "1", 1, "c", mission(), random_start(mission(), 1, 0), {}, BY_SCORE, (), run_mission)
+    one = Scenario("1", 1, mission(), random_start(mission(), 1, 0))
+    task = RunTask("mine", 1, (one,), "c", {}, BY_SCORE, run_mission)
     monkeypatch.setattr(needs, "memory_of_machine", lambda: 1e6)
     with pytest.raises(ConfigurationError, match=r"1 missions, 1 at a time, .* the run cannot be repeated here"):
         record_run(task, tmp_path / "run.swarm")

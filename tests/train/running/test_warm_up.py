@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning import warm_up
@@ -40,14 +41,14 @@ def task(limits):
 
     mission = MissionConfig()
     start = random_start(mission, 0, 0)
-    return RunTask("table1", "1", 0, "RepulsionGradient", mission, start, {}, BY_SCORE, (), run)
+    return RunTask("table1", 0, (Scenario("1", 0, mission, start),), "RepulsionGradient", {}, BY_SCORE, run)
 
 
 def test_the_beginning_of_a_run_compiles_and_says_so(task, limits, capsys):
     compile_first(task)
     assert limits == [300.0]
     assert capsys.readouterr().err == LINE
-    assert task.mission.time_limit == 3000.0
+    assert task.first.mission.time_limit == 3000.0
 
 
 class OneRun(Evaluation):
@@ -110,8 +111,9 @@ def test_what_a_mission_compiled_is_found(task):
 
 
 def test_a_mission_shorter_than_the_warm_up_keeps_its_limit(task):
-    short = replace(task, mission=task.mission.model_copy(update={"time_limit": 20.0}))
-    assert short.beginning().mission.time_limit == 20.0
+    mission = task.first.mission.model_copy(update={"time_limit": 20.0})
+    short = replace(task, scenarios=(replace(task.first, mission=mission),))
+    assert short.beginning().first.mission.time_limit == 20.0
 
 
 @pytest.mark.parametrize(("module", "kernel"), [(tables, "rebuild")])

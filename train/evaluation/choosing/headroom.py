@@ -13,15 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.families import SPLITS, FamilyConfig, Scenario, Split, place_of, scenario_name
+from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
-from train.deciders.decider import Decider, columns_of
-from train.deciders.rules import TeamRuleDecider
+from train.deciders.decider import Decider, TeamsDecider, columns_of
+from train.deciders.rules import RuleDecider
 from train.evaluation.base import Done
 from train.evaluation.choosing.excesses import ExcessComparison
 from train.evaluation.family import FamilyEvaluation
@@ -52,8 +53,8 @@ class RuleTask(TrialTask):
 
     situations: tuple[str, ...] = ()
     """See `Searched`."""
-    rules: Mapping[tuple[int, int], Sequence[int]] = field(default_factory=dict)
-    """Place of a scenario -> its rule (S,): the number of an option for each situation."""
+    rules: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    """Name of a scenario -> its rule (S,): the number of an option for each situation."""
 
     @property
     def settings(self) -> TrialSettings:
@@ -62,9 +63,9 @@ class RuleTask(TrialTask):
 
     def decider(self, problem: Problem, teams: Ints) -> Decider:
         """Return the decider by the rules."""
-        seeds = [self.scenario_of(place).seed for place in self.places]
-        rules = np.array([self.rules[place] for place in self.places])
-        return TeamRuleDecider(problem, self.situations, len(teams), seeds, rules)
+        seeds = [scenario.seed for scenario in self.scenarios]
+        makers = [partial(RuleDecider, self.situations, self.rules[scenario.id]) for scenario in self.scenarios]
+        return TeamsDecider(makers, seeds, problem, teams)
 
 
 class Lacking(Exception):
@@ -90,6 +91,7 @@ class HeadroomEvaluation(FamilyEvaluation):
     def __init__(self, request: Request, searched: Searched, family: FamilyConfig | None = None) -> None:
         self._searched = searched
         super().__init__(request, family)
+        self._drawn = partial(self.scenario, self.family)
         columns_of(self.problem, searched.situations, "--situations")
         self.stem += "-headroom"
 
@@ -184,18 +186,17 @@ class HeadroomEvaluation(FamilyEvaluation):
         rule_of = {
             name: rule for name, rule in zip(names, rules.tolist(), strict=True) if (name, condition) not in done
         }
-        left, split, found = list(rule_of), SPLITS[not names[0].startswith(SPLITS[0])], list[TrialTask]()
+        left, found = list(rule_of), list[TrialTask]()
         for first in range(0, len(left), TASK_SCENARIOS):
-            part = left[first : first + TASK_SCENARIOS]
-            given = {place_of(name): rule_of[name] for name in part}
-            settings = {**vars(self.task(part, condition, "")), "split": split}
-            found.append(RuleTask(**settings, situations=self._searched.situations, rules=given))
+            part = [self._drawn(name) for name in left[first : first + TASK_SCENARIOS]]
+            settings = vars(self.task(part, condition, ""))
+            found.append(RuleTask(**settings, situations=self._searched.situations, rules=rule_of))
         return found
 
     def _scenarios(self, split: Split) -> list[Scenario]:
         """Return the scenarios of the search, or those that judge."""
         count = self._searched.scenarios if split == "train" else len(self.scenarios)
-        return [self.family.scenario(self.request.seed, k, split) for k in range(count)]
+        return [self._drawn(scenario_name(split, k)) for k in range(count)]
 
 
 def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:

@@ -18,26 +18,20 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from clean_swarm_env.config.families import FamilyConfig, Scenario
+from clean_swarm_env.config.families import FamilyConfig, place_of
 from clean_swarm_env.config.types import ConfigurationError, Seconds
-from clean_swarm_env.learning.actions import ActionConfig
-from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission import MissionResult
 from selector.documents.fields import Closed
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.decider import Decider
-from train.deciders.named import FIXED, POLICY, NamedDecider, decider_named
+from train.deciders.named import FIXED, POLICY
 from train.evaluation.base import Done
 from train.evaluation.choosing.excesses import ExcessComparison
 from train.evaluation.family import FamilyEvaluation
@@ -70,12 +64,10 @@ class LookAheadTask(TrialTask):
 
     def each(self) -> Iterator[RunRecord]:
         """Do the missions, and yield each run when it is done."""
-        for place in self.places:
-            began, scenario = time.perf_counter(), self.scenario_of(place)
-            team = LookingTeam(self, scenario, place[0])
+        for scenario in self.scenarios:
+            began, team = time.perf_counter(), LookingTeam(replace(self, scenarios=(scenario,)))
             result, taken = team.result(), dict(team.taken.most_common())
-            wall = round(time.perf_counter() - began, 3)
-            yield RunRecord(self.family.name, scenario.id, self.seed, self.condition, result, wall, counts=taken)
+            yield self.finished(scenario, result, time.perf_counter() - began, counts=taken)
 
 
 class LookingTeam:
@@ -87,21 +79,19 @@ class LookingTeam:
 
     """
 
-    def __init__(self, task: LookAheadTask, scenario: Scenario, number: int) -> None:
-        waiting, looking = iter([scenario]), task.looking
-        base = _named(as_member(looking.base), task.directories)
-        seen, action = base.observation(task.family.mission.terms), ActionConfig(mode=base.mode)
-        batch = partial(Batch, scenario.mission, observation=seen, directories=task.directories, action=action)
-        self._batch = batch(source=lambda _: next(waiting, None))
-        self._decided = DecidedGoal(self._batch, task.goal)
-        self._base = _Base(looking.base, base, self._decided)
-        self.alternatives = self._base.alternatives
+    def __init__(self, task: LookAheadTask) -> None:
+        waiting, looking = iter(task.scenarios), task.looking
+        self._batch, self._decided, decider = task.team(source=lambda _: next(waiting, None))
+        options, follows = self._decided.problem.options, task.member == looking.base
+        self._policy = decider if follows else None
+        self.alternatives = (*options, looking.base) if follows else options
+        self._base = self.alternatives.index(looking.base)
         worlds = len(self.alternatives) * looking.copies
-        costs = {"cost": -1.0} if scenario.mission.cleans else None  # other tasks pay what their measures gain
-        self._ahead = batch(worlds, begin_anew=False, reward=costs)
+        costs = {"cost": -1.0} if task.first.mission.cleans else None  # other tasks pay what their measures gain
+        self._ahead = task.team(worlds=worlds, begin_anew=False, reward=costs)[0]
         self._copies, period = looking.copies, self._batch.decision_period
         self._hold, self._horizon = (max(round(length / period), 1) for length in (looking.hold, looking.horizon))
-        self._random = np.random.default_rng([task.seed, number])
+        self._random = np.random.default_rng([task.seed, place_of(task.first.id)[0]])
         self.taken: Counter[str] = Counter()
 
     def result(self) -> MissionResult:
@@ -112,13 +102,13 @@ class LookingTeam:
             best = self._best(batch.get_state(), observations)
             self.taken[self.alternatives[best]] += 1
             for _ in range(self._hold):
-                observations = batch.step(self._base.actions(np.full(batch.rows, best), observations)).observations
+                observations = batch.step(self._actions(np.full(batch.rows, best), observations)).observations
                 if batch.finished:
                     return batch.finished[0].result
 
     def _best(self, state: bytes, observations: Observations) -> int:
         """Return the alternative whose copies cost least."""
-        ahead, base, robots = self._ahead, self._base, self._batch.robots
+        ahead, robots = self._ahead, self._batch.robots
         count = len(self.alternatives)
         ahead.set_state(state)
         tried: Ints = np.repeat(np.arange(count), self._copies * robots).reshape(count, self._copies, robots)
@@ -128,43 +118,22 @@ class LookingTeam:
         seen = np.tile(observations, (ahead.count, 1))
         costs: Floats = np.zeros(ahead.count)
         for period in range(self._horizon):
-            held = first if period == 0 else tried if period < self._hold else np.full_like(tried, base.number)
-            step = ahead.step(base.actions(held.ravel(), seen))
+            held = first if period == 0 else tried if period < self._hold else np.full_like(tried, self._base)
+            step = ahead.step(self._actions(held.ravel(), seen))
             rewards, seen = step.rewards.reshape(ahead.count, robots), step.observations
             costs -= rewards.sum(axis=1) / np.maximum(ahead.took_part.reshape(ahead.count, robots).sum(axis=1), 1)
             if ahead.over.all():
                 break
         return int(costs.reshape(count, self._copies).mean(axis=1).argmin())
 
-
-class _Base:
-    """What copies follow after the option that they try.
-
-    Attributes:
-        alternatives: see `LookingTeam`.
-        number: that of the base among them.
-
-    """
-
-    def __init__(self, base: str, named: NamedDecider, decided: DecidedGoal) -> None:
-        options, self._decided = decided.problem.options, decided
-        self._policy: Decider | None = None
-        self.alternatives: tuple[str, ...] = options
-        if base.startswith(f"{POLICY}:"):
-            self._policy = named.build(decided.problem, np.zeros(0, dtype=np.int64))
-            self.alternatives = (*options, base)
-        elif base not in options:
-            raise ConfigurationError(f"--base: {unknown('option', base, options)}")
-        self.number = self.alternatives.index(base)
-
-    def actions(self, alternatives: Ints, observations: Observations) -> NDArray[Any]:
+    def _actions(self, alternatives: Ints, observations: Observations) -> NDArray[Any]:
         """Return the actions (R, ...) of rows with alternatives (R,) that see `observations` (R, F).
 
         A policy that corrects the movement corrects that of all rows, whatever option they hold.
         """
         if self._policy is None:
             return self._decided.actions(alternatives)
-        actions, held = self._decided.decide(self._policy, observations), alternatives != self.number
+        actions, held = self._decided.decide(self._policy, observations), alternatives != self._base
         actions[held, : self._decided.goals] = self._decided.actions(alternatives[held])
         return actions
 
@@ -186,8 +155,13 @@ class LookAheadEvaluation(FamilyEvaluation):
         policy = (looking.base,) if looking.base.startswith(f"{POLICY}:") else ()
         super().__init__(replace(request, strategies=(FIXED, *policy)), family)
         self.stem += "-look-ahead"
-        first = self._looking_task(self.scenarios[:1])
-        LookingTeam(first, first.scenario_of(first.places[0]), 0)  # a base that does not fit is an error
+        if not policy and looking.base not in self.options:
+            raise ConfigurationError(f"--base: {unknown('option', looking.base, self.options)}")
+        first = self._looking_task(self.scenarios[0])
+        if first.named.mode == "velocity":
+            expected = "an option or a policy that chooses options"
+            raise ConfigurationError(f"--base: expected {expected}, got {looking.base}")
+        first.team()  # a base that does not fit is an error
 
     def settings(self) -> Mapping[str, Any]:
         """Return how teams look ahead."""
@@ -196,10 +170,11 @@ class LookAheadEvaluation(FamilyEvaluation):
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the tasks for all missing runs; those that look ahead come first, each with one scenario."""
         missing = [name for name in self.scenarios if (name, LOOKING) not in done]
-        return [*(self._looking_task([name]) for name in missing), *super().tasks(done)]
+        return [*(self._looking_task(name) for name in missing), *super().tasks(done)]
 
-    def _looking_task(self, scenarios: Sequence[str]) -> LookAheadTask:
-        return LookAheadTask(**vars(self.task(scenarios, LOOKING, "")), looking=self._looking)
+    def _looking_task(self, name: str) -> LookAheadTask:
+        task = self.task([self.scenario(self.family, name)], LOOKING, as_member(self._looking.base))
+        return LookAheadTask(**vars(task), looking=self._looking)
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return what looking ahead and every option cost, beside the base, and what was taken."""
@@ -221,11 +196,3 @@ def as_member(alternative: str) -> str:
 def shares_of(taken: Counter[str], most: int | None = None) -> str:
     """Return the options taken most often, all unless `most` is given, with their shares."""
     return ", ".join(f"{option} {number / taken.total():.0%}" for option, number in taken.most_common(most))
-
-
-def _named(member: str, directories: Sequence[Path]) -> NamedDecider:
-    """Return a decider; ConfigurationError for one that drives."""
-    named = decider_named(member, directories)
-    if named.mode == "velocity":
-        raise ConfigurationError(f"--base: expected an option or a policy that chooses options, got {member}")
-    return named

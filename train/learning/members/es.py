@@ -11,6 +11,7 @@ Shapes: K pairs, P parameters (F weights and a bias of each option of each of th
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,9 +20,10 @@ from selector.documents.fields import Closed, Number
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy, save_policy
 from selector.strategies.streams import normals
 from selforg.arrays import Floats, Ints
+from train.deciders.decider import DeciderMaker
+from train.deciders.strategies import PolicyDecider
 from train.learning.by_missions import relative
 from train.learning.config import EsConfig
-from train.learning.members.missions import PolicyMember
 from train.learning.members.training import Drawing, MembersTraining, check_lengths
 
 POLICY_FOLDER = "policy"
@@ -90,7 +92,7 @@ class EsTraining(MembersTraining):
         noise = np.empty((settings.pairs, len(point)))
         normals(random.random((settings.pairs, 2 * len(point))), noise)
         noise = np.concatenate([noise, -noise])
-        members = [PolicyMember(self.policy(point + settings.sigma * one)) for one in noise]
+        members = [partial(PolicyDecider, self.policy(point + settings.sigma * one)) for one in noise]
         costs = self.costs(members, draw(settings.scenarios))
         fitness = relative(costs.ravel(), len(members), settings.limit).reshape(costs.shape).mean(axis=0)
         slope = (fitness[:, None] * noise).sum(axis=0) / (len(members) * settings.sigma)
@@ -111,8 +113,8 @@ class EsTraining(MembersTraining):
         first: Ints = np.cumsum([0, *counts[:-1]])
         return self.goal.combined(options) + first
 
-    def _member(self) -> PolicyMember:
-        return PolicyMember(self.policy(np.array(self.state.average)))
+    def _decider_maker(self) -> DeciderMaker:
+        return partial(PolicyDecider, self.policy(np.array(self.state.average)))
 
 
 def climbed(state: EsState, slope: Floats, rate: float, averaged: float) -> EsState:

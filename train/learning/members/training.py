@@ -1,7 +1,8 @@
 """The base class of learners that compare whole missions of members of a population.
 
-Each training begins with every option alone, so that a learner knows the best one and the scale of what robots see.
-A mission counts as one decision: which member does it.
+A member is what decides for all robots of a mission. Each training begins with every option alone, so that a learner
+knows the best one and the scale of what robots see. A mission counts as one decision: which member does it. The result
+of a mission does not depend on the missions beside it, nor on the process that runs it.
 
 Shapes: M members, N scenarios, F components of an observation, O options.
 """
@@ -10,8 +11,9 @@ from __future__ import annotations
 
 import json
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import islice
 from typing import Any, ClassVar
 
@@ -21,14 +23,61 @@ from clean_swarm_env.config.families import Scenario
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, NonNegative, Number
 from selector.documents.reading import read_json
-from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
-from train.deciders.decider import Decider, DeciderMaker
+from train.deciders.decider import DeciderMaker, TeamsDecider
+from train.deciders.rules import RuleDecider
 from train.learning.config import MembersConfig
-from train.learning.members.missions import MemberRun, MemberTask, OptionMember, PopulationMember
-from train.learning.training import Training, TrainingJob
-from train.learning.validation import CheckpointDescription, judged
+from train.learning.training import Checkpoint, Training, TrainingJob, judged
+from train.running.runs import RunKey, RunRecord
+from train.running.trials import TrialSettings, each_trial
+
+
+@dataclass(frozen=True)
+class MemberRun(RunRecord):
+    """One finished mission of a member."""
+
+    place: int = 0
+    """Number of the mission among those that were asked for."""
+    seen: Floats = field(default_factory=lambda: np.zeros((3, 0)))
+    """(3, F) number, sum and sum of squares of all observations of the mission."""
+
+
+@dataclass(frozen=True)
+class MemberTask:
+    """Some missions, each with its member; plain data, which can be sent to a worker process."""
+
+    scenarios: tuple[Scenario, ...]
+    members: tuple[DeciderMaker, ...]
+    """What makes the decider of each mission: a `partial`, which can be sent, too."""
+    places: tuple[int, ...]
+    """Number of each mission among those that were asked for."""
+    settings: TrialSettings
+
+    @property
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and number of each mission."""
+        return tuple((scenario.id, str(place)) for scenario, place in zip(self.scenarios, self.places, strict=True))
+
+    def without(self, done: Collection[RunKey]) -> MemberTask:
+        """Return the missions that are not `done`."""
+        left = [number for number, key in enumerate(self.keys) if key not in done]
+        return replace(
+            self,
+            scenarios=tuple(self.scenarios[number] for number in left),
+            members=tuple(self.members[number] for number in left),
+            places=tuple(self.places[number] for number in left),
+        )
+
+    def each(self) -> Iterator[MemberRun]:
+        """Run the missions, and yield each when it is done."""
+        seen: dict[int, Floats] = {}
+        maker = partial(TeamsDecider, self.members, [scenario.seed for scenario in self.scenarios], seen=seen)
+        for place, result in each_trial(self.scenarios, maker, self.settings):
+            scenario = self.scenarios[place]
+            run = (type(self).__name__, scenario.id, scenario.seed, str(self.places[place]), result, 0.0)
+            yield MemberRun(*run, self.places[place], seen[place].copy())  # worlds without a mission are seen on
+
 
 Drawing = Callable[[int], list[Scenario]]
 """Returns the given number of new training scenarios of each family, the families in turn."""
@@ -41,7 +90,7 @@ class ObservationScale(Closed):
     variance: tuple[NonNegative, ...]
 
 
-class MembersCheckpoint(CheckpointDescription):
+class MembersCheckpoint(Checkpoint):
     """Everything that a training depends on."""
 
     scale: ObservationScale
@@ -101,18 +150,6 @@ class MembersTraining(Training):
     def _check(self, state: Closed, where: str) -> None:
         """Raise DocumentError unless a state that was read is one of this training."""
 
-    @abstractmethod
-    def _member(self) -> PopulationMember:
-        """Return the member that the present state would export."""
-
-    def _decider_maker(self) -> DeciderMaker:
-        member = self._member()
-
-        def decider(problem: Problem, teams: Ints) -> Decider:
-            return member.decider(problem, len(teams))
-
-        return decider
-
     def _learn(self) -> dict[str, Any]:
         series = self.curriculum.scenarios(self.checkpoint)
         random = np.random.default_rng([self.job.seed, self.checkpoint, 5])
@@ -123,7 +160,7 @@ class MembersTraining(Training):
             return [scenario for together in zip(*drawn, strict=True) for scenario in together]
 
         if not self.checkpoint:
-            alone = [OptionMember(option) for option in range(len(self.problem.options))]
+            alone = [partial(RuleDecider, (), (option,)) for option in range(len(self.problem.options))]
             costs, seen = self._done(alone, draw(self.settings.opening))
             mean = seen[1] / seen[0]
             variance = np.maximum(seen[2] / seen[0] - mean**2, 0.0)
@@ -134,11 +171,11 @@ class MembersTraining(Training):
         cost = float(np.mean(self._costs)) if self._costs else None
         return {"missions": self._missions - before, "training_excess_s": cost}
 
-    def costs(self, members: Sequence[PopulationMember], scenarios: Sequence[Scenario]) -> Floats:
+    def costs(self, members: Sequence[DeciderMaker], scenarios: Sequence[Scenario]) -> Floats:
         """Return the excess costs (N, M) [s] of all members on all scenarios."""
         return self._done(members, scenarios)[0]
 
-    def _done(self, members: Sequence[PopulationMember], scenarios: Sequence[Scenario]) -> tuple[Floats, Floats]:
+    def _done(self, members: Sequence[DeciderMaker], scenarios: Sequence[Scenario]) -> tuple[Floats, Floats]:
         """Return the excess costs (N, M) [s], and number, sum and sum of squares (3, F) of all observations."""
         count = len(scenarios) * len(members)
         tasks = []
@@ -162,7 +199,7 @@ class MembersTraining(Training):
     def _save(self, figures: dict[str, Any]) -> None:
         kept = {"scale": self.scale, "now": self.state, "kept": self._best}
         parts = {name: part.model_dump(mode="json") for name, part in kept.items()}
-        self.job.folder.write(self.CHECKPOINT, json.dumps({**self._description(), **parts}) + "\n")
+        self.job.folder.write(self.CHECKPOINT, json.dumps({"history": self.history.entries, **parts}) + "\n")
 
     def _load(self) -> None:
         where = shown(self.checkpoint_file)

@@ -9,6 +9,7 @@ import io
 import pickle
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,19 +21,17 @@ from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
-from selector.documents.errors import DocumentError, shown
+from selector.documents.errors import DocumentError, shown, validated
 from selector.strategies.policy_file import TrainedPolicy, save_policy
 from selector.strategies.problem import Problem
 from selforg.arrays import Flags
 from train.deciders.decider import DeciderMaker
-from train.deciders.policy import PolicyDecider
+from train.deciders.strategies import PolicyDecider
 from train.learning.config import PpoConfig
-from train.learning.ppo.export import exported
-from train.learning.ppo.networks import RobotPolicy
+from train.learning.ppo.networks import RobotPolicy, exported
 from train.learning.ppo.rollouts import MomentsOfRobots, RobotPPO, RobotRollouts
 from train.learning.ppo.worlds import OneGoalEnv, TeamEnv
-from train.learning.training import Training, TrainingJob
-from train.learning.validation import CheckpointHistory
+from train.learning.training import Checkpoint, Training, TrainingJob
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
 DAMAGE = (RuntimeError, ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, pickle.UnpicklingError)
@@ -124,8 +123,7 @@ class PpoTraining(Training):
         return np.concatenate(ran) | every
 
     def _decider_maker(self) -> DeciderMaker:
-        policy = self.policy()
-        return lambda problem, _: PolicyDecider(policy, problem)
+        return partial(PolicyDecider, self.policy())
 
     def _weights(self) -> dict[str, Any]:
         """Return copies of everything that the exported policy consists of."""
@@ -150,11 +148,9 @@ class PpoTraining(Training):
             **self._weights(),
             "optimizer": self.model.policy.optimizer.state_dict(),
             "returns": _moments(self.normal.ret_rms),
-            "checkpoint": self.checkpoint,
-            "decisions": self.model.num_timesteps,
             "updates": self.model._n_updates,
             "best": self._best,
-            "history": vars(self.history),
+            "history": self.history.entries,
         }
         stream = io.BytesIO()
         torch.save(content, stream)
@@ -164,16 +160,13 @@ class PpoTraining(Training):
         for name, weights in content["policy"].items():
             if not torch.isfinite(weights).all():
                 raise ValueError(f"{name}: expected finite numbers")
-        counted = (content["checkpoint"], content["decisions"], content["updates"])
-        if not all(isinstance(number, int) and number >= 0 for number in counted):
-            raise ValueError(f"expected numbers of checkpoints, decisions and updates, got {counted}")
+        found = validated(Checkpoint, {"history": content["history"]}, shown(self.checkpoint_file))
         self._set_weights(content)
         self.model.policy.optimizer.load_state_dict(content["optimizer"])
         _put(content["returns"], self.normal.ret_rms)
-        self.checkpoint, self.model.num_timesteps = content["checkpoint"], content["decisions"]
-        self.model._n_updates, self._best = content["updates"], content["best"]
-        self.history = CheckpointHistory(**content["history"])
-        self.write_history()
+        self.model.num_timesteps = found.decisions
+        self.model._n_updates, self._best = int(content["updates"]), content["best"]
+        self._go_on(found)
 
 
 def _model(

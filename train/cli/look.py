@@ -1,0 +1,233 @@
+"""`clean-swarm look`, `video` and `report`: pictures, videos and pages of runs, diagrams of networks and machines.
+
+Libraries that take seconds are imported inside the functions, so that help is quick.
+"""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated
+from urllib.parse import quote
+
+import typer
+from rich.progress import track
+
+from clean_swarm_env.config.types import ConfigurationError
+from train.cli.options import MAY_NAME_CODE, Configs, check_whole, error_console
+from train.cli.repeat import ConditionOption, ScenarioOption, repeating
+
+if TYPE_CHECKING:
+    from clean_swarm_env.drawing.recorded_picture import RecordedCourse
+    from train.reports.network_content import NetworkPanel
+
+LEAST_SIZE, MOST_SIZE = 200, 4000
+ShownRun = Annotated[
+    Path, typer.Argument(help=f"A recording, or a directory of results; {MAY_NAME_CODE}.", metavar="RUN")
+]
+PictureSize = Annotated[int, typer.Option(help="Longer side of the world [pixels].")]
+
+
+def picture_command(
+    run: ShownRun,
+    output: Annotated[Path, typer.Argument(help="File to write, .svg, .png or .webp; one that exists is replaced.")],
+    time: Annotated[float, typer.Option(help="Time in the mission [s].")],
+    scenario: ScenarioOption = None,
+    condition: ConditionOption = None,
+    size: PictureSize = 700,
+) -> None:
+    """Draw a moment of a run, with the option that each robot holds; a run without a recording is repeated."""
+    from clean_swarm_env.drawing.picture import check_picture, write_picture  # imports NumPy
+
+    check_whole({"--size": (size, LEAST_SIZE, MOST_SIZE)})
+    check_picture(output)
+    with course_of(run, scenario, condition) as course:
+        check_times(course, {"--time": time})
+        write_picture(course.at(time), output, size)
+    typer.echo(f"{output}: the run at {time:g} s")
+
+
+def check_times(course: "RecordedCourse", times: dict[str, float]) -> None:
+    """Raise ConfigurationError for a time outside a course; `times`: option -> time [s]."""
+    for name, time in times.items():
+        if not 0.0 <= time <= course.end:
+            raise ConfigurationError(f"{name}: expected seconds from 0 to {course.end:g}, got {time:g}")
+
+
+@contextmanager
+def course_of(run: Path, scenario: str | None, condition: str | None) -> Iterator["RecordedCourse"]:
+    """Give the course of a recording, or of a run in a directory of results, which is repeated if need be."""
+    from clean_swarm_env.drawing.recorded_picture import DRAWN, RecordedCourse
+    from clean_swarm_env.recording.reader import RecordedMission
+    from train.evaluation.repeat import recording_of
+    from train.running.needs import most_numbers
+
+    with TemporaryDirectory() as folder:
+        with repeating(run) if run.is_dir() else nullcontext():
+            recording = recording_of(run, scenario, condition, Path(folder), minds=False)
+        yield RecordedCourse(RecordedMission(recording, DRAWN, most_numbers()))
+
+
+FASTEST = 1000.0
+USUAL_LENGTH = 30.0
+"""Length of a video whose speed is not given [s]; a shorter run is shown as fast as it was."""
+
+
+def video_command(
+    run: ShownRun,
+    output: Annotated[
+        Path,
+        typer.Argument(
+            help="File to write, .webp or .gif, or with the extra `video` .webm or .mp4; one that exists is replaced."
+        ),
+    ],
+    begin: Annotated[float, typer.Option("--from", help="Time in the mission at which the video begins [s].")] = 0.0,
+    end: Annotated[float | None, typer.Option("--to", help="Time at which it ends [s]; that of the run.")] = None,
+    speed: Annotated[
+        float | None,
+        typer.Option(help="Seconds of the mission in a second of the video; so that it lasts some 30 s unless given."),
+    ] = None,
+    scenario: ScenarioOption = None,
+    condition: ConditionOption = None,
+    size: PictureSize = 700,
+) -> None:
+    """Write a run as a video of 20 pictures a second; a run without a recording is repeated."""
+    from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND  # imports NumPy
+    from clean_swarm_env.drawing.picture import pixels_of
+    from clean_swarm_env.drawing.video import check_video, write_video
+    from train.running.needs import check_file  # imports Numba
+
+    check_whole({"--size": (size, LEAST_SIZE, MOST_SIZE)})
+    if speed is not None and not 0.0 < speed <= FASTEST:
+        raise ConfigurationError(f"--speed: expected a positive number up to {FASTEST:g}, got {speed:g}")
+    check_video(output)
+    with course_of(run, scenario, condition) as course:
+        last = course.end if end is None else end
+        check_times(course, {"--from": begin, "--to": last})
+        if last < begin:
+            raise ConfigurationError(f"--to: expected at least --from, {begin:g}, got {last:g}")
+        pace = max(1.0, math.ceil((last - begin) / USUAL_LENGTH)) if speed is None else speed
+        count = math.floor((last - begin) * FRAMES_PER_SECOND / pace + 1e-6) + 1
+        needs = check_file(output, count * size**2, f"{count} pictures", "--speed and --size make it smaller")
+        pictures = (pixels_of(course.at(begin + k * pace / FRAMES_PER_SECOND), size) for k in range(count))
+        write_video(output, iter(track(pictures, needs, count, console=error_console(), transient=True)))
+    told = "" if pace == 1.0 else f", {pace:g} times as fast as the mission (--speed)"
+    typer.echo(f"{output}: {count} pictures, {count / FRAMES_PER_SECOND:g} s{told}")
+
+
+def report_command(
+    directories: Annotated[
+        list[Path],
+        typer.Argument(help="Directories of evaluations or of trainings: one, or two.", metavar="DIR [DIR2]"),
+    ],
+    output: Annotated[
+        Path | None, typer.Option(help="Page to write, one that exists is replaced; DIR/report.html unless given.")
+    ] = None,
+    replays: Annotated[
+        bool,
+        typer.Option("--replays", help="Write a page for each recorded run of an evaluation, and link it."),
+    ] = False,
+) -> None:
+    """Write results as one page without network: tables, distributions, differences, curves, selection, scenarios."""
+    from selector.documents.writing import write_whole
+    from train.replay.page_file import write_page
+    from train.report_page.page import report_of_results  # imports SciPy
+    from train.report_page.results import results_in
+
+    if len(directories) > 2:
+        raise ConfigurationError(f"report: expected one or two directories, got {len(directories)}")
+    results = [results_in(directory) for directory in directories]
+    if replays and not results[0].records:
+        raise ConfigurationError("--replays: expected an evaluation, got a training; `replay` shows one recording")
+    page = output or directories[0] / "report.html"
+    folder = page.with_name(f"{page.stem}-replays")
+    links: dict[str, str] = {}
+    for held in results if replays else []:
+        for recording in held.recordings:
+            about = recording.head["about"]
+            label = f"{held.path.name}: " if len(results) > 1 else ""
+            path = folder / f"{len(links) + 1}-{recording.path.stem}.html"
+            write_page([recording], path)
+            links[f"{about.get('scenario')}-{label}{about.get('condition')}"] = quote(f"{folder.name}/{path.name}")
+    write_whole(page, report_of_results(results, links).encode())
+    typer.echo(f"{page}: open it in a browser")
+
+
+RobotOrConfiguration = Annotated[
+    str, typer.Argument(help="Name of a robot, a mechanism configuration or a state machine, or path to its YAML file.")
+]
+PictureFile = Annotated[
+    Path | None, typer.Option(help="File to write, .svg, .png or .pdf; NAME.svg in this directory unless given.")
+]
+ExpertKnowledge = Annotated[
+    str | None,
+    typer.Option(help="Expert knowledge whose options the coordinators show; that of the robot's name unless given."),
+]
+
+
+def draw_command(
+    robot: RobotOrConfiguration,
+    output: PictureFile = None,
+    knowledge: ExpertKnowledge = None,
+    configs: Configs = None,
+) -> None:
+    """Draw sensors, preconditions, behaviours, effects and goals of a network as a diagram."""
+    from selector.documents.reading import read_mapping
+    from selector.strategies.machine_file import load_machine
+    from train.reports.charts import PICTURE_SUFFIXES, save_picture
+    from train.reports.machine_picture import draw_machine
+    from train.reports.network_picture import draw_panels
+
+    if output is not None and output.suffix not in PICTURE_SUFFIXES:
+        raise ConfigurationError(f"--output: expected a name that ends in {', '.join(PICTURE_SUFFIXES)}, got {output}")
+    path = _found(robot, configs or [])
+    file = output or Path(f"{path.stem}.svg")
+    if "states" in read_mapping(path):
+        if knowledge is not None:
+            raise ConfigurationError("--knowledge: expected a robot, got a state machine")
+        machine = load_machine(str(path))
+        figure, drawn = draw_machine(machine), f"{len(machine.states)} states"
+    else:
+        panels = _panels(path, knowledge, configs or [])
+        figure, drawn = draw_panels(panels), f"{len(panels)} network{'s' if len(panels) > 1 else ''}"
+    try:
+        save_picture(figure, file)
+    except OSError as error:
+        raise ConfigurationError(f"--output: {file}: {error.strerror or error}") from error
+    typer.echo(f"{drawn} in {file}")
+
+
+def _found(name: str, directories: list[Path]) -> Path:
+    """Return the file of a robot, a configuration or a machine by its name, in this order, or by its path."""
+    from selector.documents.find import files_of, find_file
+    from selforg.registry import unknown
+
+    if Path(name).suffix:
+        return find_file("robots", name, directories)
+    found = {
+        **files_of("machines", directories),
+        **files_of("mechanisms", directories),
+        **files_of("robots", directories),
+    }
+    if name not in found:
+        raise ConfigurationError(unknown("robot, configuration or machine", name, sorted(found)))
+    return found[name]
+
+
+def _panels(path: Path, knowledge: str | None, directories: list[Path]) -> "list[NetworkPanel]":
+    from selector.configurations.library import library_of
+    from selector.coordination.model import coordinator_models
+    from selector.coordination.robot_document import coordinated_goals
+    from selector.documents.reading import read_mapping
+    from selector.knowledge import Knowledge, load_knowledge
+    from train.reports.network_content import configuration_panels, robot_panels
+
+    if "networks" not in read_mapping(path):
+        if knowledge is not None:
+            raise ConfigurationError("--knowledge: expected a robot, got a mechanism configuration")
+        return configuration_panels(path)
+    goals = coordinated_goals(path)
+    known = load_knowledge(knowledge or path.stem, directories) if goals or knowledge else Knowledge({})
+    models = coordinator_models(goals, known, library_of(tuple(directories)))
+    return robot_panels(path, {model.goal: model for model in models}, known)

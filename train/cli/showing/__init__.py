@@ -1,1 +1,0 @@
-"""Commands that show runs and results in files: pictures, videos, reports."""
