@@ -10,7 +10,7 @@ import io
 import json
 import os
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from clean_swarm_env.config.types import ConfigurationError
@@ -72,7 +72,7 @@ class Results:
         records = sorted(self.records, key=lambda record: (natural_order(record.scenario), record.condition))
         self.runs = {record.key: record for record in records}
         self.folder.write(self._journal, "".join(map(_line, records)))
-        self.folder.write(str(Path(self._journal).with_suffix(".csv")), as_table(records))
+        self.folder.write(str(Path(self._journal).with_suffix(".csv")), runs_table(records))
 
 
 def runs_of(path: Path, mistake: Callable[[RunRecord], str] = lambda record: "") -> list[RunRecord]:
@@ -111,16 +111,19 @@ def natural_order(scenario: str) -> tuple[tuple[int, int, str], ...]:
     return tuple((0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts)
 
 
-def as_table(records: Collection[RunRecord]) -> str:
+def runs_table(records: Sequence[RunRecord]) -> str:
     """Return runs as CSV, with a column for each measure, and the collisions at the first distance only."""
+    columns = (*RUN_COLUMNS, *(records[0].result.measures if records else ()))
+    cells = ({**record.as_mapping(), **record.result.measures} for record in records)
+    return as_csv(columns, ([one[column] for column in columns] for one in cells))
+
+
+def as_csv(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a table as CSV; of a cell with several numbers the first one."""
     text = io.StringIO()
-    measures = tuple(next(iter(records)).result.measures) if records else ()
-    columns = (*RUN_COLUMNS, *measures)
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    for record in records:
-        cells = {**record.as_mapping(), **record.result.measures}
-        writer.writerow(_cell(cells[column]) for column in columns)
+    writer.writerow(heads)
+    writer.writerows(map(_cell, row) for row in rows)
     return text.getvalue()
 
 

@@ -101,7 +101,8 @@ class AvoidanceWatch(Decider):
     def reset(self, rows: Ints, seed: int) -> None:
         """Prepare `rows` (N,) for the mission of a seed."""
         self._decider.reset(rows, seed)
-        self._missions[int(rows[0])] = rows, self._counted.setdefault(seed, Counter())
+        counts = self._counted[seed] = Counter()
+        self._missions[int(rows[0])] = rows, counts
 
     def _decide(self, observations: Observations) -> Decided:
         for rows, counts in self._missions.values():

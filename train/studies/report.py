@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 from collections.abc import Mapping, Sequence
@@ -22,6 +21,7 @@ from train.analysis.spread import too_few
 from train.analysis.statistics import share_cell
 from train.learning.racing import front
 from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
+from train.running.finished_runs import as_csv
 from train.studies.conclusion import TO_BEAT, UNCHANGED, Conclusion, Stated
 from train.studies.config import ArchiveConfig
 from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, FIGURES
@@ -73,12 +73,9 @@ def study_summary_json(conclusion: Conclusion, space: StudySpace, arms: Sequence
 
 def trials_csv(arms: Sequence[Arm], space: StudySpace) -> str:
     """Return all trials as CSV: name, values, number of scenarios when the method was told, estimated means."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("trial", *space.names, "scenarios", *FIGURES))
-    for trial in (trial for arm in arms for trial in arm.trials):
-        writer.writerow((trial.candidate.name, *trial.candidate.values, trial.scenarios, *trial.means))
-    return text.getvalue()
+    trials = [trial for arm in arms for trial in arm.trials]
+    rows = [(trial.candidate.name, *trial.candidate.values, trial.scenarios, *trial.means) for trial in trials]
+    return as_csv(("trial", *space.names, "scenarios", *FIGURES), rows)
 
 
 def _stated(stated: Stated, space: StudySpace) -> dict[str, Any]:
@@ -132,23 +129,15 @@ def _text(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def draw_study(arms: Sequence[Arm], conclusion: Conclusion, importance: Importances, archive: ArchiveConfig) -> bytes:
+def draw_study(arms: Sequence[Arm], conclusion: Conclusion, archive: ArchiveConfig) -> bytes:
     """Return the picture as PNG."""
-    figure = Figure(figsize=(14.0, 4.2), dpi=100, layout="constrained")
-    bars, plane, cells = figure.subplots(1, 3, width_ratios=(0.8, 1.2, 1.2))
-    _draw_importance(bars, importance)
+    figure = Figure(figsize=(11.0, 4.2), dpi=100, layout="constrained")
+    plane, cells = figure.subplots(1, 2)
     _draw_plane(plane, arms, conclusion)
     _draw_archive(cells, arms, archive)
     picture = io.BytesIO()
     figure.savefig(picture, format="png", metadata={"Software": None})
     return picture.getvalue()
-
-
-def _draw_importance(axes: Axes, importance: Importances) -> None:
-    names = list(importance)
-    axes.barh(names, [importance[name] for name in names], color=COLOURS[0])
-    axes.invert_yaxis()
-    axes.set(title="importance for the cost", xlabel="share", xlim=(0.0, 1.0))
 
 
 def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None:
@@ -165,8 +154,7 @@ def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None
         x, y = stated.figures.mean(axis=1)[[DURATION, EVENT_COUNT]]
         marker, colour = ("*", RESULT) if own else (MARKERS[number % 3], YARDSTICK)
         axes.scatter(x, y, s=60, zorder=3, label=stated.label, marker=marker, color=colour)
-    axes.set(title="duration and collisions of a mission", xlabel="duration s", ylabel="collision events")
-    axes.set(xscale="log")
+    axes.set(title="duration and collisions", xlabel="duration s", ylabel="collision events", xscale="log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(ScalarFormatter())
     axes.xaxis.set_minor_formatter(NullFormatter())

@@ -78,7 +78,7 @@ def run_study(study: StudyConfig, request: Request, console: Console, make: Task
             heading,
             study_tables(conclusion, space, importance),
             study_summary_json(conclusion, space, arms, importance),
-            draw_study(arms, conclusion, importance, study.archive),
+            draw_study(arms, conclusion, study.archive),
         )
         publish(publication, folder, console)
         found.give(request.store)
