@@ -26,8 +26,7 @@ from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named
-from train.reports.family_tables import family_tables
-from train.reports.robustness_tables import robustness_tables
+from train.reports.family_tables import family_tables, robustness_tables
 from train.reports.write_report import Publication
 from train.request import Request
 from train.running.needs import Workload, check_needs

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -31,7 +31,7 @@ from train.evaluation.pipeline import mission_score
 from train.evaluation.trial_task import TrialTask
 from train.knowledge_store import as_plain
 from train.reports.task_tables import MEASURE_HEADS, measure_cells
-from train.reports.text_table import Grid, flat
+from train.reports.text_table import Grid
 from train.request import Request
 from train.running.engine import in_turn
 
@@ -205,7 +205,7 @@ def outcome_grid(outcome: TaskOutcome) -> Grid:
     notes += [f"target of {one.measure.name}: {one.measure.reason}" for one in outcome.measured]
     if not outcome.own_setting:
         notes.append(f"targets are stated for {setting_of(request.own_mission)}")
-    return replace(flat(title, MEASURE_HEADS[0], MEASURE_HEADS[1:], rows), notes=tuple(notes))
+    return Grid(title, MEASURE_HEADS, rows, notes=tuple(notes))
 
 
 PAGE = """# Tasks

@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from train.analysis.report import Report
 from train.analysis.spread import Interval, too_few
 from train.analysis.statistics import COST, distance_metrics, share_cell
 from train.reports.task_tables import measures_grids
-from train.reports.text_table import EMPTY_CELL, Columns, Grid, Row, flat
+from train.reports.text_table import EMPTY_CELL, Grid
 
 TITLES = {
     "duration_s": "duration",
@@ -52,28 +52,18 @@ def table_1(report: Report) -> Grid:
     ours = [[_ours(report, c, metric) for metric in shown] for c in range(len(names))]
     theirs = [_beside(report, name) for name in names]
     groups = [mine + others for mine, others in zip(ours, theirs, strict=True)]
-    heads = tuple(shown.values())
-    columns = [
-        Columns(name, heads + ((f"{source} s", "coll/s") if beside else ()))
-        for name, beside in zip(names, theirs, strict=True)
-    ]
-    rows = [
-        Row(scenario, tuple(tuple(_scenario(column, scenario) for column in group) for group in groups))
-        for scenario in report.figures.scenarios
-    ]
-    summary = [
-        Row(what, tuple(tuple(_summary(column, take) for column in group) for group in groups))
-        for what, take in SUMMARIES.items()
-    ]
-    done = [f"{row.sum()}/{row.size}" for row in report.figures.completed]
-    summary.append(
-        Row(
-            "targets met" if report.measured_by_task else "completed",
-            tuple((d, *[""] * (len(g) - 1)) for d, g in zip(done, groups, strict=True)),
-        )
-    )
+    heads = ["scenario"]
+    for name, beside in zip(names, theirs, strict=True):
+        heads += [f"{name}\n{head}" for head in (*shown.values(), *((f"{source} s", "coll/s") if beside else ()))]
+    columns = [column for group in groups for column in group]
+    scenarios = report.figures.scenarios
+    rows = [(scenario, *(_scenario(column, scenario) for column in columns)) for scenario in scenarios]
+    summary = [(what, *(_summary(column, take) for column in columns)) for what, take in SUMMARIES.items()]
+    done = ["targets met" if report.measured_by_task else "completed"]
+    for completed, group in zip(report.figures.completed, groups, strict=True):
+        done += [f"{completed.sum()}/{completed.size}", *[""] * (len(group) - 1)]
     title = f"{report.experiment.name}, seed {report.seed}"
-    return Grid(title, "scenario", tuple(columns), tuple(rows), tuple(summary), _notes(report))
+    return Grid(title, tuple(heads), rows, (*summary, done), _notes(report))
 
 
 def ratios(report: Report) -> Grid:
@@ -90,9 +80,8 @@ def ratios(report: Report) -> Grid:
             a, b = (published.figures.get(name, {}).get(found.metric, ()) for name in (found.a, found.b))
             row += (f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL,)
         rows.append(row)
-    heads = ("conditions", "unfinished", "ratio", "95 % interval", "p") + (("paper",) if published else ())
-    grid = flat("ratios of means", "figure", heads, rows)
-    return replace(grid, notes=too_few([found.ratio for found in report.comparisons]))
+    heads = ("figure", "conditions", "unfinished", "ratio", "95 % interval", "p") + (("paper",) if published else ())
+    return Grid("ratios of means", heads, rows, notes=too_few([found.ratio for found in report.comparisons]))
 
 
 def measured_means(report: Report) -> Grid:
@@ -101,8 +90,8 @@ def measured_means(report: Report) -> Grid:
         (m.metric, m.condition, *map(_number, (m.ours, m.measured, m.ratio)), _interval(m.ci95), _yes(m.agrees))
         for m in report.reference.means
     ]
-    heads = ("condition", "ours", "measured", "ratio", "95 % interval", "agree")
-    return flat("means, ours beside measured", "figure", heads, rows)
+    heads = ("figure", "condition", "ours", "measured", "ratio", "95 % interval", "agree")
+    return Grid("means, ours beside measured", heads, rows)
 
 
 def measured_ratios(report: Report) -> Grid:
@@ -117,7 +106,7 @@ def measured_ratios(report: Report) -> Grid:
         )
         for r in report.reference.ratios
     ]
-    return flat("ratios, ours beside measured", "figure", ("conditions", "ours", "measured", "agree"), rows)
+    return Grid("ratios, ours beside measured", ("figure", "conditions", "ours", "measured", "agree"), rows)
 
 
 def _ours(report: Report, condition: int, metric: str) -> _Column:

@@ -1,15 +1,17 @@
-"""The tables of an evaluation on a family: measures of the task, means, comparison with fixed options, and prices."""
+"""The tables of an evaluation on a family: measures of the task, means, comparison with fixed options, and prices.
 
-from dataclasses import replace
+Of strategies under disturbances there is a table for each strategy, with a row for each disturbance.
+"""
 
 from clean_swarm_env.world.mission_end import LEFT_LIMITS
 from train.analysis.family_report import LIMITS, FamilyReport
 from train.analysis.front import PRICES, Front
+from train.analysis.robustness_report import RobustnessReport
 from train.analysis.spread import too_few
 from train.analysis.statistics import share_cell
-from train.analysis.strategy_comparison import ORACLE, StrategyComparison, StrategyStanding
+from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
 from train.reports.task_tables import measures_grids
-from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
+from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 
 MEANS = {
     "items": "items",
@@ -22,6 +24,13 @@ MEANS = {
 """Figure -> head of its column."""
 CLEANING_ONLY = ("items", "excess_s")
 """Those of cleaning alone."""
+MULTIPLES = {
+    "completed": ("completed %", 100.0),
+    "duration_s": ("duration s", 1.0),
+    "collision_events": ("collision events", 1.0),
+}
+"""Head of the column of each figure, and what its numbers are multiplied by."""
+INTERVALS = "95 % intervals by Wilson (completed) and Student; a mission that is not completed lasts its time limit"
 
 
 def family_tables(report: FamilyReport) -> list[Grid]:
@@ -45,8 +54,8 @@ def _means(report: FamilyReport) -> Grid:
     cost = f"cost = {every}seconds + {mission.collision_cost:g} s an event{contact}{left}"
     if not mission.cleans:
         cost = f"cost = {mission.time_limit:g} s times the measure that is worst by its target"
-    heads = (_unfinished(report), *(MEANS[name] for name in shown), "95 %")
-    return flat(f"{family.name}: means; {cost}", "strategy", heads, rows)
+    heads = ("strategy", _unfinished(report), *(MEANS[name] for name in shown), "95 %")
+    return Grid(f"{family.name}: means; {cost}", heads, rows)
 
 
 def _unfinished(report: FamilyReport) -> str:
@@ -73,8 +82,8 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
     if report.limits:
         notes.append("limit / 2, limit x 2: the ratio with items left priced by half and twice the time limit.")
     priced = ("limit / 2", "limit x 2") if report.limits else ()
-    heads = (_unfinished(report), "excess s", f"ratio to {yardstick}", "95 %", "p", *priced, "share of the gap", "95 %")
-    return replace(flat(title, "strategy", heads, rows), notes=tuple(notes))
+    heads = ("excess s", f"ratio to {yardstick}", "95 %", "p", *priced, "share of the gap", "95 %")
+    return Grid(title, ("strategy", _unfinished(report), *heads), rows, notes=tuple(notes))
 
 
 def _gap_row(standing: StrategyStanding, report: FamilyReport, comparison: StrategyComparison) -> tuple[str, ...]:
@@ -106,8 +115,29 @@ def _prices(report: FamilyReport, front: Front) -> Grid:
         )
         for label, excesses in front.excesses.items()
     ]
-    heads = ("unfinished", "undominated", *(f"{price:g} s" for price in PRICES))
+    heads = ("strategy", "unfinished", "undominated", *(f"{price:g} s" for price in PRICES))
     title = (
         "excess cost in s over prices of a collision event; * lowest; undominated: none has less time and fewer events"
     )
-    return flat(title, "strategy", heads, rows)
+    return Grid(title, heads, rows)
+
+
+def robustness_tables(report: RobustnessReport) -> list[Grid]:
+    """Return the tables in the order of the strategies."""
+    runs, grids = report.runs, []
+    heads = ("disturbance", *(text for head, _ in MULTIPLES.values() for text in (head, "95 %")))
+    for label in runs.conditions:
+        rows = []
+        for name, by_label in report.estimates.items():
+            cells = (
+                cell for figure, (_, factor) in MULTIPLES.items() for cell in _cells(by_label[label][figure], factor)
+            )
+            rows.append((name, *cells))
+        title = f"{label}: {len(runs.scenarios)} scenarios, seed {runs.seed}; {INTERVALS}"
+        grids.append(Grid(title, heads, rows))
+    return grids
+
+
+def _cells(estimate: Estimate, factor: float) -> tuple[str, str]:
+    ends = "" if estimate.ci95 is None else "[{:.1f}, {:.1f}]".format(*(factor * end for end in estimate.ci95))
+    return f"{factor * estimate.value:.1f}", ends

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -16,7 +15,7 @@ from selector.store.stored_knowledge import LearnedEntry
 from selector.strategies.problem import Problem
 from selforg.registry import unknown
 from train.analysis.statistics import half_width
-from train.reports.text_table import EMPTY_CELL, Grid, flat
+from train.reports.text_table import EMPTY_CELL, Grid
 
 
 def all_goals(contents: StoredKnowledge) -> Table:
@@ -81,9 +80,9 @@ def learned_scores(knowledge: Knowledge, title: str, mission: MissionConfig) -> 
             taken = "taken" if k == int(np.argmax(problem.scores)) else ""
             name = f"{goal} - {option.name}"
             rows.append((name, f"{option.score:g}", f"{count:.0f}", score, cost, counts, taken))
-    heads = ("expert", "rewards", "learned, 95 %", "cost s, 95 %", "counts", "by MaxScore")
+    heads = ("option", "expert", "rewards", "learned, 95 %", "cost s, 95 %", "counts", "by MaxScore")
     note = f"From {ENOUGH} rewards on their mean counts in place of the expert's score, before that the lower of both."
-    return replace(flat(title, "option", heads, rows), notes=(note,))
+    return Grid(title, heads, rows, notes=(note,))
 
 
 def _with_interval(mean: float, half: float | None, form: str) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from train.analysis.statistics import Summary
 from train.analysis.task_report import MeasuredStrategy
-from train.reports.text_table import EMPTY_CELL, Grid, flat
+from train.reports.text_table import EMPTY_CELL, Grid
 
 VERDICTS = {True: "yes", False: "no", None: EMPTY_CELL}
 MEASURE_HEADS = ("measure", "mean", "target", "baseline", "difference", "target met", "beats baseline")
@@ -21,7 +21,7 @@ def measures_grids(name: str, measured: Sequence[MeasuredStrategy]) -> list[Grid
         cells = [dict(zip(MEASURE_HEADS, measure_cells(one), strict=True)) for one in own]
         title = f"{name}: {cells[0]['measure']}, target {cells[0]['target']}: {measure.reason}"
         rows = [(one.strategy, *(each[head] for head in SHOWN)) for one, each in zip(own, cells, strict=True)]
-        grids.append(flat(title, "strategy", SHOWN, rows))
+        grids.append(Grid(title, ("strategy", *SHOWN), rows))
     return grids
 
 

@@ -15,37 +15,15 @@ MAX_ROWS_SHOWN = 30
 
 
 @dataclass(frozen=True)
-class Columns:
-    """A group of columns under one title; a single column has no title."""
+class Grid:
+    """A table of text whose first column has labels, with `summary` rows below the other rows."""
 
     title: str
     heads: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Row:
-    """A label and, for each group of columns, one cell for each column."""
-
-    label: str
-    groups: tuple[tuple[str, ...], ...]
-
-
-@dataclass(frozen=True)
-class Grid:
-    """A table of text with `summary` rows below the other rows."""
-
-    title: str
-    corner: str
-    columns: tuple[Columns, ...]
-    rows: tuple[Row, ...]
-    summary: tuple[Row, ...] = ()
+    """Heads of all columns; those of a group begin with the line of the group's title."""
+    rows: Sequence[Sequence[str]]
+    summary: Sequence[Sequence[str]] = ()
     notes: tuple[str, ...] = ()
-
-
-def flat(title: str, corner: str, heads: Sequence[str], rows: Sequence[tuple[str, ...]]) -> Grid:
-    """Return a grid without groups; each row starts with its label."""
-    columns = tuple(Columns("", (head,)) for head in heads)
-    return Grid(title, corner, columns, tuple(Row(label, tuple((cell,) for cell in cells)) for label, *cells in rows))
 
 
 def interval_cell(ci95: tuple[float, float] | None, digits: int = 3) -> str:
@@ -55,9 +33,7 @@ def interval_cell(ci95: tuple[float, float] | None, digits: int = 3) -> str:
 
 def markdown(grid: Grid) -> str:
     """Return a grid as a Markdown table, with all columns but the first aligned to the right."""
-    heads = [f"{group.title} {head}".strip() for group in grid.columns for head in group.heads]
-    rows = [(row.label, *(cell for group in row.groups for cell in group)) for row in grid.rows + grid.summary]
-    table = markdown_table((grid.corner, *heads), rows)
+    table = markdown_table([head.replace("\n", " ") for head in grid.heads], [*grid.rows, *grid.summary])
     return "\n".join([f"## {grid.title}", "", table, *(f"\n{note}" for note in grid.notes)]) + "\n"
 
 
@@ -67,31 +43,18 @@ def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def on_terminal(grid: Grid) -> RenderableType:
-    """Return a grid for a rich console; the columns of a group share one cell, with the title above them."""
+    """Return a grid for a rich console."""
     table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column(grid.corner)
-    widths = [_widths(grid, place) for place in range(len(grid.columns))]
-    for group, width in zip(grid.columns, widths, strict=True):
-        text = Text(f"{group.title}\n" if group.title else "", justify="center")
-        table.add_column(text.append(_joined(group.heads, width)), justify="right", no_wrap=True)
+    for k, head in enumerate(grid.heads):
+        table.add_column(Text(head), justify="right" if k else "left", no_wrap=k > 0)
     hidden = len(grid.rows) > MAX_ROWS_SHOWN
     for row in () if hidden else grid.rows:
-        table.add_row(row.label, *map(_joined, row.groups, widths))
+        table.add_row(*row)
     table.add_section()
     for row in grid.summary:
-        table.add_row(row.label, *map(_joined, row.groups, widths), style="bold")
-    more = [f"{len(grid.rows)} {grid.corner}s, one by one in table.md"] if hidden else []
+        table.add_row(*row, style="bold")
+    more = [f"{len(grid.rows)} {grid.heads[0]}s, one by one in table.md"] if hidden else []
     return Group(table, *more, *grid.notes)
-
-
-def _widths(grid: Grid, place: int) -> list[int]:
-    """Return the width of each column of the group at `place`."""
-    texts = [grid.columns[place].heads, *(row.groups[place] for row in grid.rows + grid.summary)]
-    return [max(map(len, column)) for column in zip(*texts, strict=True)]
-
-
-def _joined(cells: Sequence[str], widths: Sequence[int]) -> str:
-    return "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
 
 
 def _line(cells: Sequence[str]) -> str:

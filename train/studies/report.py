@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from selforg.arrays import Floats
 from train.analysis.spread import too_few
 from train.analysis.statistics import share_cell
 from train.learning.racing import front
-from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
+from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 from train.running.finished_runs import as_csv
 from train.studies.conclusion import TO_BEAT, UNCHANGED, Conclusion, Stated
 from train.studies.config import ArchiveConfig
@@ -91,8 +91,8 @@ def _costs(conclusion: Conclusion) -> Grid:
         figures = (f"{cost.mean:.1f}", interval_cell(cost.ci95, 1), f"{duration.mean:.1f}", f"{events.mean:.1f}")
         rows.append((stated.label, share_cell(left.mean), *figures, f"{avoiding.mean:.3f}"))
     count = conclusion.results[0].figures.shape[1]
-    heads = ("unfinished", "cost s", "95 %", "duration s", "events", "avoiding")
-    return flat(f"means over {count} training scenarios that decided nothing", "options", heads, rows)
+    heads = ("options", "unfinished", "cost s", "95 %", "duration s", "events", "avoiding")
+    return Grid(f"means over {count} training scenarios that decided nothing", heads, rows)
 
 
 def _comparison(conclusion: Conclusion) -> Grid:
@@ -100,10 +100,9 @@ def _comparison(conclusion: Conclusion) -> Grid:
         (stated.label, *_ratios(stated, conclusion), ", ".join(conclusion.marks(stated)) or EMPTY_CELL)
         for stated in conclusion.results
     ]
-    heads = (*TO_BEAT, UNCHANGED, "not shown to beat")
-    grid = flat("ratios of mean costs, with 95 % intervals", "result to", heads, rows)
+    heads = ("result to", *TO_BEAT, UNCHANGED, "not shown to beat")
     ratios = [one.ratio_to(other) for one in conclusion.results for other in conclusion.yardsticks if one is not other]
-    return replace(grid, notes=too_few(ratios))
+    return Grid("ratios of mean costs, with 95 % intervals", heads, rows, notes=too_few(ratios))
 
 
 def _ratios(stated: Stated, conclusion: Conclusion) -> list[str]:
@@ -122,7 +121,7 @@ def _values(conclusion: Conclusion, space: StudySpace, importance: Importances) 
     for k, name in enumerate(space.names):
         share = f"{importance[name]:.0%}" if name in importance else EMPTY_CELL
         rows.append((name, share, *(_text(one.candidate.values[k]) for one in columns)))
-    return flat("values", "of", ("importance", *(one.label for one in columns)), rows)
+    return Grid("values", ("of", "importance", *(one.label for one in columns)), rows)
 
 
 def _text(value: object) -> str:

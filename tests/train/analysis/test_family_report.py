@@ -39,17 +39,16 @@ def report(left, fixed=("fixed:a", "fixed:b"), conditions=("fixed:a", "fixed:b",
 def test_the_share_of_unfinished_missions_stands_beside_every_mean():
     found = report({"Random": 2})
     for grid in family_tables(found):
-        place = [columns.heads[0] for columns in grid.columns].index("unfinished")
-        shares = {row.label: row.groups[place][0] for row in grid.rows}
+        place = grid.heads.index("unfinished")
+        shares = {row[0]: row[place] for row in grid.rows}
         assert shares == {"fixed:a": "0%", "fixed:b": "0%", "Random": "12%"}, grid.title
 
 
 def test_ratios_are_told_with_items_left_priced_by_half_and_twice_the_limit():
     found = report({"Random": 2})
     _, gaps, _ = family_tables(found)
-    heads = [columns.heads[0] for columns in gaps.columns]
-    (row,) = (row for row in gaps.rows if row.label == "Random")
-    cells = dict(zip(heads, (group[0] for group in row.groups), strict=False))
+    (row,) = (row for row in gaps.rows if row[0] == "Random")
+    cells = dict(zip(gaps.heads, row, strict=True))
     fixed = np.mean([10.0 + 0.1 * k for k in range(SCENARIOS)])
     finished = sum(12.0 + 0.1 * k for k in range(SCENARIOS - 1))
     for head, limits in (("limit / 2", 0.5), ("ratio to best fixed", 1.0), ("limit x 2", 2.0)):
@@ -61,13 +60,13 @@ def test_ratios_are_told_with_items_left_priced_by_half_and_twice_the_limit():
 def test_without_an_unfinished_mission_there_are_no_other_limits():
     found = report({})
     assert found.limits == {}
-    assert not any("limit" in columns.heads[0] for columns in family_tables(found)[1].columns)
+    assert not any("limit" in head for head in family_tables(found)[1].heads)
 
 
 def test_a_single_fixed_option_is_not_called_the_best():
     _, gaps, _ = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
     assert gaps.title == "excess cost beside fixed:a"
-    assert "ratio to fixed:a" in [columns.heads[0] for columns in gaps.columns]
+    assert "ratio to fixed:a" in gaps.heads
     assert "only fixed option that ran" in gaps.notes[0]
 
 

@@ -39,7 +39,7 @@ def played(evaluation, excess):
 
 def rows_of(evaluation, done):
     [grid] = evaluation.publication(list(done.values())).grids
-    return {row.label: [cell for group in row.groups for cell in group] for row in grid.rows}, grid.notes
+    return {label: cells for label, *cells in grid.rows}, grid.notes
 
 
 def test_the_search_finds_the_planted_rule_and_judges_it_on_test_scenarios():

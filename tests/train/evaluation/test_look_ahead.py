@@ -57,10 +57,10 @@ def test_an_option_that_costs_much_is_not_taken(tmp_path):
     evaluation = evaluation_of(tmp_path, BAD, GOOD, hold=15.0)
     records = [record for task in evaluation.tasks({}) for record in task.run()]
     [grid] = evaluation.publication(records).grids
-    excess = {row.label: float(row.groups[1][0]) for row in grid.rows}
+    excess = {row[0]: float(row[2]) for row in grid.rows}
     assert excess["look-ahead"] < 0.5 * excess["fixed:Far"]
     assert excess["look-ahead"] < 1.5 * excess["fixed:PredictiveSteering"]
-    assert [row.groups[0][0] for row in grid.rows] == ["0%"] * len(grid.rows)  # unfinished
+    assert [row[1] for row in grid.rows] == ["0%"] * len(grid.rows)  # unfinished
     note, few = grid.notes
     assert "no statement" in few
     assert note.startswith("taken by the look-ahead: PredictiveSteering")

@@ -15,7 +15,7 @@ def test_a_fixed_option_costs_the_same_and_chance_does_not():
     evaluation = PeriodsEvaluation(Request("random", ("Random", "fixed:ORCA"), 1, scenarios=2), (1.0, 0.2, 5.0))
     records = [record for task in evaluation.tasks({}) for record in task.run()]
     [grid] = evaluation.publication(records).grids
-    cells = {row.label: [cell for group in row.groups for cell in group] for row in grid.rows}
+    cells = {label: cells for label, *cells in grid.rows}
     names = [f"{strategy}, {period}" for strategy in ("Random", "fixed:ORCA") for period in ("1 s", "0.2 s", "5 s")]
     assert list(cells) == names
     cost = cells["fixed:ORCA, 1 s"][1]

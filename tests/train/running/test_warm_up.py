@@ -18,7 +18,7 @@ from selforg.gradients.store import tables
 from tests.train import fake_mission
 from train.evaluation import pipeline
 from train.evaluation.base import Asked, Evaluation
-from train.reports.text_table import flat
+from train.reports.text_table import Grid
 from train.reports.write_report import Publication
 from train.request import Request
 from train.running.engine import compile_first
@@ -73,7 +73,7 @@ class OneRun(Evaluation):
         raise AssertionError("nothing is learned")
 
     def publication(self, records):
-        return Publication("", [flat("", "", (), [])], "{}")
+        return Publication("", [Grid("", ("",), [])], "{}")
 
 
 @pytest.mark.parametrize(("compiled", "expected"), [(False, [300.0, 3000.0]), (True, [3000.0])])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from clean_swarm_env.config.families import place_of
@@ -15,7 +14,7 @@ from train.analysis.spread import too_few
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
 from train.evaluation.identity import Identity
-from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
+from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import read_manifest
 
@@ -89,6 +88,6 @@ def claims_table(claims: Sequence[Claim], shares: Mapping[str, Mapping[str, floa
         for claim in claims
         for left in (shares[claim.family],)
     ]
-    heads = ("against", "unfinished", "ratio of excess", "95 %", "95 % together", "p", "p (Holm)")
-    grid = flat(f"{len(claims)} claims, corrected for their number", "strategy", heads, rows)
-    return replace(grid, notes=too_few([claim.of for claim in claims]))
+    heads = ("strategy", "against", "unfinished", "ratio of excess", "95 %", "95 % together", "p", "p (Holm)")
+    notes = too_few([claim.of for claim in claims])
+    return Grid(f"{len(claims)} claims, corrected for their number", heads, rows, notes=notes)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from selforg.arrays import Floats
 from train.analysis.family_report import unfinished
 from train.analysis.spread import Ratio, too_few
 from train.analysis.statistics import share_cell
-from train.reports.text_table import EMPTY_CELL, flat, interval_cell
+from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 from train.reports.write_report import Publication
 
 
@@ -53,8 +53,8 @@ class ExcessComparison:
                 summary[label] |= {"against": self.against[label], **ratio.content}
                 cells = (EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}", interval_cell(ratio.ci95))
             rows.append((label, share_cell(left), f"{excess:.1f}", *cells))
-        grid = flat(f"{self.family.name}: {title}", "strategy", ("unfinished", "excess s", head, "95 %"), rows)
-        grid = replace(grid, notes=(*notes, *too_few(told)))
+        heads = ("strategy", "unfinished", "excess s", head, "95 %")
+        grid = Grid(f"{self.family.name}: {title}", heads, rows, notes=(*notes, *too_few(told)))
         heading = f"# {self.family.name}\n\n{self.family.description}\n\n"
         content = {"family": self.family.name, "strategies": summary, "notes": list(notes)}
         return Publication(heading, [grid], json.dumps(content, indent=2) + "\n")
