@@ -1,6 +1,6 @@
 """The report of an evaluation on a family: the content of `summary.json` and the figures of the tables.
 
-Shapes: S members of a strategy (one for each seed of its training), K scenarios, V world seeds of each.
+Shapes: S members of a strategy (one for each seed of its training), K scenarios, V world seeds of each, P prices.
 """
 
 from __future__ import annotations
@@ -8,19 +8,18 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from typing import Any, Final
 
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.mission import MissionResult
-from clean_swarm_env.world.mission_end import left_cost
+from clean_swarm_env.world.mission_end import left_cost, mission_cost
 from clean_swarm_env.world.task import measures_of
 from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
-from train.analysis.front import PRICES, Front, priced_excess
 from train.analysis.spread import Ratio
 from train.analysis.statistics import Summary, summarise
 from train.analysis.strategy_comparison import BestFixed, StrategyComparison, compare_strategies
@@ -29,6 +28,19 @@ from train.running.runs import RunRecord
 
 LIMITS = (0.5, 2.0)
 """Shares of the time limit by which items that are left are priced once more."""
+PRICES = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
+"""Prices of a collision event [s]; the price of contacts keeps its ratio to it."""
+Figure = Callable[[MissionConfig, MissionResult], float]
+FIGURES: Final[Mapping[str, Figure]] = {
+    "cost_s": lambda _, r: r.cost_s,
+    "excess_s": lambda _, r: r.excess_s,
+    "duration_s": lambda _, r: r.duration_s,
+    "events": lambda m, r: r.collision_events_per_s[0] * r.ticks / m.world.control_rate,
+    "events_per_s": lambda _, r: r.collision_events_per_s[0],
+    "contact_s": lambda m, r: r.collision_samples_per_s[0] * r.ticks / m.world.control_rate / m.world.physics_rate,
+    "items": lambda _, r: float(r.garbage_done),
+    "completed": lambda _, r: float(r.completed),
+}
 
 
 @dataclass(frozen=True)
@@ -55,19 +67,46 @@ class FamilyRuns:
         """The missions (K,) of the scenarios."""
         return [self.family.scenario(self.seed, k, "test").mission for k in range(self.scenarios)]
 
-    def results(self) -> dict[str, list[list[list[MissionResult]]]]:
-        """Return the results by label: S lists of K lists of V."""
+    def table(self, figure: Figure) -> dict[str, Floats]:
+        """Return label -> a figure (S, K, V) of all results."""
         at = {record.key: record.result for record in self.records}
         return {
-            label: [
+            label: np.array(
                 [
-                    [at[scenario_name("test", k, world), condition] for world in range(self.worlds)]
-                    for k in range(self.scenarios)
+                    [
+                        [figure(mission, at[scenario_name("test", k, world), name]) for world in range(self.worlds)]
+                        for k, mission in enumerate(self.missions)
+                    ]
+                    for name in names
                 ]
-                for condition in conditions
-            ]
-            for label, conditions in self.conditions.items()
+            )
+            for label, names in self.conditions.items()
         }
+
+
+@dataclass(frozen=True)
+class Front:
+    """Strategies over a range of prices."""
+
+    excesses: Mapping[str, tuple[float, ...]]
+    """Label -> (P,) mean excess at each of PRICES [s]."""
+    events: Mapping[str, float]
+    """Label -> mean number of collision events."""
+
+    @property
+    def undominated(self) -> tuple[str, ...]:
+        """Strategies than which no other has both less time and fewer events; time is the excess at the price 0."""
+        points = {label: (self.excesses[label][0], events) for label, events in self.events.items()}
+        return tuple(
+            label
+            for label, (time, events) in points.items()
+            if not any(t <= time and e <= events and (t, e) != (time, events) for t, e in points.values())
+        )
+
+    def best_at(self, price: float) -> str:
+        """Return the strategy of the lowest excess at one of PRICES."""
+        place = PRICES.index(price)
+        return min(self.excesses, key=lambda label: self.excesses[label][place])
 
 
 @dataclass(frozen=True)
@@ -98,27 +137,25 @@ class FamilyReport:
 
 def family_report_of(runs: FamilyRuns) -> FamilyReport:
     """Compute everything from the records."""
-    figures = _figures(runs)
+    figures = {name: runs.table(figure) for name, figure in FIGURES.items()}
     summaries = {
-        label: {name: summarise(values.mean(axis=(0, 2))) for name, values in own.items()}
-        for label, own in figures.items()
+        label: {name: summarise(values[label].mean(axis=(0, 2))) for name, values in figures.items()}
+        for label in runs.conditions
     }
     comparison = compare_strategies(excesses_of(runs), runs.fixed) if runs.fixed else None
     limits = {} if comparison is None else limit_ratios(runs, comparison.best_fixed)
     measures = measures_of(runs.family.mission)
     front = None if measures else _front(runs, summaries)
-    measured = measured_strategies(measures, _measures(runs, [measure.name for measure in measures]), BASELINE)
+    tables = {measure.name: runs.table(partial(_measured, measure=measure.name)) for measure in measures}
+    values = {
+        label: {name: table[label].mean(axis=(0, 2)) for name, table in tables.items()} for label in runs.conditions
+    }
+    measured = measured_strategies(measures, values, BASELINE)
     return FamilyReport(runs, summaries, comparison, limits, front, measured)
 
 
-def _measures(runs: FamilyRuns, names: Sequence[str]) -> dict[str, dict[str, Floats]]:
-    """Return label -> measure -> its values (K,), the means of members and worlds."""
-
-    def values(results: list[list[list[MissionResult]]], name: str) -> Floats:
-        table: Floats = _table(results, lambda result: result.measures[name]).mean(axis=(0, 2))
-        return table
-
-    return {label: {name: values(own, name) for name in names} for label, own in runs.results().items()}
+def _measured(_: MissionConfig, result: MissionResult, measure: str) -> float:
+    return result.measures[measure]
 
 
 def unfinished(mission: MissionConfig, results: Sequence[MissionResult]) -> float | None:
@@ -130,23 +167,12 @@ def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
     """Return label -> whether missions (S, K, V) were not completed, 1 or 0; nothing where garbage keeps coming."""
     if runs.missions[0].continuous:
         return {}
-    return {label: _table(own, lambda r: float(not r.completed)) for label, own in runs.results().items()}
+    return runs.table(lambda _, result: float(not result.completed))
 
 
 def excesses_of(runs: FamilyRuns, limits: float = 1.0) -> dict[str, Floats]:
     """Return label -> excess costs (S, K, V) [s], items that are left priced by the time limit times `limits`."""
-    return {
-        label: np.array(
-            [
-                [
-                    [result.excess_s + (limits - 1.0) * left_cost(mission, result.garbage_done) for result in worlds]
-                    for mission, worlds in zip(runs.missions, row, strict=True)
-                ]
-                for row in own
-            ]
-        )
-        for label, own in runs.results().items()
-    }
+    return runs.table(lambda mission, r: r.excess_s + (limits - 1.0) * left_cost(mission, r.garbage_done))
 
 
 def limit_ratios(runs: FamilyRuns, best: BestFixed) -> dict[str, tuple[Ratio, ...]]:
@@ -186,42 +212,17 @@ def family_summary_json(report: FamilyReport) -> str:
     return json.dumps(content, indent=2) + "\n"
 
 
-def _figures(runs: FamilyRuns) -> dict[str, dict[str, Floats]]:
-    """Return label -> figure -> (S, K, V)."""
-    rate = runs.family.mission.world.control_rate
-    kinds: dict[str, Callable[[MissionResult], float]] = {
-        "cost_s": lambda r: r.cost_s,
-        "excess_s": lambda r: r.excess_s,
-        "duration_s": lambda r: r.duration_s,
-        "events": lambda r: r.collision_events_per_s[0] * r.ticks / rate,
-        "events_per_s": lambda r: r.collision_events_per_s[0],
-        "contact_s": lambda r: r.collision_samples_per_s[0] * r.ticks / rate / runs.family.mission.world.physics_rate,
-        "items": lambda r: float(r.garbage_done),
-        "completed": lambda r: float(r.completed),
-    }
-    return {label: {name: _table(own, kind) for name, kind in kinds.items()} for label, own in runs.results().items()}
-
-
-def _table(results: list[list[list[MissionResult]]], figure: Callable[[MissionResult], float]) -> Floats:
-    """Return a figure (S, K, V) of the results."""
-    return np.array([[[figure(result) for result in worlds] for worlds in row] for row in results])
+def priced_excess(mission: MissionConfig, result: MissionResult, price: float) -> float:
+    """Return the excess cost [s] of a mission if a collision event cost `price` [s]."""
+    contact = mission.contact_cost / mission.collision_cost if mission.collision_cost > 0.0 else 0.0
+    priced = mission.model_copy(update={"collision_cost": price, "contact_cost": contact * price})
+    time = max(result.ticks, 1) / mission.world.control_rate
+    events = round(result.collision_events_per_s[0] * time)
+    samples = round(result.collision_samples_per_s[0] * time)
+    return mission_cost(priced, result.duration_s, events, samples, result.garbage_done) - result.unavoidable_s
 
 
 def _front(runs: FamilyRuns, summaries: Mapping[str, Mapping[str, Summary]]) -> Front:
-    excesses = {
-        label: tuple(
-            float(
-                np.mean(
-                    [
-                        priced_excess(mission, result, price)
-                        for row in own
-                        for mission, worlds in zip(runs.missions, row, strict=True)
-                        for result in worlds
-                    ]
-                )
-            )
-            for price in PRICES
-        )
-        for label, own in runs.results().items()
-    }
+    tables = [runs.table(partial(priced_excess, price=price)) for price in PRICES]
+    excesses = {label: tuple(float(table[label].mean()) for table in tables) for label in runs.conditions}
     return Front(excesses, {label: own["events"].mean for label, own in summaries.items()})

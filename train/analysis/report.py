@@ -64,24 +64,6 @@ class RatioBesideMeasured:
 
 
 @dataclass(frozen=True)
-class ReferenceComparison:
-    """All comparisons with measured figures."""
-
-    means: tuple[MeanBesideMeasured, ...]
-    ratios: tuple[RatioBesideMeasured, ...]
-
-
-@dataclass(frozen=True)
-class ConditionRatio:
-    """Ratio of the means of one metric under the conditions a and b."""
-
-    a: str
-    b: str
-    metric: str
-    ratio: Ratio
-
-
-@dataclass(frozen=True)
 class Report:
     """All results of an evaluation."""
 
@@ -90,8 +72,11 @@ class Report:
     figures: Figures
     summaries: dict[str, dict[str, Summary]]
     """Condition -> metric -> summary."""
-    comparisons: tuple[ConditionRatio, ...]
-    reference: ReferenceComparison
+    comparisons: Mapping[tuple[str, str, str], Ratio]
+    """Conditions a and b, metric -> ratio of the means."""
+    means: Sequence[MeanBesideMeasured]
+    ratios: Sequence[RatioBesideMeasured]
+    """Comparisons with measured figures; empty without them."""
     measured: Measured
     own_starts: bool
     """Whether the scenarios are those of the experiment, for each of which figures may have been published."""
@@ -113,21 +98,17 @@ def report_of(
         name: {metric: summarise(figures.values[metric][c]) for metric in summarised}
         for c, name in enumerate(conditions)
     }
-    comparisons = tuple(
-        ConditionRatio(conditions[a], conditions[b], metric, Ratio.of(*figures.values[metric][[a, b]]))
+    comparisons = {
+        (conditions[a], conditions[b], metric): Ratio.of(*figures.values[metric][[a, b]])
         for a, b in itertools.combinations(range(len(conditions)), 2)
         for metric in compared
-    )
-    reference = compare_with_measured(
+    }
+    beside = _compared_with_measured(
         figures, measured, experiment.conditions, ["duration_s", *distance_metrics(distances)]
     )
-    of_task = measured_conditions(measures, figures, _baseline(experiment))
-    return Report(experiment, seed, figures, summaries, comparisons, reference, measured, own_starts, of_task)
-
-
-def _baseline(experiment: ExperimentConfig) -> str:
-    """Return the name of the condition that is the baseline of the task; empty without one."""
-    return next((each.name for each in experiment.conditions if each.strategy == BASELINE), "")
+    baseline = next((each.name for each in experiment.conditions if each.strategy == BASELINE), "")
+    of_task = measured_conditions(measures, figures, baseline)
+    return Report(experiment, seed, figures, summaries, comparisons, *beside, measured, own_starts, of_task)
 
 
 def summary_json(report: Report) -> str:
@@ -146,19 +127,20 @@ def summary_json(report: Report) -> str:
             }
             for c, name in enumerate(figures.conditions)
         },
-        "comparisons": [{"a": c.a, "b": c.b, "metric": c.metric, **c.ratio.content} for c in report.comparisons],
-        "reference": [asdict(mean) for mean in report.reference.means],
+        "comparisons": [
+            {"a": a, "b": b, "metric": metric, **ratio.content} for (a, b, metric), ratio in report.comparisons.items()
+        ],
+        "reference": [asdict(mean) for mean in report.means],
         "reference_ratios": [
-            {**asdict(ratio), "ours": ratio.ours.content, "measured": ratio.measured.content}
-            for ratio in report.reference.ratios
+            {**asdict(ratio), "ours": ratio.ours.content, "measured": ratio.measured.content} for ratio in report.ratios
         ],
     }
     return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
-def compare_with_measured(
+def _compared_with_measured(
     figures: Figures, measured: Measured, conditions: Sequence[ConditionConfig], metrics: Sequence[str]
-) -> ReferenceComparison:
+) -> tuple[list[MeanBesideMeasured], list[RatioBesideMeasured]]:
     """Compare each metric under each condition, and its ratio between any two conditions, with what was measured."""
     theirs = {
         (condition.name, metric): _measured_values(figures, measured, condition, metric)
@@ -168,7 +150,7 @@ def compare_with_measured(
     means = [_mean(figures, condition.name, metric, theirs) for condition in conditions for metric in metrics]
     pairs = itertools.combinations([condition.name for condition in conditions], 2)
     ratios = [_ratio(figures, a, b, metric, theirs) for a, b in pairs for metric in metrics]
-    return ReferenceComparison(tuple(m for m in means if m is not None), tuple(r for r in ratios if r is not None))
+    return [mean for mean in means if mean is not None], [ratio for ratio in ratios if ratio is not None]
 
 
 Values = dict[tuple[str, str], tuple[Floats, Flags]]

@@ -47,7 +47,7 @@ def all_tables(report: Report) -> list[Grid]:
 
 def table_1(report: Report) -> Grid:
     """Return duration and collision samples of every scenario under every condition, and their summaries."""
-    names, source = report.figures.conditions, "measured" if report.reference.means else "paper"
+    names, source = report.figures.conditions, "measured" if report.means else "paper"
     shown = {COST: "cost s"} if report.measured_by_task else SHOWN
     ours = [[_ours(report, c, metric) for metric in shown] for c in range(len(names))]
     theirs = [_beside(report, name) for name in names]
@@ -71,24 +71,23 @@ def ratios(report: Report) -> Grid:
     published, own = report.experiment.reference, report.figures
     unfinished = dict(zip(own.conditions, (1.0 - own.completed.mean(axis=1)).tolist(), strict=True))
     rows = []
-    for found in report.comparisons:
-        p = EMPTY_CELL if found.ratio.p is None else f"{found.ratio.p:.2g}"
-        shares = " / ".join(share_cell(unfinished[name]) for name in (found.a, found.b))
-        figures = (shares, _number(found.ratio.ratio), _interval(found.ratio.ci95), p)
-        row: tuple[str, ...] = (TITLES[found.metric], f"{found.a} / {found.b}", *figures)
+    for (*pair, metric), found in report.comparisons.items():
+        p = EMPTY_CELL if found.p is None else f"{found.p:.2g}"
+        shares = " / ".join(share_cell(unfinished[name]) for name in pair)
+        row = [TITLES[metric], " / ".join(pair), shares, _number(found.ratio), _interval(found.ci95), p]
         if published:
-            a, b = (published.figures.get(name, {}).get(found.metric, ()) for name in (found.a, found.b))
-            row += (f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL,)
+            a, b = (published.figures.get(name, {}).get(metric, ()) for name in pair)
+            row.append(f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL)
         rows.append(row)
     heads = ("figure", "conditions", "unfinished", "ratio", "95 % interval", "p") + (("paper",) if published else ())
-    return Grid("ratios of means", heads, rows, notes=too_few([found.ratio for found in report.comparisons]))
+    return Grid("ratios of means", heads, rows, notes=too_few([*report.comparisons.values()]))
 
 
 def measured_means(report: Report) -> Grid:
     """Return our means beside the measured means; no rows without measured figures."""
     rows = [
         (m.metric, m.condition, *map(_number, (m.ours, m.measured, m.ratio)), _interval(m.ci95), _yes(m.agrees))
-        for m in report.reference.means
+        for m in report.means
     ]
     heads = ("figure", "condition", "ours", "measured", "ratio", "95 % interval", "agree")
     return Grid("means, ours beside measured", heads, rows)
@@ -104,7 +103,7 @@ def measured_ratios(report: Report) -> Grid:
             f"{_number(r.measured.ratio)} {_interval(r.measured.ci95)}",
             _yes(r.agrees),
         )
-        for r in report.reference.ratios
+        for r in report.ratios
     ]
     return Grid("ratios, ours beside measured", ("figure", "conditions", "ours", "measured", "agree"), rows)
 
@@ -116,7 +115,7 @@ def _ours(report: Report, condition: int, metric: str) -> _Column:
 
 def _beside(report: Report, condition: str) -> list[_Column]:
     """Return the columns of measured figures of a condition, else of published ones; empty without either."""
-    if report.reference.means:
+    if report.means:
         return [_measured(report, condition, metric) for metric in SHOWN]
     published = report.experiment.reference
     if published is None or condition not in published.figures:
@@ -145,7 +144,7 @@ def _notes(report: Report) -> tuple[str, ...]:
     ]
     if not report.figures.completed.all():
         notes.append(f"Missions that were not completed count with the time limit, {mission.time_limit:g} s.")
-    if report.experiment.reference and not report.reference.means:
+    if report.experiment.reference and not report.means:
         notes.append(f"paper: {report.experiment.reference.source}; its start configurations are not known.")
     return tuple(notes)
 

@@ -4,8 +4,7 @@ Of strategies under disturbances there is a table for each strategy, with a row 
 """
 
 from clean_swarm_env.world.mission_end import LEFT_LIMITS
-from train.analysis.family_report import LIMITS, FamilyReport
-from train.analysis.front import PRICES, Front
+from train.analysis.family_report import LIMITS, PRICES, FamilyReport, Front
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.spread import too_few
 from train.analysis.statistics import share_cell

@@ -4,8 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from clean_swarm_env.config.families import UNDISTURBED, Disturbance
-from train.analysis.family_report import FamilyReport
-from train.analysis.front import PRICES, Front
+from train.analysis.family_report import PRICES, FamilyReport, Front
 from train.analysis.report import Report
 from train.analysis.robustness_report import ROBUSTNESS_FIGURES, RobustnessReport
 from train.analysis.statistics import COST

@@ -8,7 +8,7 @@ from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError
-from train.analysis.front import Front, priced_excess
+from train.analysis.family_report import Front, priced_excess
 from train.analysis.strategy_comparison import BestFixed, compare_strategies
 from train.evaluation.entrants import Entrant, entrants_of
 

@@ -77,7 +77,7 @@ def _with_measured(factor, scenarios=("1", "2", "3", "4")):
 
 @pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (2.0, False)])
 def test_means_agree_with_equal_measured_ones_and_not_with_others(factor, agrees):
-    found = {m.metric: m for m in _with_measured(factor).reference.means}
+    found = {m.metric: m for m in _with_measured(factor).means}
     assert set(found) == {"duration_s", "samples_per_s_at_0.55m"}
     assert found["duration_s"].ratio == pytest.approx(1.0 / factor)
     assert found["duration_s"].n == 4
@@ -87,10 +87,10 @@ def test_means_agree_with_equal_measured_ones_and_not_with_others(factor, agrees
 
 
 def test_only_scenarios_with_measured_figures_count():
-    found = _with_measured(1.0, scenarios=("2", "9")).reference.means[0]
+    found = _with_measured(1.0, scenarios=("2", "9")).means[0]
     assert (found.n, found.ours, found.measured) == (1, 24.0, 24.0)
     assert found.agrees is None
-    assert not _report(measured=_measured(["7"])).reference.means
+    assert not _report(measured=_measured(["7"])).means
 
 
 def test_ratios_beside_measured_ones_take_the_scenarios_of_both():
@@ -98,7 +98,7 @@ def test_ratios_beside_measured_ones_take_the_scenarios_of_both():
     measured = {
         str(k): {"A": {"duration_s": 6.0 * k}, **({"B": {"duration_s": 1.0 * k}} if k < 4 else {})} for k in range(1, 5)
     }
-    (found,) = report_of(experiment(scenarios=4), 3, records, measured, own_starts=False).reference.ratios
+    (found,) = report_of(experiment(scenarios=4), 3, records, measured, own_starts=False).ratios
     assert (found.a, found.b, found.n) == ("a", "b", 3)
     assert found.ours.ratio == pytest.approx(3.0)
     assert found.measured.ratio == pytest.approx(6.0)
