@@ -154,7 +154,7 @@ def _unpacked(small: bytes, where: str) -> bytes:
     except zlib.error as error:
         raise ConfigurationError(f"{where} is not packed by zlib") from error
     if not unpacking.eof:
-        raise ConfigurationError(f"{where} is cut, or holds more than {MOST_BYTES} bytes")
+        raise ConfigurationError(f"{where} is cut, or has more than {MOST_BYTES} bytes")
     return content
 
 

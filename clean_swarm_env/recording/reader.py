@@ -191,7 +191,7 @@ class RecordedMission(RecordedStretch):
             if parts.frames * sum(channel.columns for channel in channels.values()) > most:
                 raise ConfigurationError(f"{path}: expected at most {most:,.0f} numbers, for the memory, got more")
         if not parts.frames:
-            raise NoFrames(f"{path}: holds no frame: the run was stopped before the first ones were written")
+            raise NoFrames(f"{path}: has no frame: the run was stopped before the first ones were written")
         joined = {name: np.concatenate(kept.pop(name)) for name in channels}  # one after the other, to hold none twice
         super().__init__(parts.head, channels, joined)
         self.notes, self.by_hand, self.result, self.frames = parts.notes, parts.by_hand, parts.result, parts.frames

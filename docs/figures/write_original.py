@@ -15,13 +15,13 @@ FILE = Path(__file__).parents[1] / "original.md"
 KNOWLEDGE, RUNS = "original", 20
 PAGE = """# The original's options beside ours
 
-`configs/knowledge/original.yaml` holds what serves each goal in the original implementation: the choices and numbers
-of its published expert knowledge (package so_coordinator), made of our components. The file names the source and says
-where it differs. Each goal was served {runs} times in its task (`clean_swarm_env/tasks`, seed 0) by that option and,
+`configs/knowledge/original.yaml` has the original implementation's options for each goal: the choices and numbers
+of its published expert knowledge (package so_coordinator), made of our components. The file names the source and its
+differences from it. Each goal was served {runs} times in its task (`clean_swarm_env/tasks`, seed 0) by that option and,
 from the same starts, by the option of the highest score of our library. Means with Student's 95 % intervals; *met*: the
 mean reaches the target of the task.
 
-- The tasks are ours, and made for our library: they say how the options compare there, not how good the original was.
+- The tasks are ours, and made for our library: they compare the options there, and do not judge the original.
 - Both run on our mechanisms and networks, which deviate from the original by number ([quirks.md](quirks.md)).
 
 {table}

@@ -56,7 +56,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
         for name in self.knowledge.keys() & self.expects.keys():
-            raise ValueError(f"expects.{name}: stands under knowledge too; expected one of them")
+            raise ValueError(f"expects.{name}: is under knowledge too; expected one of them")
         for name, mechanism in self.mechanisms.items():
             if mechanism.type not in MECHANISMS:
                 raise ValueError(f"mechanisms.{name}.type: {unknown('mechanism', mechanism.type, MECHANISMS.names())}")

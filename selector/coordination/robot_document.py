@@ -150,7 +150,7 @@ class _Nesting:
             number += 1
             where = f"{self.file}: networks.{name}"
             if name in path:
-                raise DocumentError(f"{where}: networks must not hold each other: {' > '.join((*path, name))}")
+                raise DocumentError(f"{where}: networks must not contain each other: {' > '.join((*path, name))}")
             if number > MOST_NETWORKS:
                 raise DocumentError(f"{where}: expected at most {MOST_NETWORKS} networks inside each other, got more")
             behaviours = self.networks.get(name, {}).get("behaviours")

@@ -40,7 +40,7 @@ def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
         raise DocumentError(f"{shown(path)}: cannot be read ({error})") from error
     description = json_value(text, shown(path))
     if not isinstance(description, dict):
-        raise DocumentError(f"{shown(path)}: expected a description of what the file holds, got none")
+        raise DocumentError(f"{shown(path)}: expected a description of the file, got none")
     return arrays, description
 
 

@@ -144,7 +144,7 @@ def prepare(engine: Engine, where: str, *, create: bool) -> None:
         _check_file(connection, where)
         exists = _has_store(connection, where)
     if not exists and not create:
-        raise StoreError(f"{where}: holds no knowledge store")
+        raise StoreError(f"{where}: is no knowledge store")
     if not exists:
         with engine.connect().execution_options(writes=True) as connection, connection.begin():
             lock(connection)
@@ -189,7 +189,7 @@ def _check_version(connection: Connection, where: str) -> None:
     about = {row.key: row.value for row in connection.execute(select(meta))}
     version = about.get("schema", "")
     if not str(version).isdecimal() or int(version) < 1 or IDENTITY not in about:
-        raise StoreError(f"{where}: is corrupt: its table {meta.name} does not say what it holds")
+        raise StoreError(f"{where}: is corrupt: its table {meta.name} does not name its kind")
     if int(version) > SCHEMA:
         raise StoreError(f"{where}: comes from a newer version (schema {version}, known up to {SCHEMA}); update")
 

@@ -26,7 +26,7 @@ def reported(where: str) -> Iterator[None]:
     except DBAPIError as error:
         text = _text_of(error)
         if FULL in text:
-            text = f"an entry would hold more than {COUNT_LIMIT} updates; nothing was added"
+            text = f"an entry would have more than {COUNT_LIMIT} updates; nothing was added"
         raise StoreError(f"{where}: {text}") from error
     except UnicodeDecodeError as error:  # sqlite3 cannot decode the message about a damaged schema
         raise StoreError(f"{where}: the file is corrupt: {error.reason}") from error

@@ -38,7 +38,7 @@ class Origins(NamedTuple):
         if other.own in self.merged:
             return "was merged into it before: updates would count twice (after a merge, `reset` the store merged)"
         if self.every & other.every:
-            return "holds updates that are in it already: they would count twice"
+            return "has updates that are in it already: they would count twice"
         return ""
 
 

@@ -154,5 +154,5 @@ def _field(annotation: Any) -> object:  # noqa: ANN401  (a type)
     if annotation is NoneType:
         return NoneType
     raise TypeError(
-        f"a document cannot hold a parameter of type {annotation}; add it to selector.vocabulary.constructors"
+        f"a document cannot have a parameter of type {annotation}; add it to selector.vocabulary.constructors"
     )

@@ -60,7 +60,7 @@ ROOM = 100e6
 WEEK = 7 * 24 * 3600.0
 """Age [s] from which a folder for older sources is removed; a younger one may serve another branch or process."""
 UNCACHED = (
-    "compiled code cannot be kept: {}. Every start compiles anew, about a minute; "
+    "compiled code cannot be kept: {}. Every start compiles again, about a minute; "
     "NUMBA_CACHE_DIR names another directory"
 )
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(?:\(([^)]*)\)|(.*))|import[ \t]+(.*))$", re.M)

@@ -14,7 +14,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.writing import write_whole
 from train.cli.options import Configs, wide_console
 
-app = typer.Typer(no_args_is_help=True, help="Keep expert knowledge and what was learned in a database.")
+app = typer.Typer(no_args_is_help=True, help="Keep expert knowledge and learned rewards in a database.")
 
 StoreOption = Annotated[
     str | None,

@@ -54,7 +54,7 @@ RunStore = Annotated[
 AnyBits = Annotated[
     bool, typer.Option("--any-bits", help="Take machines on which missions end differently, and note them.")
 ]
-Learn = Annotated[bool, typer.Option("--learn", help="Give what is learned back to the store.")]
+Learn = Annotated[bool, typer.Option("--learn", help="Give learned rewards back to the store.")]
 
 SHARED: dict[str, tuple[Any, Any]] = {
     "scenarios": (
@@ -112,7 +112,9 @@ SHARED: dict[str, tuple[Any, Any]] = {
     "force": (
         Annotated[
             bool,
-            typer.Option("--force", help="Start even what is estimated to need more memory than there is, or a week."),
+            typer.Option(
+                "--force", help="Start even if the estimate is more memory than there is, or more than a week."
+            ),
         ],
         False,
     ),

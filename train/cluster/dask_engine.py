@@ -108,7 +108,7 @@ class DaskEngine:
         except (CancelledError, OSError) as error:
             if future.status == "error":  # the task's own
                 raise
-            kept = "finished runs are kept, and --resume goes on"
+            kept = "finished runs are kept, and --resume continues"
             raise ConfigurationError(f"{self._place}: the scheduler is gone; {kept}") from error
         self._bits.add(cpus)
         done: list[RunRecord] = runs

@@ -23,7 +23,7 @@ from train.evaluation.repeat import Repeated, steps_until
 
 HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
 """Short heads of columns, so that the table fits."""
-STATES: Final = {"failed": "it has failed: its body stands", "taken away": "it has been taken away"}
+STATES: Final = {"failed": "it has failed: its body stays", "taken away": "it has been taken away"}
 """What is said of a robot that is not at work."""
 STILL: Final = 0.1
 """Distance within which a robot stays where it is, as in `mind.js` of the replay page [m]."""

@@ -210,11 +210,11 @@ def outcome_grid(outcome: TaskOutcome) -> Grid:
 
 PAGE = """# Tasks
 
-Every task but cleaning (`clean_swarm_env/tasks`), over {runs}. Robots hold the option of the highest score.
+Every task except cleaning (`clean_swarm_env/tasks`), over {runs}. Robots hold the option of the highest score.
 Mechanism and baseline have the same starts. Intervals are Student's 95 % intervals; those of the difference are paired
-by run. A target, stated in the task's file with its reason, is met when the mean reaches it; a baseline is beaten when
-the interval of the difference lies on the better side of zero. A measure without an entry there is a price that must
-not be paid for the others. {reached} of {count} tasks meet all their targets and beat their baselines.
+by run. A target, stated in the task's file with its reason, is met if the mean reaches it; a baseline is beaten if the
+interval of the difference lies on the better side of zero. A measure without an entry there must not get worse for the
+others. {reached} of {count} tasks meet all their targets and beat their baselines.
 
 Every task also runs on the other ground (`--arena torus|open`), where the targets are for orientation only. On open
 land there is nothing to patrol or to fill evenly, and foragers that miss the food never come back: ExplorationPatrol,
@@ -222,7 +222,7 @@ UniformDistribution and Foraging miss targets there.
 
 Written by `clean-swarm run --all --output docs/goal_results.md`; `clean-swarm run TASK --option NAME` runs another
 option of `configs/knowledge/library.yaml`. A task is a mission: `clean-swarm evaluate --family Foraging` compares all
-its options, and any [strategy](strategies.md). How to write one: [own_task.md](own_task.md).
+its options, and any [strategy](strategies.md). You can [write your own](own_task.md).
 
 {table}
 

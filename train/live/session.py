@@ -154,7 +154,7 @@ class Session:
         if drives is not (named.mode == "velocity"):
             raise ConfigurationError(f"{member}: expected a strategy that {'drives' if drives else 'chooses options'}")
         if DIGEST in text and now != text:
-            raise ConfigurationError(f"{member} is no longer what was played with; the play cannot be repeated")
+            raise ConfigurationError(f"{member} has changed since; the play cannot be repeated")
         teams = np.zeros(self.batch.rows, dtype=np.int64)
         return now, named.build(self._decided.problem, teams)
 

@@ -42,7 +42,7 @@ PAGE = """<!DOCTYPE html>
 </body></html>
 """
 NOT_CHECKED = (
-    "The manifest as it stands in the directory. Whether the runs are of this configuration is not checked here; "
+    "The manifest of the directory. Whether the runs are of this configuration is not checked here; "
     "clean-swarm gather and --resume check it."
 )
 EXPLAINED = (
@@ -138,7 +138,7 @@ def _training(results: Sequence[HeldResults]) -> Iterator[str]:
     labels = [held.path.name if len(results) > 1 else held.name for held in results]
     yield "<h2>Learning curves</h2>"
     yield learning_curves([(label, held.history) for label, held in zip(labels, results, strict=True)])
-    yield _note("Diamonds are checkpoints that were the best so far; the last of them is what was exported.")
+    yield _note("Diamonds are checkpoints that were the best so far; the last of them was exported.")
     for label, held in zip(labels, results, strict=True):
         columns = list(dict.fromkeys(name for entry in held.history for name in entry))
         rows = [[_cell(entry.get(name)) for name in columns] for entry in held.history]

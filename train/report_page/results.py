@@ -62,7 +62,7 @@ def results_in(path: Path) -> HeldResults:
     manifest = read_manifest(path)
     records, history = runs_of(path / JOURNAL), _history(path / HISTORY)
     if not records and not history:
-        raise ConfigurationError(f"{path}: holds neither finished runs ({JOURNAL}) nor checkpoints ({HISTORY})")
+        raise ConfigurationError(f"{path}: has neither finished runs ({JOURNAL}) nor checkpoints ({HISTORY})")
     tables = read_text(path / TABLES) if (path / TABLES).exists() else ""
     checkpoints = sorted((path / RECORDINGS).glob("checkpoint-*"), key=lambda folder: natural_order(folder.name))
     folder = checkpoints[-1] if checkpoints else path / RECORDINGS

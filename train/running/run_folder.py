@@ -116,16 +116,16 @@ class RunFolder:
         try:
             held = read_manifest(self.path)
         except ConfigurationError as error:
-            expected = "holds other files; expected an empty or a new directory"
+            expected = "has other files; expected an empty or a new directory"
             raise ConfigurationError(f"{self.path}: {expected} ({error})") from error
         wanted = dict(identity)
         if growing and isinstance(kept := held["identity"].get(growing), dict):
             wanted[growing] = {name: wanted[growing].get(name, known) for name, known in kept.items()}
         different = _difference(held["identity"], wanted)
         if different:
-            raise ConfigurationError(f"{self.path}: holds other results: {different}")
+            raise ConfigurationError(f"{self.path}: has other results: {different}")
         if not resume:
-            raise ConfigurationError(f"{self.path}: holds these results already; give --resume or another --output")
+            raise ConfigurationError(f"{self.path}: has these results already; give --resume or another --output")
         return held
 
 
@@ -150,7 +150,7 @@ def read_manifest(directory: Path) -> Json:
         raise ConfigurationError(f"{directory}: {found}")
     path = directory / MANIFEST
     if not path.exists():
-        raise ConfigurationError(f"{directory}: holds no {MANIFEST}; expected the results of an evaluation")
+        raise ConfigurationError(f"{directory}: has no {MANIFEST}; expected the results of an evaluation")
     content: Json = read_json(path)
     if not isinstance(content.get("identity"), dict):
         raise ConfigurationError(f"{path}: expected the manifest of an evaluation")

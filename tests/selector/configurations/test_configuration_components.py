@@ -198,7 +198,7 @@ def test_a_movement_is_held_as_long_as_it_says(model):
             "Go.action.mechanism: expected a SpreadGradient",
         ),
         ("behaviours.Go.action", {"type": "SetState", "name": "told", "value": 0.5}, "'told' is a fact: expected True"),
-        ("expects.told", "fact", "expects.told: stands under knowledge too"),
+        ("expects.told", "fact", "expects.told: is under knowledge too"),
         ("expects.ready", "truth", "expects.ready: expected 'fact' or 'number', got 'truth'"),
         ("settings", {"max_parallel": 0}, "settings.max_parallel: expected"),
     ],

@@ -112,7 +112,7 @@ def test_what_a_file_describes_runs():
         ),
         (
             changed("networks", "approach", "behaviours", "Straight", "network", to="robot"),
-            "networks.robot: networks must not hold each other: robot > approach > robot",
+            "networks.robot: networks must not contain each other: robot > approach > robot",
         ),
         (
             changed("networks", "robot", "conditions", "seen", to={"type": "Negation", "of": "lost"}),

@@ -60,12 +60,12 @@ def test_updates_that_come_by_two_ways_are_refused(new_store):
     c.merge(a)
     for into, other in ((b, c), (c, b), (a, b), (a, c)):
         before = into.contents()
-        with pytest.raises(StoreError, match="holds updates that are in it already: they would count twice"):
+        with pytest.raises(StoreError, match="has updates that are in it already: they would count twice"):
             into.merge(other)
         assert into.contents() == before
     d = new_store()
     d.merge(c)
-    with pytest.raises(StoreError, match="holds updates that are in it already"):
+    with pytest.raises(StoreError, match="has updates that are in it already"):
         b.merge(d)
 
 

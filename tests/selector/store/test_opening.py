@@ -64,7 +64,7 @@ def test_what_does_not_exist_is_made_only_on_demand(tmp_path):
     refused(tmp_path / "k.sqlite", r"k\.sqlite: no such knowledge store", create=False)
     refused(tmp_path, "expected a file, got a directory")
     (tmp_path / "empty").touch()
-    refused(tmp_path / "empty", "empty: holds no knowledge store", create=False)
+    refused(tmp_path / "empty", "empty: is no knowledge store", create=False)
     assert [(p.name, p.stat().st_size) for p in tmp_path.iterdir()] == [("empty", 0)]
     assert KnowledgeStore(str(tmp_path / "empty")).contents() == StoredKnowledge()
 
@@ -93,7 +93,7 @@ def test_a_database_of_something_else_is_left_alone(tmp_path):
 @pytest.mark.parametrize(
     ("statement", "message"),
     [
-        ("DELETE FROM clean_swarm_meta", "is corrupt: its table clean_swarm_meta does not say what it holds"),
+        ("DELETE FROM clean_swarm_meta", "is corrupt: its table clean_swarm_meta does not name its kind"),
         ("UPDATE clean_swarm_meta SET value = 'x' WHERE key = 'schema'", "is corrupt: its table clean_swarm_meta"),
         (
             "UPDATE clean_swarm_learned SET total_high = 'x'",
@@ -192,7 +192,7 @@ def test_postgres_says_what_is_wrong(postgres):
         postgres.replace("tester@", "stranger:secret@"): r'stranger:\*\*\*@.*role "stranger" does not exist',
     }.items():
         refused(url, message)
-    refused(postgres, "postgres: holds no knowledge store", create=False)
+    refused(postgres, "postgres: is no knowledge store", create=False)
 
 
 def test_a_postgres_store_from_a_newer_version_is_left_alone(postgres):

@@ -139,7 +139,7 @@ def test_large_sums_are_exact_to_the_last_bit(new_store):
     for _ in range(2):
         store.absorb(StoredKnowledge(learned={key: LearnedEntry(largest, 1)}))
     assert store.contents().learned == {key: LearnedEntry(largest + largest, 1)}
-    with pytest.raises(StoreError, match=r"an entry would hold more than 68719476736 updates; nothing was added"):
+    with pytest.raises(StoreError, match=r"an entry would have more than 68719476736 updates; nothing was added"):
         store.absorb(StoredKnowledge(learned={key: one, Key("G", "b", "", "run"): one}))
     assert store.contents().learned == {key: LearnedEntry(largest + largest, 1)}
 

@@ -153,7 +153,7 @@ def _experiment(path: Path, **changes: object) -> Path:
             "broken.json: line 1: expected JSON, got ",
         ),
         (["--starts", "x", "--scenarios", "3"], "--scenarios and --starts: expected one of them, got both"),
-        (["--output", "taken"], "taken: holds other files"),
+        (["--output", "taken"], "taken: has other files"),
         (["misspelt.yaml"], "misspelt.yaml: mission.world.widht: unknown key 'widht'"),
         (["crowded.yaml"], "crowded.yaml: mission.robots.count: expected at most 277 solid robots"),
         (["scores.yaml"], "unknown option 'Repulsion' (known: RepulsionFernandez"),
@@ -198,7 +198,7 @@ def test_resuming_something_else_is_refused(run, tmp_path, change):
     assert run(*words)[0] == 0
     code, _, err = run(*words, *change, "--resume")
     assert code == 2
-    assert "holds other results" in err
+    assert "has other results" in err
 
 
 @pytest.mark.parametrize("workers", [1, 2])

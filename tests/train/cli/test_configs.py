@@ -75,7 +75,7 @@ def test_an_evaluation_with_configurations_of_ones_own_can_be_repeated(directory
     (directory / "mechanisms" / "Swerve.yaml").write_text(SWERVE.replace("2.0", "1.5"))
     code, _, err = told("explain", run, "--robot", 0, "--time", 0.2)
     assert code == 2
-    assert "Swerve.yaml is no longer what the evaluation ran with" in err
+    assert "Swerve.yaml has changed since the evaluation" in err
 
 
 def test_options_drawn_anew_in_every_decision_period_are_recorded(directory, tmp_path, told):

@@ -55,7 +55,7 @@ def test_a_full_disk_is_one_line_and_what_was_done_stays(tmp_path):
     process = start(tmp_path, *words, seconds="0", most_bytes=16_000)
     _, err = process.communicate(timeout=120)
     assert process.returncode == 1
-    assert "cannot be written (File too large); what was done before stays" in err.replace("\n", " ")
+    assert "cannot be written (File too large); earlier results stay" in err.replace("\n", " ")
     assert "Traceback" not in err
     assert not list((tmp_path / "r").glob(".*"))
     process = start(tmp_path, *words, "--resume", seconds="0")

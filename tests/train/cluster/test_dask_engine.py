@@ -74,7 +74,7 @@ def test_a_scheduler_that_dies_costs_no_finished_run(cluster, tmp_path):
     cluster.scheduler.kill()
     _, err = done.communicate(timeout=120)
     assert done.returncode == 2
-    error = f"error: {cluster.address}: the scheduler is gone; finished runs are kept, and --resume goes on\n"
+    error = f"error: {cluster.address}: the scheduler is gone; finished runs are kept, and --resume continues\n"
     assert error in err
     assert "Traceback" not in err
     assert 3 <= journal(tmp_path / "cut") < 40

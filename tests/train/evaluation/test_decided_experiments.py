@@ -100,7 +100,7 @@ def test_a_machine_that_has_changed_is_no_longer_the_same_evaluation(folder, cap
     assert run("evaluate", path, "--workers", 1, "--output", "done") == 0
     (folder / "one.yaml").write_text(ONE.replace("RepulsionGradient", "Off"))
     assert run("explain", "done", "--robot", 1, "--time", 20) == 2
-    assert "condition 'machine' is no longer what the evaluation ran with" in capsys.readouterr().err
+    assert "condition 'machine' has changed since the evaluation" in capsys.readouterr().err
     assert run("evaluate", path, "--workers", 1, "--output", "done", "--resume") == 2
 
 
@@ -113,7 +113,7 @@ def test_a_manifest_whose_deciders_are_not_those_of_its_conditions_is_refused(fo
     (folder / "done" / "manifest.json").write_text(json.dumps(manifest))
     assert run("explain", "done", "--robot", 1, "--time", 20) == 2
     error = capsys.readouterr().err.splitlines()[-1]
-    assert "identity: deciders: expected" in error or "condition 'machine' is no longer what" in error
+    assert "identity: deciders: expected" in error or "condition 'machine' has changed since" in error
 
 
 def test_a_condition_is_explained_though_another_one_names_code(folder, capsys):

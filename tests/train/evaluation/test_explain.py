@@ -133,7 +133,7 @@ def test_robots_that_join_are_explained_from_then_on(changing, told):
 def test_robots_that_are_not_at_work_are_said_to_be(changing, told):
     for robot, time, state, said in (
         (1, 2.8, "at work", ""),
-        (1, 3.0, "failed", "it has failed: its body stands"),
+        (1, 3.0, "failed", "it has failed: its body stays"),
         (2, 3.8, "at work", ""),
         (2, 4.0, "taken away", "it has been taken away"),
     ):
@@ -229,7 +229,7 @@ def test_directories_without_results_are_refused(tmp_path, told):
     assert (code, err.splitlines()) == (2, [f"error: {tmp_path / 'none'}: no such directory"])
     code, _, err = told("explain", tmp_path, *words)
     assert code == 2
-    assert "holds no manifest.json; expected the results of an evaluation" in err
+    assert "has no manifest.json; expected the results of an evaluation" in err
     (tmp_path / "run.swarm").write_bytes(b"")
     code, _, err = told("explain", tmp_path / "run.swarm", *words)
     assert (code, err) == (2, f"error: {tmp_path / 'run.swarm'}: expected a directory of results, got a file\n")
@@ -261,7 +261,7 @@ def test_a_run_of_other_mechanisms_is_not_repeated(evaluated, tmp_path, told):
 
     code, _, err = told("explain", _with_manifest(evaluated, tmp_path, change), "--robot", 0, "--time", 1)
     assert code == 2
-    assert "mechanisms/RepulsionGradient.yaml is no longer what the evaluation ran with" in err
+    assert "mechanisms/RepulsionGradient.yaml has changed since the evaluation" in err
 
 
 def test_a_manifest_with_a_mistake_names_file_and_key(evaluated, tmp_path, told):

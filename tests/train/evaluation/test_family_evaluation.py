@@ -104,7 +104,7 @@ def test_a_strategy_that_was_trained_again_is_another_one(evaluate, tmp_path):
     save_policy(policy, learned)
     code, _, err = evaluate(*words, "--resume")
     assert code == 2
-    assert "holds other results: strategies.P differ" in err
+    assert "has other results: strategies.P differ" in err
 
 
 def test_what_strategies_learned_is_taken_from_their_files(evaluate, tmp_path):

@@ -96,5 +96,5 @@ def test_runs_that_do_not_exist_or_have_changed_give_one_line(results, tmp_path,
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     code, _, err = told("explain", tmp_path, *words, "--condition", "policy:general")
     assert code == 2
-    assert "condition 'policy:general' is no longer what the evaluation ran with; its runs cannot be repeated" in err
+    assert "condition 'policy:general' has changed since the evaluation; its runs cannot be repeated" in err
     assert len(err.splitlines()) == 1

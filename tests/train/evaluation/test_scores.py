@@ -287,7 +287,7 @@ def test_results_that_learned_go_on_learning_or_not_at_all(run, tmp_path):
     learn(run, "--scenarios", 1, "--output", "learned")
     code, _, err = run("evaluate", "--family", "rooms", *UCB, "--scenarios", 2, "--output", "learned", "--resume")
     assert code == 2
-    assert "holds other results: learns: expected None, got True" in err
+    assert "has other results: learns: expected None, got True" in err
 
 
 def test_missions_that_learn_are_recorded_and_explained_with_the_option_chosen(run, tmp_path):

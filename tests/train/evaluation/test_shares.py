@@ -92,7 +92,7 @@ def test_what_cannot_be_gathered_is_one_line(run, tmp_path):
 
     refused("shares/shares/2-of-3: no such share; expected the results of `clean-swarm evaluate --scenarios 7")
     run(*EXPERIMENT, "--seed", 1, *share, "2/3")
-    refused("shares/shares/2-of-3: holds other results: configuration.starts differ")
+    refused("shares/shares/2-of-3: has other results: configuration.starts differ")
     folder = tmp_path / "shares" / "shares"
     for path in (folder / "2-of-3").iterdir():
         path.unlink()

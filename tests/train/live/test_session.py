@@ -154,5 +154,5 @@ def test_a_play_whose_files_have_changed_is_refused(first, tmp_path):
         again(recording)
     recording.head.update(described)
     changed = PlayedMission(**{**vars(again(recording)), "strategy": "fsm:rule sha256:0"})
-    with pytest.raises(ConfigurationError, match="fsm:rule is no longer what was played with"):
+    with pytest.raises(ConfigurationError, match="fsm:rule has changed since"):
         Session(changed, tmp_path / "changed.swarm")

@@ -51,7 +51,7 @@ def test_the_types_of_the_modules_fit():
     [
         (("none.swarm",), "none.swarm: cannot be read (No such file or directory)"),
         (("other.swarm",), "other.swarm: expected a recording of a mission (.swarm), got another kind of file"),
-        ((".",), "holds no manifest.json; expected the results of an evaluation"),
+        ((".",), "has no manifest.json; expected the results of an evaluation"),
         (("a", "b", "c"), "replay: expected one or two runs, and a condition for each or for all"),
     ],
 )

@@ -142,10 +142,10 @@ def test_a_training_has_its_curves_and_checkpoints(results, tmp_path, capsys):
     ("make", "message"),
     [
         (lambda path: None, "nowhere: no such directory"),
-        (lambda path: path.mkdir(), "nowhere: holds no manifest.json; expected the results of an evaluation"),
+        (lambda path: path.mkdir(), "nowhere: has no manifest.json; expected the results of an evaluation"),
         (
             lambda path: (path.mkdir(), (path / "manifest.json").write_text('{"identity": {}}')),
-            "nowhere: holds neither finished runs (runs.jsonl) nor checkpoints (history.jsonl)",
+            "nowhere: has neither finished runs (runs.jsonl) nor checkpoints (history.jsonl)",
         ),
     ],
 )

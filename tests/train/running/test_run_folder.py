@@ -18,7 +18,7 @@ def contents(directory):
 @pytest.mark.parametrize("name", ["notes.txt", "manifest.json", ".hidden"])
 def test_a_directory_with_other_files_is_refused(tmp_path, name, resume):
     (tmp_path / name).write_text("{}")
-    with pytest.raises(ConfigurationError, match="holds other files; expected an empty or a new directory"):
+    with pytest.raises(ConfigurationError, match="has other files; expected an empty or a new directory"):
         RunFolder(tmp_path, MANIFEST, resume=resume)
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [(name, "{}")]
 
@@ -26,7 +26,7 @@ def test_a_directory_with_other_files_is_refused(tmp_path, name, resume):
 def test_results_are_not_overwritten_without_resume(tmp_path):
     RunFolder(tmp_path, MANIFEST, resume=False)
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
-    with pytest.raises(ConfigurationError, match="holds these results already; give --resume"):
+    with pytest.raises(ConfigurationError, match="has these results already; give --resume"):
         RunFolder(tmp_path, MANIFEST, resume=False)
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
@@ -34,7 +34,7 @@ def test_results_are_not_overwritten_without_resume(tmp_path):
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"seed": 4}, "holds other results: seed: expected 4, got 3"),
+        ({"seed": 4}, "has other results: seed: expected 4, got 3"),
         (
             {"configuration": {"mission": {"name": "n"}, "starts": [1, 2]}},
             "configuration.mission.name: expected 'n', got 'm'",
@@ -45,7 +45,7 @@ def test_results_are_not_overwritten_without_resume(tmp_path):
 @pytest.mark.parametrize("resume", [False, True])
 def test_results_of_something_else_are_named(tmp_path, change, expected, resume):
     RunFolder(tmp_path, MANIFEST, resume=False)
-    with pytest.raises(ConfigurationError, match="holds other results") as caught:
+    with pytest.raises(ConfigurationError, match="has other results") as caught:
         RunFolder(tmp_path, {"identity": MANIFEST["identity"] | change}, resume=resume)
     assert expected in str(caught.value)
 
@@ -65,7 +65,7 @@ def test_entries_that_may_grow_are_all_kept(tmp_path):
     assert held["identity"]["strategies"] == {"a": [1], "b": [2]}
     before = contents(tmp_path)
     changed = {"identity": {"seed": 1, "strategies": {"a": [3]}}}
-    with pytest.raises(ConfigurationError, match=r"holds other results: strategies\.a differ"):
+    with pytest.raises(ConfigurationError, match=r"has other results: strategies\.a differ"):
         RunFolder(tmp_path, changed, resume=True, growing="strategies")
     assert contents(tmp_path) == before
 
@@ -73,9 +73,9 @@ def test_entries_that_may_grow_are_all_kept(tmp_path):
 def test_a_training_claims_its_directory_in_the_same_way(tmp_path):
     RunFolder(tmp_path, {"identity": {"seed": 1, "directories": ("a",)}}, resume=False)
     RunFolder(tmp_path, {"identity": {"seed": 1, "directories": ("a",)}}, resume=True)
-    with pytest.raises(ConfigurationError, match="holds these results already; give --resume"):
+    with pytest.raises(ConfigurationError, match="has these results already; give --resume"):
         RunFolder(tmp_path, {"identity": {"seed": 1, "directories": ("a",)}}, resume=False)
-    with pytest.raises(ConfigurationError, match="holds other results: seed: expected 2, got 1"):
+    with pytest.raises(ConfigurationError, match="has other results: seed: expected 2, got 1"):
         RunFolder(tmp_path, {"identity": {"seed": 2, "directories": ("a",)}}, resume=True)
 
 
