@@ -109,15 +109,15 @@ COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
 """Panel -> command -> its function, and what it is for with its usual time."""
 GROUPS: dict[str, tuple[str, dict[str, Any]]] = {
     "look": (
-        "picture, draw, export: a file of what one sees (seconds)",
+        "picture, draw, export: a run or a document as a file (seconds)",
         {"picture": look.picture_command, "draw": look.draw_command, "export": repeat.export_command},
     ),
     "learn": (
-        "knowledge, dataset: what is known and learned (seconds)",
+        "knowledge, dataset: stored scores, recorded missions (seconds)",
         {"dataset": train.dataset_command},
     ),
     "study": (
-        "what choosing brings, in six ways (1 to 60 min)",
+        "the value of choosing, in six ways (1 to 60 min)",
         {
             "score": study.score_command,
             "headroom": study.headroom_command,
@@ -146,7 +146,7 @@ groups["machine"].command("slurm", context_settings=machine.PASSED_ON)(machine.s
 app.add_typer(
     train.app,
     name="train",
-    short_help="ppo, bandit, es, design: what serves where (2 to 60 min)",
+    short_help="ppo, bandit, es, design: which option to choose (2 to 60 min)",
     rich_help_panel="learn",
 )
 
@@ -171,7 +171,7 @@ def run_app() -> None:
     except OSError as error:
         if error.errno not in DISK_FULL:
             raise
-        print_error(f"{error.filename or 'the disk'}: cannot be written ({error.strerror}); what was done before stays")
+        print_error(f"{error.filename or 'the disk'}: cannot be written ({error.strerror}); earlier results stay")
         sys.exit(FAILED)
 
 
@@ -199,17 +199,19 @@ def _common(
     _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
     __: Annotated[
         bool,
-        typer.Option(TRUST, help="Run code and open databases that files name (docs/trust.md); stands anywhere."),
+        typer.Option(TRUST, help="Run code and open databases that files name (docs/trust.md); anywhere on the line."),
     ] = False,
     ___: Annotated[
         str | None,
-        typer.Option(READ_TASKS, help="Read tasks from a Python file of your own; stands anywhere.", metavar="FILE.py"),
+        typer.Option(
+            READ_TASKS, help="Read tasks from a Python file of your own; anywhere on the line.", metavar="FILE.py"
+        ),
     ] = None,
 ) -> None:
     """Compare and learn the selection of self-organisation mechanisms by robots that clean a torus."""
 
 
-@app.command("list", short_help="all that has a name (seconds)", rich_help_panel="run")
+@app.command("list", short_help="all names: missions, families, policies, ... (seconds)", rich_help_panel="run")
 def list_everything(configs: Configs = None) -> None:
     """List the experiments with their conditions, the families of scenarios, and the names of all else."""
     directories = tuple(configs or ())

@@ -98,7 +98,7 @@ def claims_command(
     results: Annotated[list[Path], typer.Argument(help="Directories of `evaluate --family`, one for each family.")],
     strategy: Annotated[list[str], typer.Option(help="Label of a strategy in all of them; can be repeated.")],
     against: Annotated[
-        str, typer.Option(help="Label of what it is compared with; the best fixed option of each unless given.")
+        str, typer.Option(help="Label of its yardstick; the best fixed option of each unless given.")
     ] = "",
 ) -> None:
     """Compare strategies over several families, with intervals and p-values that are corrected for their number."""

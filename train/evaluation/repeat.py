@@ -29,9 +29,9 @@ from train.running.runs import RunKey, RunTask
 Repeated = RunTask | TrialTask
 """One run that can be repeated; a task of trials has one scenario then."""
 NOT_REPEATED = {
-    "learner": "a training: replay files below its recordings/, or evaluate what it learned",
-    "study": "a study: evaluate what it found",
-    "headroom": "a search for headroom: evaluate what it found",
+    "learner": "a training: replay files below its recordings/, or evaluate its result",
+    "study": "a study: evaluate its result",
+    "headroom": "a search for headroom: evaluate its result",
     "look_ahead": "looking ahead: evaluate what copies follow",
 }
 """Key of the identity of results whose missions are not run again -> what they are of, and what to do."""
@@ -68,7 +68,7 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     task, member = (_family_task if identity.of_family else _experiment_task)(identity, directory, scenario, condition)
     task = task.knowing(manifest.get(LEARNED_BEFORE, {}))
     if isinstance(task, TrialTask) and task.named.identity != member:
-        told = f"condition {task.condition!r} is no longer what the evaluation ran with; its runs cannot be repeated"
+        told = f"condition {task.condition!r} has changed since the evaluation; its runs cannot be repeated"
         raise ConfigurationError(f"{path}: {told}")
     options = chosen_options(directory).get(task.keys[0])
     with within(f"{directory / CHOSEN_OPTIONS}"):
@@ -81,7 +81,7 @@ def _family_task(
     """Return the task of a finished run of a family, and its member with the digest of its file."""
     keys = [record.key for record in runs_of(directory / JOURNAL)]
     if not keys:
-        raise ConfigurationError(f"{directory}: holds no finished run")
+        raise ConfigurationError(f"{directory}: has no finished run")
     name, chosen = _chosen(keys, scenario, condition, directory)
     runs = identity.runs(identity.family(directory))
     if chosen not in runs:
@@ -198,7 +198,7 @@ def _check_same_files(identity: Identity, path: Path) -> None:
     held, now = identity.files, fingerprints(identity.directories)
     for name in sorted(now.keys() | held.keys()):
         if now.get(name) != held.get(name):
-            told = "is no longer what the evaluation ran with; its runs cannot be repeated"
+            told = "has changed since the evaluation; its runs cannot be repeated"
             raise ConfigurationError(f"{path}: {name} {told}")
 
 
