@@ -9,9 +9,11 @@ import numpy as np
 import platformdirs
 
 from selector.documents.errors import DocumentError
+from selector.documents.fields import MOST_STORED
+from selector.documents.plain import short
 from selector.knowledge import Knowledge, LearnedScores, load_knowledge
 from selector.store import KnowledgeStore, RewardSums, StoredKnowledge, StoreError, document
-from selector.store.stored_knowledge import check_names, stored
+from selector.store.stored_knowledge import stored
 
 VARIABLE = "CLEAN_SWARM_STORE"
 """Environment variable with the URL of the store, used without `--store`."""
@@ -61,7 +63,8 @@ class Memory:
     def __init__(self, store: KnowledgeStore, knowledge: Knowledge, context: str, source: str) -> None:
         self._store, self._expert, self.context, self.source = store, knowledge, context, source
         if source:
-            check_names("context", [context])
+            if len(context) > MOST_STORED:
+                raise StoreError(f"context: expected up to {MOST_STORED} characters, got {short(context)}")
             store.introduce(knowledge, source=source)
         self.knowledge = self.now()
 
@@ -70,19 +73,14 @@ class Memory:
         """Whether the run gives back its rewards."""
         return bool(self.source)
 
-    def given(self, options: Collection[str] = ()) -> bool:
-        """Return whether the store holds rewards of this source in this context; of some `options` only if given."""
-        own = (key for key in self._store.contents().learned if key[2:] == (self.context, self.source))
-        return any(not options or key.option in options for key in own)
-
-    def held(self) -> int:
-        """Return how many rewards of this source the store holds in this context."""
-        learned = self._store.contents().learned.items()
-        return sum(entry.moments.count for key, entry in learned if key[2:] == (self.context, self.source))
+    def held(self, options: Collection[str] = ()) -> int:
+        """Return how many rewards of this source the store holds in this context; of some `options` only if given."""
+        own = {k: entry for k, entry in self._store.contents().learned.items() if k[2:] == (self.context, self.source)}
+        return sum(entry.moments.count for key, entry in own.items() if not options or key.option in options)
 
     def check_new(self, options: Collection[str] = ()) -> None:
         """Raise StoreError if the store holds what this run would learn (of `options`), which would count twice."""
-        if self.learns and self.given(options):
+        if self.learns and self.held(options):
             advice = "take another --seed, continue with --resume, or `clean-swarm learn knowledge reset --source` it"
             raise StoreError(f"{self._store.name}: holds what {self.source!r} learned already; {advice}")
 

@@ -17,9 +17,9 @@ from clean_swarm_env.world.reception import Localisation, Reception, pose_histor
 from clean_swarm_env.world.records import MINDS, MindsRecord
 from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
-from selector.coordination.inner_network import inner_networks
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
+from selector.coordination.robots import CoordinatedRobots
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.compiler.records import Packed
@@ -27,7 +27,6 @@ from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms import MovementMechanism, Patrol
-from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import planner_named
 from selforg.randomness import DirectionStream
 from selforg.registry import unknown
@@ -58,22 +57,6 @@ class Blueprint(Protocol):
         """Return mechanisms by behaviours of the robots' network."""
 
 
-class Inner(Protocol):
-    """A coordinator or a nested network, inside a behaviour of the robots' network."""
-
-    def act(self, now: float, commands: Commands) -> None:
-        """Decide and act where the robots' network runs this behaviour."""
-
-    def steer(self, now: float, commands: Commands) -> None:
-        """Change commands, once all movements of the robots are known."""
-
-    def leave(self, now: float) -> None:
-        """Spread and deposit what other robots perceive from the next tick on."""
-
-    def reset(self, rows: Ints) -> None:
-        """Reset `rows` (K,)."""
-
-
 class Minds:
     """The owner of all arrays of poses, buffers, networks and knowledge.
 
@@ -84,6 +67,7 @@ class Minds:
         memory: knowledge of every robot, shared by all options.
         known: returns what robots know from the start on: name -> (R,).
         directions: random directions, one stream a row.
+        robots: networks, coordinators and nested networks of the robots.
         network: the robots' behaviour networks.
         coordinators: (C,) one for each goal that the robot's document coordinates, in its order.
         nested: the networks inside other behaviours of the robot's document.
@@ -154,21 +138,17 @@ class Minds:
     ) -> None:
         robot = task.robot(mission, models, directories)
         planner = planner_named(robot.model, mission.network.planner)
-        self.network = BehaviourNetwork(robot.model, self.rows, planner, explained)
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
         self.memory: RobotMemory = host_memory([*configurations, *robot.all_specs()], self.rows)
         host = Host(self.poses, self.buffers, self.directions, self._chances, self.memory)
-        self.coordinators = tuple(
-            Coordinator(m, self.network, host, during=robot.during.get(m.goal, ()), explained=explained) for m in models
-        )
-        self.nested = inner_networks(robot, self.network, host, explained=explained)
+        self.robots = CoordinatedRobots(models, host, network=robot, planner=planner, explained=explained)
+        self.network, self.coordinators, self.nested = self.robots.network, self.robots.coordinators, self.robots.inner
         self._movers = {
             name: mechanism
             for name, mechanism in self.movers.items()
             if name in robot.model.behaviour_index and name not in robot.inner
         }
-        self._inner: tuple[Inner, ...] = (*self.coordinators, *self.nested)
 
     def coordinator_of(self, goal: str) -> Coordinator:
         """Return the coordinator of a goal; KeyError if the robot's document does not coordinate it."""
@@ -191,13 +171,11 @@ class Minds:
         """Clear the networks and the knowledge of `rows` (K,), and what they alone have received."""
         for buffer in self.buffers.values():
             buffer.clear_rows(rows)
-        self.network.reset(rows)
         self.memory.reset(rows)
         for name, values in self.known().items():
             if name in self.memory.kinds:
                 self.memory[name].values[rows] = values[rows]
-        for inner in self._inner:
-            inner.reset(rows)
+        self.robots.reset(rows)
 
     def show_items(self, worlds: int | Ints, positions: Floats, now: float) -> None:
         """Store the gradients of items that lie at `positions` (M, 2) [m] of one world, or of `worlds` (M,)."""
@@ -235,8 +213,7 @@ class Minds:
 
     def sense(self, now: float) -> None:
         """Write the sensors of coordinators into the readings."""
-        for coordinator in self.coordinators:
-            coordinator.sense(now)
+        self.robots.sense(now)
 
     def decide(self, rows: Ints | None) -> None:
         """Step the networks of `rows` (K,), or all, so that they decide which behaviours run."""
@@ -247,10 +224,7 @@ class Minds:
         commands = self.commands
         for mechanism, rows in self._moved():
             mechanism.move_into(now, rows, commands.vectors, commands.commanded)
-        for inner in self._inner:
-            inner.act(now, commands)
-        for inner in self._inner:
-            inner.steer(now, commands)
+        self.robots.act(now, commands)
 
     def _moved(self) -> Iterator[tuple[MovementMechanism, Ints]]:
         """Return the mechanisms of this tick, and the rows that they move."""
@@ -264,8 +238,7 @@ class Minds:
         for mechanism, rows in self._moved():
             if isinstance(mechanism, Patrol):
                 mechanism.deposit(now, rows)
-        for inner in self._inner:
-            inner.leave(now)
+        self.robots.leave(now)
 
     def follow(self, vectors: Floats, rows: Flags) -> None:
         """Command the robots marked in `rows` (R,) to follow vectors (R, 2) [m/s] in place of their decisions."""

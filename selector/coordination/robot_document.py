@@ -25,20 +25,21 @@ behaviour that holds it runs; behaviours of an inner network may hold further ne
 `$reach` in place of a value stands for the parameter of that name, which the reader of the file may override.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
-from selector.coordination.named_conditions import InPlace, known_conditions
-from selector.coordination.robot_network import RobotNetwork
-from selector.coordination.robot_vocabulary import Coordinators, InnerNetworkSpec, NetworkSpec
+from selector.coordination.robot_network import Coordinators, InnerNetworkSpec, NetworkSpec, RobotNetwork
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name
 from selector.documents.parameters import Content, check_parameters_used, resolved
+from selector.documents.plain import short
 from selector.documents.reading import read_mapping
+from selector.vocabulary.conditions import NamedConditions
 from selforg.network.model.behaviours import NetworkSettings
 from selforg.registry import unknown
 
@@ -94,9 +95,7 @@ def network_from(
     except DocumentError as error:
         raise DocumentError(f"{where}: {error}") from error
     file = validated(NetworksSpec, filled, where)
-    nesting = _Nesting(file.networks, where, coordinators or {}, settings)
-    nesting.check(file.root)
-    return nesting.of(file.root, {}, ())
+    return _Nesting(file.networks, where, coordinators or {}, settings).of(file.root, {}, ())
 
 
 def coordinated_goals(path: Path) -> tuple[str, ...]:
@@ -110,6 +109,17 @@ def coordinated_goals(path: Path) -> tuple[str, ...]:
     return tuple(goal for goal in goals if isinstance(goal, str))  # mistakes are reported when the network is loaded
 
 
+def known_conditions(content: Content, outside: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Return the conditions that a network knows by name, its own and those of the networks around it."""
+    own = content.get("conditions", {})
+    if not isinstance(own, dict):
+        raise DocumentError(f"{where}.conditions: expected a mapping, got {short(own)}")
+    for name, condition in own.items():
+        if name in outside and outside[name] != condition:
+            raise DocumentError(f"{where}.conditions.{name}: means something else in a network around this one")
+    return {**outside, **own}
+
+
 @dataclass(frozen=True)
 class _Nesting:
     """Builds networks with the networks inside them, from the outside in."""
@@ -118,15 +128,25 @@ class _Nesting:
     file: str
     coordinators: Coordinators
     settings: NetworkSettings | None
+    numbers: Iterator[int] = field(default_factory=count)
+    """Numbers of the networks in the order in which they are met."""
 
     def of(self, name: str, outside: Mapping[str, Any], path: tuple[str, ...]) -> RobotNetwork:
         """Return a network inside those of `path`, whose named conditions are `outside`."""
         if name not in self.networks:
             raise DocumentError(f"{self.file}: {unknown('network', name, sorted(self.networks))}")
         where = f"{self.file}: networks.{name}"
+        if name in path:
+            raise DocumentError(f"{where}: networks must not contain each other: {' > '.join((*path, name))}")
+        if next(self.numbers) >= MOST_NETWORKS:
+            raise DocumentError(f"{where}: expected at most {MOST_NETWORKS} networks inside each other, got more")
         named = known_conditions(self.networks[name], outside, where)
-        content = InPlace(named).content(self.networks[name], where)
-        spec = validated(InnerNetworkSpec, content, where) if path else validated(NetworkSpec, content, where)
+        given, names = self.networks[name], NamedConditions(named)
+        spec = (
+            validated(InnerNetworkSpec, given, where, context=names)
+            if path
+            else validated(NetworkSpec, given, where, context=names)
+        )
         inner = {b: held.network for b, held in spec.behaviours.items() if held.network is not None}
         held = {b: self.of(other, named, (*path, name)) for b, other in inner.items()}
         try:
@@ -140,20 +160,3 @@ class _Nesting:
             return RobotNetwork(model, held, frozenset(spec.own_sensors), spec=spec)
         except ValueError as error:
             raise DocumentError(f"{where}: {error}") from error
-
-    def check(self, root: str) -> None:
-        """Raise DocumentError, before any is built, for networks that hold each other in a circle or without end."""
-        waiting: list[tuple[str, tuple[str, ...]]] = [(root, ())]
-        number = 0
-        while waiting:
-            name, path = waiting.pop()
-            number += 1
-            where = f"{self.file}: networks.{name}"
-            if name in path:
-                raise DocumentError(f"{where}: networks must not contain each other: {' > '.join((*path, name))}")
-            if number > MOST_NETWORKS:
-                raise DocumentError(f"{where}: expected at most {MOST_NETWORKS} networks inside each other, got more")
-            behaviours = self.networks.get(name, {}).get("behaviours")
-            held = behaviours.values() if isinstance(behaviours, dict) else ()
-            inside = [b["network"] for b in held if isinstance(b, dict) and isinstance(b.get("network"), str)]
-            waiting += [(other, (*path, name)) for other in reversed(inside)]

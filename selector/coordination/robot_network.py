@@ -1,4 +1,4 @@
-"""The network of a robot as its document declares it: the root, and the networks inside behaviours.
+"""The network of a robot as its document declares it, the root and the networks inside behaviours; and its models.
 
 The cleaning robot's document is `configs/robots/cleaning.yaml`.
 """
@@ -6,10 +6,140 @@ The cleaning robot's document is `configs/robots/cleaning.yaml`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any, Literal, Self
 
-from selector.coordination.robot_vocabulary import InnerNetworkSpec
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from selector.configurations.acting_network import ActingBehaviourSpec, ActingNetworkSpec, must_know
+from selector.coordination.model import CoordinatorModel
+from selector.documents.errors import DocumentError
+from selector.documents.fields import Closed, Name, Share
+from selector.vocabulary.components import ActionSpecs, SensorSpec
+from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
+from selector.vocabulary.settings import SettingsSpec
+from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
+from selforg.network.model.model import NetworkModel
 from selforg.network.nesting import NestedModel
+from selforg.registry import unknown
+
+Coordinators = Mapping[str, CoordinatorModel]
+
+
+class HoldingBehaviourSpec(BehaviourSpec):
+    """A behaviour that may hold a network, or a coordinator that holds the configuration chosen for its goal."""
+
+    type: Literal["Behaviour", "Coordinator"] = "Behaviour"
+    """Kind; preconditions and effects of a coordinator add to those of the configuration that it holds."""
+    goal: Name | None = None
+    """Of a coordinator: the self-organisation goal that it serves, which is also its name."""
+    during: tuple[Name, ...] = ()
+    """Of a coordinator whose options only steer: the behaviours while which they do; always unless given."""
+    network: Name | None = None
+    """Of a behaviour: name of the network inside, which decides while the behaviour runs."""
+
+    @model_validator(mode="after")
+    def _holds_one_thing(self) -> Self:
+        if self.type == "Coordinator" and (self.goal is None or self.network is not None):
+            raise ValueError("expected a coordinator with a goal and without a network")
+        if self.type == "Behaviour" and (self.goal is not None or self.during):
+            raise ValueError("expected a goal for a coordinator only (type: Coordinator)")
+        return self
+
+    def build_with(self, name: str, coordinators: Coordinators) -> Behaviour:
+        """Return the behaviour; a coordinator has the options of its goal as alternatives."""
+        plain = self.build(name)
+        if self.goal is None:
+            return plain
+        where = f"behaviours.{name}.goal"
+        if self.goal not in coordinators:
+            raise DocumentError(f"{where}: {unknown('coordinated goal', self.goal, sorted(coordinators))}")
+        if self.goal != name:
+            raise DocumentError(f"{where}: expected the name of the coordinator, got {self.goal!r}")
+        model = coordinators[self.goal]
+        for option, configuration in zip(model.options, model.configurations, strict=True):
+            if self.during and not configuration.steers:
+                raise DocumentError(f"behaviours.{name}.during: expected options that only steer, got {option}")
+        return model.behaviour(plain)
+
+
+class ReachableGoalSpec(GoalSpec):
+    """A goal that may count as reached before it is fully satisfied."""
+
+    satisfaction_threshold: Share = 1.0
+    """Satisfaction from which the goal counts as reached [-]."""
+
+    def build(self, name: str) -> Goal:
+        """Return the goal under a name."""
+        return replace(super().build(name), satisfaction_threshold=self.satisfaction_threshold)
+
+
+class NetworkSpec(Closed):
+    """The root network, after names of conditions were replaced."""
+
+    sensors: Annotated[dict[Name, Literal["fact", "number"]], Field(min_length=1)]
+    """What each sensor reads."""
+    conditions: dict[Name, AnyCondition] = Field(default_factory=dict)
+    """Conditions by name."""
+    behaviours: Annotated[dict[Name, HoldingBehaviourSpec], Field(min_length=1)]
+    """Behaviours by name, in order of registration."""
+    goals: dict[Name, ReachableGoalSpec] = Field(default_factory=dict)
+    """Goals by name."""
+    settings: SettingsSpec = SettingsSpec()
+    """How it decides."""
+
+    @property
+    def during(self) -> dict[str, tuple[str, ...]]:
+        """The coordinators that steer only while certain behaviours run, and these behaviours."""
+        return {name: spec.during for name, spec in self.behaviours.items() if spec.during}
+
+    def build(self, coordinators: Coordinators, settings: NetworkSettings | None) -> NetworkModel:
+        """Return the model, with `settings` if given; the sensors of coordinators come after those of the network."""
+        for coordinator, names in self.during.items():
+            for name in names:
+                must_know("behaviour", name, self.behaviours, f"behaviours.{coordinator}.during")
+        behaviours = [spec.build_with(name, coordinators) for name, spec in self.behaviours.items()]
+        held = [spec.goal for spec in self.behaviours.values() if spec.goal is not None]
+        sensors = [
+            *(Sensor(name, kind) for name, kind in self.sensors.items()),
+            *(sensor for goal in held for sensor in coordinators[goal].sensors),
+        ]
+        goals = [spec.build(name) for name, spec in self.goals.items()]
+        return NetworkModel(sensors, behaviours, goals, settings or self.settings.build())
+
+
+class InnerBehaviourSpec(HoldingBehaviourSpec, ActingBehaviourSpec):
+    """A behaviour of an inner network, which may act, hold another network, or both."""
+
+    action: ActionSpecs = ()
+    """What the behaviour does while it runs: one action or several."""
+
+
+def _kind_of_sensor(given: Any) -> str:  # noqa: ANN401  (whatever YAML holds)
+    return "kind" if isinstance(given, str) else "sensor"
+
+
+InnerSensor = Annotated[
+    Annotated[Literal["fact", "number"], Tag("kind")] | Annotated[SensorSpec, Tag("sensor")],
+    Discriminator(_kind_of_sensor),
+]
+"""Kind of the sensor of that name in the network around, or a sensor component."""
+
+
+class InnerNetworkSpec(ActingNetworkSpec[InnerSensor, InnerBehaviourSpec, ReachableGoalSpec]):
+    """A network inside a behaviour, after names of conditions were replaced."""
+
+    conditions: dict[Name, AnyCondition] = Field(default_factory=dict)
+    """Conditions by name."""
+
+    def network_sensors(self) -> tuple[Sensor, ...]:
+        """Return all sensors of the behaviour network, also those that the network around reads."""
+        kinds = {name: self.kind_of(one) if isinstance(one, SensorSpec) else one for name, one in self.sensors.items()}
+        return tuple(Sensor(name, kind) for name, kind in kinds.items())
+
+    def network_behaviours(self) -> tuple[Behaviour, ...]:
+        """Return the behaviours of the behaviour network; none of them is a coordinator."""
+        return tuple(spec.build_with(name, {}) for name, spec in self.behaviours.items())
 
 
 @dataclass(frozen=True)

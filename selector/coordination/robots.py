@@ -1,8 +1,9 @@
-"""Robots with coordinators and inner networks, which do a whole tick in one call: for hosts without a loop."""
+"""Robots with a network, coordinators and inner networks: the stages of a tick, and a whole tick in one call."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from selector.coordination.coordinator import Coordinator, hold_options
 from selector.coordination.inner_network import InnerNetwork, inner_networks
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
-from selforg.arrays import Ints
+from selforg.arrays import READ, Ints
 from selforg.commands import Commands
 from selforg.network.model.behaviours import NetworkSettings
 from selforg.network.model.model import NetworkModel
@@ -37,6 +38,8 @@ class CoordinatedRobots:
 
     """
 
+    _all: Annotated[Ints, "R", READ]
+
     def __init__(
         self,
         models: CoordinatorModel | Sequence[CoordinatorModel],
@@ -59,6 +62,23 @@ class CoordinatedRobots:
         self._commands = Commands.none(host.rows, host.poses.space.dim)
         self._all: Ints = np.arange(host.rows)
 
+    def sense(self, now: float) -> None:
+        """Write the sensors of coordinators at `now` [s] into the readings of the network."""
+        for coordinator in self.coordinators:
+            coordinator.sense(now)
+
+    def act(self, now: float, commands: Commands) -> None:
+        """Write the movements at `now` [s] of what runs into `commands`, and bend those there are."""
+        for inside in self._inside:
+            inside.act(now, commands)
+        for inside in self._inside:
+            inside.steer(now, commands)
+
+    def leave(self, now: float) -> None:
+        """Spread and deposit, at `now` [s], what other robots perceive from the next tick on."""
+        for inside in self._inside:
+            inside.leave(now)
+
     def reset(self, rows: Ints | None = None) -> None:
         """Clear all networks of `rows` (K,) or of all rows; each row keeps the options that it holds."""
         chosen = self._all if rows is None else rows
@@ -75,20 +95,14 @@ class CoordinatedRobots:
 
         An `errand` is commanded to begin with; behaviours replace or change its commands.
         """
-        commands = self._commands
-        for coordinator in self.coordinators:
-            coordinator.sense(now)
+        self.sense(now)
         self.network.step(guarantee=True)
-        commands.clear()
+        self._commands.clear()
         if errand is not None:
-            commands.copy_from(errand)
-        for inside in self._inside:
-            inside.act(now, commands)
-        for inside in self._inside:
-            inside.steer(now, commands)
-        for inside in self._inside:
-            inside.leave(now)
-        return commands
+            self._commands.copy_from(errand)
+        self.act(now, self._commands)
+        self.leave(now)
+        return self._commands
 
 
 def network_of(models: Sequence[CoordinatorModel], settings: NetworkSettings | None = None) -> NetworkModel:

@@ -2,11 +2,20 @@
 
 import os
 import re
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    model_validator,
+)
 
-from selector.documents.errors import DocumentError, one_line
+from selector.documents.errors import DocumentError, one_line, unknown_key
 from selector.documents.plain import short
 from selector.documents.trust import check_trust
 
@@ -73,7 +82,9 @@ StoreName = Annotated[
 ]
 """URL or path of a knowledge store; a file that is not trusted names none on a network."""
 Label = Annotated[str, Field(strict=True, min_length=1, max_length=MOST_STORED), AfterValidator(_no_controls)]
-"""Text that a knowledge store keeps: options, contexts and sources of programs other than ours."""
+"""Text that a knowledge store keeps: options and sources of programs other than ours."""
+Context = Annotated[str, Field(strict=True, max_length=MOST_STORED), AfterValidator(_no_controls)]
+"""Text under which a knowledge store keeps rewards; empty for none."""
 
 _NAME: TypeAdapter[str] = TypeAdapter(Name)
 
@@ -83,10 +94,20 @@ def checked_name(given: object, where: str) -> str:
     try:
         return _NAME.validate_python(given)
     except ValidationError as error:
-        raise DocumentError(one_line(error, where, Closed)) from error
+        raise DocumentError(one_line(error, where)) from error
 
 
 class Closed(BaseModel):
     """A frozen model that refuses unknown keys; the docstring below each field says what it is."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, given: Any) -> Any:  # noqa: ANN401  (whatever YAML holds)
+        """Name the known keys beside an unknown one, which pydantic does not."""
+        if isinstance(given, Mapping) and cls.model_config["extra"] == "forbid":
+            for key in given:
+                if key not in cls.model_fields:
+                    raise unknown_key(str(key), cls.model_fields)
+        return given

@@ -12,10 +12,9 @@ from typing import Any
 
 import yaml
 
-from selector.documents.building import MOST_DEPTH, TOO_DEEP, yaml_value
-from selector.documents.core_schema import REAL, WHOLE, value_of
 from selector.documents.errors import DocumentError, shown
 from selector.documents.plain import short
+from selector.documents.yaml_values import MOST_DEPTH, REAL, TOO_DEEP, WHOLE, value_of, yaml_value
 
 DOCUMENT_BYTES = 32 * 2**20
 """Size of a document; a thousand start configurations of a hundred robots take a quarter of it."""

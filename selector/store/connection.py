@@ -4,44 +4,46 @@ import logging
 import os
 import re
 import sqlite3
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from urllib.parse import quote
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event, insert, inspect, make_url, select, text
-from sqlalchemy.exc import ArgumentError, NoSuchModuleError
+from sqlalchemy.exc import ArgumentError
 
 from selector.documents.errors import shown
 from selector.store.errors import StoreError
-from selector.store.lineage import IDENTITY, new_identity
-from selector.store.tables import learned, meta, metadata
+from selector.store.tables import meta, metadata
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the tables."""
 BUSY_S = 60.0
 """Time for which a writer waits for other writers of an SQLite file [s]."""
 LOCK = 0x636C65616E
-"""Advisory lock of PostgreSQL that a writer of the schema or of expert options holds."""
-DRIVERS = {"sqlite": "pysqlite", "postgresql": "pg8000"}
-"""Supported databases, with the driver that is installed with the project."""
+"""Advisory lock of PostgreSQL that a writer holds until its transaction ends; SQLite has one writer at a time, too."""
+DATABASES = ("sqlite", "postgresql")
+"""Supported databases."""
+OF_POSTGRES = "+pg8000"
+"""The driver of PostgreSQL, as a URL may name it; Python has one of SQLite."""
 FORMS = "sqlite:///PATH or postgresql://USER@HOST/DATABASE"
 OWNER_ONLY = 0o600
 """Mode of a new SQLite file: others may neither read nor write it."""
 
 
 def parsed(url: str) -> URL:
-    """Return the URL of a store; a plain path is an SQLite file, and a missing driver is filled in from `DRIVERS`.
+    """Return the URL of a store; a plain path is an SQLite file, and that of PostgreSQL names the driver.
 
     No error shows more of a URL than its scheme, unless it is known where its password stands.
     """
     if not url.isprintable():
         raise StoreError("store: expected a URL or a path of printable characters")
     scheme, separator, _ = url.partition("://")
-    backend, _, driver = scheme.partition("+")
+    backend = scheme.removesuffix(OF_POSTGRES)
     if not separator:
-        return URL.create("sqlite+pysqlite", database=str(_path(url)))
-    if backend not in DRIVERS:
-        raise StoreError(f"store: unknown database {backend!r} (known: {', '.join(DRIVERS)})")
+        return URL.create("sqlite", database=str(_path(url)))
+    if backend not in DATABASES:
+        raise StoreError(f"store: unknown database {backend!r} (known: {', '.join(DATABASES)})")
     try:
         parts = make_url(url)
     except (ArgumentError, ValueError):
@@ -49,13 +51,13 @@ def parsed(url: str) -> URL:
     more = (parts.username, parts.password, parts.host, parts.port, parts.query)
     if backend == "sqlite" and (not parts.database or parts.database == ":memory:" or any(more)):
         raise StoreError(f"store: {_public(parts)}: expected sqlite:///PATH, with a file to keep, and nothing else")
-    return parts.set(drivername=f"{backend}+{driver or DRIVERS[backend]}")
+    return parts if backend == "sqlite" else parts.set(drivername=backend + OF_POSTGRES)
 
 
 def _path(given: str) -> Path:
     if not given:
         raise StoreError("store: expected a URL or a path, got nothing")
-    if re.match(rf"({'|'.join(DRIVERS)})(\+\w*)?:", given):
+    if re.match(rf"({'|'.join(DATABASES)})(\+\w*)?:", given):
         raise StoreError(f"store: expected {FORMS}, got something else")
     try:
         return Path(given).expanduser()
@@ -82,24 +84,15 @@ def _public(url: URL) -> str:
 
 def engine_of(url: URL, *, create: bool) -> Engine:
     """Return the engine of a database; unless `create`, an SQLite file must exist."""
-    _check_driver(url)
     if url.get_backend_name() == "sqlite":
         return _sqlite(url, Path(str(url.database)), create)
     # A lost connection is an error of ours: without a handler, Python would print SQLAlchemy's traceback of it, too.
     logging.getLogger("sqlalchemy").addHandler(logging.NullHandler())
-    return create_engine(url, pool_pre_ping=True, pool_size=1)
-
-
-def _check_driver(url: URL) -> None:
-    backend, driver = url.get_backend_name(), url.get_driver_name()
-    ours = DRIVERS[backend]
     try:
-        url.get_dialect().import_dbapi()
-    except NoSuchModuleError as error:
-        raise StoreError(f"store: unknown driver {driver!r} for {backend} (leave it out for {ours})") from error
+        return create_engine(url, pool_pre_ping=True, pool_size=1)
     except ImportError as error:
-        advice = "pip install 'clean-swarm[postgres]'" if driver == ours else f"leave it out for {ours}"
-        raise StoreError(f"store: the driver {driver!r} for {backend} is not installed ({advice})") from error
+        advice = "pip install 'clean-swarm[postgres]'"
+        raise StoreError(f"store: the driver of PostgreSQL is not installed ({advice})") from error
 
 
 def _sqlite(url: URL, path: Path, create: bool) -> Engine:
@@ -146,25 +139,23 @@ def prepare(engine: Engine, where: str, *, create: bool) -> None:
     if not exists and not create:
         raise StoreError(f"{where}: is no knowledge store")
     if not exists:
-        with engine.connect().execution_options(writes=True) as connection, connection.begin():
-            lock(connection)
+        with writing(engine) as connection:
             if not _has_store(connection, where):  # another process may have been quicker
                 metadata.create_all(connection)
-                about = {"schema": str(SCHEMA), IDENTITY: new_identity()}
-                connection.execute(insert(meta), [{"key": key, "value": value} for key, value in about.items()])
+                connection.execute(insert(meta), {"key": "schema", "value": str(SCHEMA)})
     with engine.connect() as connection:
         _check_version(connection, where)
     if create and engine.dialect.name == "sqlite":
         _use_wal(engine)
 
 
-def lock(connection: Connection, *, everything: bool = False) -> None:
-    """Keep other processes from changing the schema and expert options, or everything, until the transaction ends."""
-    if connection.dialect.name != "postgresql":  # SQLite has one writer at a time
-        return
-    connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": LOCK})
-    if everything:  # rows are deleted in any order: without the lock, an update of several rows could deadlock
-        connection.execute(text(f"LOCK TABLE {learned.name} IN SHARE ROW EXCLUSIVE MODE"))
+@contextmanager
+def writing(engine: Engine) -> Iterator[Connection]:
+    """Yield a connection in a transaction, of which there is one at a time."""
+    with engine.connect().execution_options(writes=True) as connection, connection.begin():
+        if connection.dialect.name == "postgresql":
+            connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": LOCK})
+        yield connection
 
 
 def _check_file(connection: Connection, where: str) -> None:
@@ -186,22 +177,18 @@ def _has_store(connection: Connection, where: str) -> bool:
 
 
 def _check_version(connection: Connection, where: str) -> None:
-    about = {row.key: row.value for row in connection.execute(select(meta))}
-    version = about.get("schema", "")
-    if not str(version).isdecimal() or int(version) < 1 or IDENTITY not in about:
+    version = str(connection.execute(select(meta.c.value).where(meta.c.key == "schema")).scalar())
+    if not version.isdecimal() or int(version) < 1:
         raise StoreError(f"{where}: is corrupt: its table {meta.name} does not name its kind")
     if int(version) > SCHEMA:
         raise StoreError(f"{where}: comes from a newer version (schema {version}, known up to {SCHEMA}); update")
+    if int(version) < SCHEMA:
+        raise StoreError(
+            f"{where}: comes from an older version (schema {version}); export it there and import the file"
+        )
 
 
 def _use_wal(engine: Engine) -> None:
     """Use a write-ahead log, so that readers need not wait for a writer; skipped while another process has the file."""
-    connection = engine.raw_connection()
-    try:
-        cursor = connection.cursor()
-        cursor.execute("PRAGMA journal_mode=WAL")
-        cursor.close()
-    except sqlite3.OperationalError:
-        return
-    finally:
-        connection.close()
+    with suppress(sqlite3.OperationalError), closing(engine.raw_connection()) as connection:
+        connection.cursor().execute("PRAGMA journal_mode=WAL")

@@ -3,25 +3,27 @@
 import json
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AwareDatetime, Field, PlainSerializer, StringConstraints
+from pydantic import AwareDatetime, Field, PlainSerializer, StringConstraints, model_validator
 
 from selector.documents.errors import DocumentError, shown, validated
-from selector.documents.fields import Closed, Label
+from selector.documents.fields import Closed, Context, Label
 from selector.documents.reading import as_yaml, read_json, read_mapping
 from selector.knowledge import Option, believed, knowledge_from
 from selector.store.errors import StoreError
 from selector.store.exact_sums import Moments
-from selector.store.stored_knowledge import Key, LearnedEntry, Rated, StoredKnowledge, stored
+from selector.store.stored_knowledge import Key, LearnedEntry, Rated, StoredKnowledge, definition, stored
 from selforg.registry import unknown
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 MICROSECOND = timedelta(microseconds=1)
+FORMAT = {"format": "clean-swarm knowledge store", "version": 1}
+"""What an exported store says that it is."""
 
 Whole = Annotated[str, StringConstraints(strict=True, pattern=r"^-?[0-9]{1,40}$")]
 """A whole number as text, because other programs would round a number of that size to a float."""
-Time = Annotated[AwareDatetime, PlainSerializer(lambda time: time.isoformat(timespec="microseconds"))]
+Time = Annotated[AwareDatetime, Field(ge=EPOCH), PlainSerializer(lambda time: time.isoformat(timespec="microseconds"))]
 
 
 class _Expert(Option):
@@ -42,7 +44,7 @@ class _Learned(Closed):
     """The goal that the option serves."""
     option: Label
     """Name of the option."""
-    context: Annotated[str, Field(strict=True)]
+    context: Context
     """Key of the context; empty for none."""
     source: Label
     """Source of the rewards."""
@@ -54,6 +56,17 @@ class _Learned(Closed):
     """Sum of the rewards in units of 2^-24."""
     squares: Whole
     """Sum of their squares in units of 2^-48."""
+
+    @property
+    def moments(self) -> Moments:
+        """The sums as numbers."""
+        return Moments(self.count, int(self.total), int(self.squares))
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        if why := self.moments.impossible():
+            raise ValueError(why)
+        return self
 
 
 class _Document(Closed):
@@ -70,30 +83,23 @@ class _Document(Closed):
 
 
 def as_document(contents: StoredKnowledge) -> dict[str, Any]:
-    """Return the contents of a store as plain data, in an order that depends on the contents only."""
-    expert = {
-        goal: tuple(
-            _Expert(
-                **rated.option.model_dump(),
-                position=rated.position,
-                source=rated.source,
-                updated=EPOCH + rated.updated * MICROSECOND,
-            )
-            for rated in options
-        )
-        for goal, options in contents.options_by_goal().items()
-    }
-    learned = [
-        _Learned(
-            **key._asdict(),
-            updated=EPOCH + entry.updated * MICROSECOND,
-            count=entry.moments.count,
-            total=str(entry.moments.total),
-            squares=str(entry.moments.squares),
-        )
-        for key, entry in sorted(contents.learned.items(), key=lambda item: item[0])
-    ]
-    document = _Document(format="clean-swarm knowledge store", version=1, expert=expert, learned=tuple(learned))
+    """Return contents as plain data, in an order that depends on the contents only.
+
+    Raises:
+        DocumentError: no store takes such contents: bad names, impossible sums or times, bad parameters.
+
+    """
+    expert: dict[str, list[dict[str, Any]]] = {}
+    for goal, options in contents.options_by_goal().items():
+        for rated in options:
+            definition(rated.option)  # raises
+            about = {"position": rated.position, "source": rated.source, "updated": _time(rated.updated)}
+            expert.setdefault(goal, []).append(rated.option.model_dump() | about)
+    learned = []
+    for key, entry in sorted(contents.learned.items(), key=lambda item: item[0]):
+        moments = {"count": entry.moments.count} | {n: str(getattr(entry.moments, n)) for n in ("total", "squares")}
+        learned.append(key._asdict() | {"updated": _time(entry.updated)} | moments)
+    document = validated(_Document, {**FORMAT, "expert": expert, "learned": learned}, "store")
     return document.model_dump(mode="json")
 
 
@@ -112,11 +118,16 @@ def from_document(content: object, where: str) -> StoredKnowledge:
         key = Key(entry.goal, entry.option, entry.context, entry.source)
         if key in learned:
             raise DocumentError(f"{where}: learned.{k}: the entry of {', '.join(key)} is given twice")
-        moments = Moments(entry.count, int(entry.total), int(entry.squares))
-        if why := moments.impossible():
-            raise DocumentError(f"{where}: learned.{k}: {why}")
-        learned[key] = LearnedEntry(moments, _microseconds(entry.updated))
+        learned[key] = LearnedEntry(entry.moments, _microseconds(entry.updated))
     return StoredKnowledge(expert, learned)
+
+
+def _time(updated: int) -> datetime:
+    """Return the date of a time [us since 1970, UTC]."""
+    try:
+        return EPOCH + updated * MICROSECOND
+    except OverflowError as error:
+        raise DocumentError(f"updated: expected a time from 1970 to 9999 [us], got {updated}") from error
 
 
 def _microseconds(time: datetime) -> int:

@@ -6,10 +6,6 @@ from contextlib import contextmanager
 from sqlalchemy.exc import DBAPIError
 
 from selector.documents.errors import DocumentError
-from selector.store.exact_sums import COUNT_LIMIT
-
-FULL = "clean_swarm_learned_updates"
-"""Name of the constraint on the number of updates, which the error of a database contains when it is violated."""
 
 
 class StoreError(DocumentError):
@@ -18,18 +14,17 @@ class StoreError(DocumentError):
 
 @contextmanager
 def reported(where: str) -> Iterator[None]:
-    """Turn errors of a database into a StoreError that begins with the name of the store."""
+    """Turn errors of a database, and of what it holds, into a StoreError; `where` is the name of the store."""
     try:
         yield
-    except StoreError:
-        raise
+    except DocumentError as error:
+        raise StoreError(str(error)) from error
     except DBAPIError as error:
-        text = _text_of(error)
-        if FULL in text:
-            text = f"an entry would have more than {COUNT_LIMIT} updates; nothing was added"
-        raise StoreError(f"{where}: {text}") from error
+        raise StoreError(f"{where}: {_text_of(error)}") from error
     except UnicodeDecodeError as error:  # sqlite3 cannot decode the message about a damaged schema
         raise StoreError(f"{where}: the file is corrupt: {error.reason}") from error
+    except UnicodeEncodeError as error:  # half a character in a name
+        raise StoreError(f"{where}: expected text, got another character ({error.reason})") from error
 
 
 def _text_of(error: DBAPIError) -> str:

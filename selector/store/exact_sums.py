@@ -6,7 +6,7 @@ associative, which adding floats is not. Mean and variance are computed from the
 (docs/decisions/0033-whole-number-store.md).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -20,7 +20,7 @@ GRID_BITS = 24
 REWARD_LIMIT = 2.0**20
 """Largest absolute reward: about a million [-]. On the grid it takes 44 bits, which a float holds exactly."""
 COUNT_LIMIT = 2**36
-"""Most updates of one entry: the sum of squares stays below 2^(88 + 36), so that two columns of 62 bits hold it."""
+"""Most updates of one entry: the sum of squares stays below 2^(88 + 36), and that of the rewards below 2^80."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,11 @@ class Moments:
     def __add__(self, other: Self) -> "Moments":
         """Return the moments of both sets of rewards together."""
         return Moments(self.count + other.count, self.total + other.total, self.squares + other.squares)
+
+    def holds(self, other: Self) -> bool:
+        """Return whether these may be the moments of the other's rewards and of further ones."""
+        rest = Moments(self.count - other.count, self.total - other.total, self.squares - other.squares)
+        return rest == NO_REWARDS or not rest.impossible()
 
     @property
     def mean(self) -> float:
@@ -91,17 +96,17 @@ class RewardSums:
     def __init__(self, goal: str, options: Sequence[str]) -> None:
         self.goal = goal
         self.options = tuple(options)
-        self._moments: dict[tuple[str, str], Moments] = {}
+        self._sums: dict[tuple[int, str], list[int]] = {}
 
     @property
-    def moments(self) -> Mapping[tuple[str, str], Moments]:
+    def moments(self) -> dict[tuple[str, str], Moments]:
         """Sums by option and context."""
-        return self._moments
+        return {(self.options[k], context): Moments(*sums) for (k, context), sums in self._sums.items()}
 
     @property
     def count(self) -> int:
         """Number of rewards recorded."""
-        return sum(moments.count for moments in self._moments.values())
+        return sum(count for count, _, _ in self._sums.values())
 
     def record(self, option: Ints, reward: Floats, contexts: str | Sequence[str] = "") -> None:
         """Add `reward` (R,) of `option` (R,) in `contexts`, one for all rows or (R,).
@@ -114,12 +119,14 @@ class RewardSums:
         chosen, whole = self._checked_options(option), on_grid(reward)
         if whole.shape != chosen.shape:
             raise ValueError(f"reward: expected shape {chosen.shape}, got {whole.shape}")
-        names, context = self._numbered(contexts, chosen.size)
-        found = sums_by_cell(context * len(self.options) + chosen, whole, len(names) * len(self.options))
-        cells = ((name, seen) for seen in names for name in self.options)
-        for cell, moments in zip(cells, found, strict=True):
-            if moments.count:
-                self._moments[cell] = self._moments.get(cell, NO_REWARDS) + moments
+        names = [contexts] * chosen.size if isinstance(contexts, str) else contexts
+        if len(names) != chosen.size:
+            raise ValueError(f"contexts: expected {chosen.size} of them, one a row, got {len(names)}")
+        for k, context, value in zip(chosen.tolist(), names, whole.tolist(), strict=True):
+            sums = self._sums.setdefault((k, context), [0, 0, 0])
+            sums[0] += 1
+            sums[1] += value
+            sums[2] += value * value
 
     def _checked_options(self, option: Ints) -> Ints:
         chosen = np.asarray(option)
@@ -129,16 +136,6 @@ class RewardSums:
         if outside.any():
             raise ValueError(unknown("option", str(chosen[outside][0]), [str(k) for k in range(len(self.options))]))
         return chosen.astype(np.int64)
-
-    def _numbered(self, contexts: str | Sequence[str], rows: int) -> tuple[list[str], Ints]:
-        """Return the different contexts (C,), and for each row (R,) the index of its context."""
-        if isinstance(contexts, str):
-            return [contexts], np.zeros(rows, dtype=np.int64)
-        if len(contexts) != rows:
-            raise ValueError(f"contexts: expected {rows} of them, one a row, got {len(contexts)}")
-        numbers: dict[str, int] = {}
-        context = [numbers.setdefault(name, len(numbers)) for name in contexts]
-        return list(numbers), np.array(context, dtype=np.int64)
 
 
 def on_grid(reward: Floats) -> Ints:
@@ -150,12 +147,3 @@ def on_grid(reward: Floats) -> Ints:
         limit = int(REWARD_LIMIT)
         raise ValueError(f"reward of row {row}: expected a number from -{limit} to {limit}, got {values[row]}")
     return np.rint(values * 2.0**GRID_BITS).astype(np.int64)
-
-
-def sums_by_cell(cell: Ints, whole: Ints, cells: int) -> list[Moments]:
-    """Return the moments of each of `cells` cells, given the cell (R,) and the value on the grid (R,) of each row."""
-    exact = whole.astype(object)  # Python's whole numbers: squares of 88 bits
-    table = np.zeros((3, cells), dtype=object)
-    for sums, amount in zip(table, (1, exact, exact * exact), strict=True):
-        np.add.at(sums, cell, amount)
-    return [Moments(*row) for row in table.T.tolist()]

@@ -13,10 +13,10 @@ from selector.documents.trust import check_trust
 from selector.knowledge import Knowledge
 from selector.store import connection as connecting
 from selector.store import tables
+from selector.store.document import as_document
 from selector.store.errors import StoreError, reported
-from selector.store.exact_sums import NO_REWARDS, Moments, RewardSums
-from selector.store.lineage import Origins, begin_anew, note_merged, read_origins
-from selector.store.stored_knowledge import Key, LearnedEntry, StoredKnowledge, check, check_names, microseconds, stored
+from selector.store.exact_sums import RewardSums
+from selector.store.stored_knowledge import NO_KNOWLEDGE, Key, LearnedEntry, StoredKnowledge, microseconds, stored
 from selforg.arrays import Flags, Floats, Ints
 
 
@@ -77,8 +77,8 @@ class KnowledgeStore:
         """Add the updates of an episode: all of them or, with an error, none.
 
         Args:
-            batches: sums of rewards, one for each goal.
-            source: source of the rewards, for instance the name of a run.
+            batches: sums of rewards.
+            source: source of the rewards: the name of a run that no other run has, in this store or another one.
             updated: time of the update [us since 1970, UTC]; now unless given.
 
         Raises:
@@ -86,33 +86,31 @@ class KnowledgeStore:
 
         """
         now = microseconds() if updated is None else updated
-        learned: dict[Key, LearnedEntry] = {}
+        given: dict[Key, LearnedEntry] = {}
         for batch in batches:
             for (option, context), moments in batch.moments.items():
-                key = Key(batch.goal, option, context, source)
-                entry = LearnedEntry(moments, now)
-                learned[key] = learned[key].merged(entry) if key in learned else entry
-        contents = StoredKnowledge(learned=learned)
-        check(contents)
-        with self._writing() as connection, self._sound():
-            for batch in batches:  # an update makes no damaged row look whole
-                tables.read_learned(connection, batch.goal, [context for _, context in batch.moments])
-            tables.add_learned(connection, learned.items())
+                key, entry = Key(batch.goal, option, context, source), LearnedEntry(moments, now)
+                given[key] = given[key].plus(entry) if key in given else entry
+        with self._writing(StoredKnowledge(learned=given)) as connection:
+            held: dict[Key, LearnedEntry] = {}
+            for batch in batches:
+                contexts = [context for _, context in batch.moments]
+                held.update(tables.read_learned(connection, self._corrupt, batch.goal, contexts).learned)
+            learned = {key: held[key].plus(entry) if key in held else entry for key, entry in given.items()}
+            tables.write(connection, StoredKnowledge(learned=learned))
 
     def estimates(self, goal: str, options: Sequence[str], contexts: Sequence[str] = ("",)) -> Estimates:
         """Return the estimates of `options` (O,) for a goal in `contexts` (C,)."""
         if isinstance(contexts, str):
             raise ValueError(f"contexts: expected a sequence of contexts, got the text {contexts!r}")
-        with self._reading() as connection, self._sound():
-            learned = tables.read_learned(connection, goal, contexts)
-        sums: dict[tuple[str, str], Moments] = {}
-        for key, entry in learned.items():
-            sums[key.context, key.option] = sums.get((key.context, key.option), NO_REWARDS) + entry.moments
-        cells = [[sums.get((context, option), NO_REWARDS) for option in options] for context in contexts]
-        shape = (len(contexts), len(options))
-        count = np.array([[m.count for m in row] for row in cells], dtype=np.int64).reshape(shape)
-        mean = np.array([[m.mean if m.count else 0.0 for m in row] for row in cells]).reshape(shape)
-        variance = np.array([[m.variance if m.count else 0.0 for m in row] for row in cells]).reshape(shape)
+        with self._reading() as connection:
+            sums = tables.read_learned(connection, self._corrupt, goal, contexts).totals()
+        count = np.zeros((len(contexts), len(options)), dtype=np.int64)
+        mean, variance = np.zeros(count.shape), np.zeros(count.shape)
+        for c, context in enumerate(contexts):
+            for o, option in enumerate(options):
+                if known := sums.get((goal, option, context)):
+                    count[c, o], mean[c, o], variance[c, o] = known.count, known.mean, known.variance
         return Estimates(count, mean, variance, count > 0)
 
     def put(self, knowledge: Knowledge, *, source: str, updated: int | None = None) -> None:
@@ -132,13 +130,11 @@ class KnowledgeStore:
 
         """
         given = stored(knowledge, source)
-        check(given)
-        with self._writing() as connection:
-            connecting.lock(connection)
-            held, _ = self._held(connection)
+        with self._writing(given) as connection:
+            held = tables.read(connection, self._corrupt)
             held.check_same(knowledge)
             new = {key: rated for key, rated in given.expert.items() if key not in held.expert}
-            tables.put_expert(connection, new.items())
+            tables.write(connection, StoredKnowledge(new))
 
     def knowledge(self) -> Knowledge:
         """Return the expert knowledge in the store."""
@@ -146,44 +142,24 @@ class KnowledgeStore:
 
     def contents(self) -> StoredKnowledge:
         """Return everything in the store, as of one moment."""
-        return self._whole()[0]
-
-    def _whole(self) -> tuple[StoredKnowledge, Origins]:
-        """Return everything in the store, and the origins of its updates, as of one moment."""
         with self._reading() as connection:
-            return self._held(connection)
+            return tables.read(connection, self._corrupt)
 
     def absorb(self, contents: StoredKnowledge) -> None:
-        """Add `contents` to the store."""
-        check(contents)
-        with self._writing() as connection:
-            if contents.expert:
-                connecting.lock(connection)
-            self._add(connection, contents)
-
-    def merge(self, other: "KnowledgeStore") -> StoredKnowledge:
-        """Add everything in another store, and return what was added.
+        """Add `contents`, those of another store for instance, to the store; what it holds already stays as it is.
 
         Raises:
-            StoreError: updates would count twice, because the other store is this one or a copy, was merged into this
-                one before and not reset since, or because both hold updates of a third store.
+            StoreError: the store cannot be written, or holds an option or a source of the same name that differs.
 
         """
-        contents, origins = other._whole()
-        with self._writing() as connection:
-            connecting.lock(connection)
-            if contents.learned:
-                if why := self._held(connection)[1].why_not(origins):
-                    raise StoreError(f"{self.name}: {other.name} {why}")
-                note_merged(connection, origins.every, microseconds())
-            self._add(connection, contents)
-        return contents
+        with self._writing(contents) as connection:
+            held = tables.read(connection, self._corrupt)
+            tables.write(connection, held.merged(contents).only(contents))
 
     def reset(self, *, expert: bool = False, **chosen: str) -> tuple[int, int]:
         """Delete the learned entries of the given `goal`, `option`, `context` and `source`; of all that are not given.
 
-        With `expert`, the expert options of the goal, option and source are deleted too. A store without learned
-        entries can be merged again with any other store.
+        With `expert`, the expert options of the goal, option and source are deleted too.
 
         Returns:
             The number of learned entries and of expert options deleted.
@@ -191,15 +167,10 @@ class KnowledgeStore:
         """
         if wrong := set(chosen) - set(Key._fields):
             raise TypeError(f"unknown selection: {', '.join(sorted(wrong))}")
-        for what, name in chosen.items():
-            check_names(what, [name])
         columns = {"goal": "goal", "option": "name", "source": "source"}
+        of_expert = {columns[what]: name for what, name in chosen.items() if what in columns}
         with self._writing() as connection:
-            connecting.lock(connection, everything=True)
             entries = tables.delete_rows(connection, tables.learned, chosen)
-            if not tables.any_learned(connection):
-                begin_anew(connection)
-            of_expert = {columns[what]: name for what, name in chosen.items() if what in columns}
             return entries, tables.delete_rows(connection, tables.expert, of_expert) if expert else 0
 
     @property
@@ -219,35 +190,17 @@ class KnowledgeStore:
             yield connection
 
     @contextmanager
-    def _writing(self) -> Iterator[Connection]:
-        with (
-            reported(self.name),
-            self._engine.connect().execution_options(writes=True) as connection,
-            connection.begin(),
-        ):
-            yield connection
+    def _writing(self, given: StoredKnowledge = NO_KNOWLEDGE) -> Iterator[Connection]:
+        """Yield a connection in a transaction that adds what is `given`; StoreError if no store takes that."""
+        with reported(self.name):
+            as_document(given)  # raises, before the database sees any of it
+            with connecting.writing(self._engine) as connection:
+                yield connection
 
-    @contextmanager
-    def _sound(self) -> Iterator[None]:
-        """Report rows that no store writes."""
-        try:
-            yield
-        except (TypeError, ValueError) as error:  # also StoreError, by `check`
-            raise StoreError(f"{self.name}: is corrupt: {' '.join(str(error).split())}") from error
-
-    def _held(self, connection: Connection) -> tuple[StoredKnowledge, Origins]:
-        """Return everything in the store, and the origins of its updates; StoreError for damaged rows."""
-        with self._sound():
-            held = StoredKnowledge(tables.read_expert(connection), tables.read_learned(connection))
-            check(held)
-            return held, read_origins(connection)
-
-    def _add(self, connection: Connection, contents: StoredKnowledge) -> None:
-        """Add contents; the caller keeps others from changing expert options of the store meanwhile."""
-        held, _ = self._held(connection)
-        together = held.merged(StoredKnowledge(contents.expert)).expert
-        tables.put_expert(connection, (item for item in together.items() if item[0] in contents.expert))
-        tables.add_learned(connection, contents.learned.items())
+    @property
+    def _corrupt(self) -> str:
+        """The beginning of errors about rows that no store writes."""
+        return f"{self.name}: is corrupt"
 
 
 @contextmanager

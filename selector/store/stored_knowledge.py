@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -10,10 +10,6 @@ from selector.knowledge import Knowledge, LearnedScore, LearnedScores, Option
 from selector.store.errors import StoreError
 from selector.store.exact_sums import NO_REWARDS, Moments
 
-NAME_LIMIT = 120
-"""Most characters of a goal, an option, a context or a source, so that four fit into an index of PostgreSQL."""
-TIME_LIMIT = 253_402_300_800 * 10**6
-"""End of the year 9999, the last that a date can name [us since 1970]."""
 EXPERT = "expert"
 """Default source of expert knowledge."""
 
@@ -35,9 +31,16 @@ class LearnedEntry:
     updated: int
     """Time of the last update [us since 1970, UTC]."""
 
-    def merged(self, other: "LearnedEntry") -> "LearnedEntry":
-        """Return the sum of both entries."""
+    def plus(self, other: "LearnedEntry") -> "LearnedEntry":
+        """Return the entry with the rewards of both."""
         return LearnedEntry(self.moments + other.moments, max(self.updated, other.updated))
+
+    def merged(self, other: "LearnedEntry") -> "LearnedEntry":
+        """Return the later state of the entry of one source; StoreError unless its rewards begin with the other's."""
+        fewer, more = sorted((self.moments, other.moments), key=lambda moments: moments.count)
+        if not more.holds(fewer):
+            raise StoreError(f"holds {more.count} rewards here that do not begin with the {fewer.count} there")
+        return LearnedEntry(more, max(self.updated, other.updated))
 
 
 @dataclass(frozen=True)
@@ -68,10 +71,10 @@ class StoredKnowledge:
     learned: Mapping[Key, LearnedEntry] = field(default_factory=dict)
 
     def merged(self, other: "StoredKnowledge") -> "StoredKnowledge":
-        """Return the merged contents of both; the order does not matter.
+        """Return the merged contents of both; neither the order matters nor what both hold already.
 
         Raises:
-            StoreError: an option has different configurations or parameters in them.
+            StoreError: an option has different configurations or parameters in them, or a source other rewards.
 
         """
         expert = dict(self.expert)
@@ -82,8 +85,24 @@ class StoredKnowledge:
                 raise StoreError(f"goals.{goal}.{error}; give one of them another name") from error
         learned = dict(self.learned)
         for key, entry in other.learned.items():
-            learned[key] = learned[key].merged(entry) if key in learned else entry
+            try:
+                learned[key] = learned[key].merged(entry) if key in learned else entry
+            except StoreError as error:
+                raise StoreError(f"{key.goal}: {key.option}: source {key.source!r} {error}") from error
         return StoredKnowledge(expert, learned)
+
+    def only(self, other: "StoredKnowledge") -> "StoredKnowledge":
+        """Return the part of the contents whose keys are those of `other`."""
+        return StoredKnowledge(
+            {key: self.expert[key] for key in other.expert}, {key: self.learned[key] for key in other.learned}
+        )
+
+    def totals(self) -> dict[tuple[str, str, str], Moments]:
+        """Return the sums over all sources, by goal, option and context."""
+        sums: dict[tuple[str, str, str], Moments] = {}
+        for key, entry in self.learned.items():
+            sums[key[:3]] = sums.get(key[:3], NO_REWARDS) + entry.moments
+        return sums
 
     def scores(self, knowledge: Knowledge, context: str) -> LearnedScores:
         """Return what was learned in a context of the options of expert knowledge, over all sources.
@@ -93,14 +112,11 @@ class StoredKnowledge:
 
         """
         self.check_same(knowledge)
-        sums: dict[tuple[str, str], Moments] = {}
-        for key, entry in self.learned.items():
-            if key.context == context:
-                sums[key.goal, key.option] = sums.get((key.goal, key.option), NO_REWARDS) + entry.moments
+        sums = self.totals()
         found: LearnedScores = {}
         for goal in knowledge.goals:
             for option in knowledge.options(goal):
-                if moments := sums.get((goal, option.name)):
+                if moments := sums.get((goal, option.name, context)):
                     score = LearnedScore(count=moments.count, mean=moments.mean, variance=moments.variance)
                     found.setdefault(goal, {})[option.name] = score
         return found
@@ -123,6 +139,10 @@ class StoredKnowledge:
         """Return the expert options as expert knowledge; `source` is named in its errors."""
         table = self.options_by_goal()
         return Knowledge({goal: tuple(rated.option for rated in options) for goal, options in table.items()}, source)
+
+
+NO_KNOWLEDGE = StoredKnowledge()
+"""What an empty store holds."""
 
 
 def stored(knowledge: Knowledge, source: str = EXPERT, updated: int | None = None) -> StoredKnowledge:
@@ -152,31 +172,6 @@ def definition(option: Option) -> tuple[str, str]:
     if not same:
         raise StoreError(f"{option.name}.parameters: expected text, numbers, lists and mappings by text")
     return option.configuration, parameters
-
-
-def check(contents: StoredKnowledge) -> None:
-    """Raise StoreError for contents that no store accepts: bad names, impossible sums or times, bad parameters."""
-    times = [rated.updated for rated in contents.expert.values()] + [e.updated for e in contents.learned.values()]
-    for updated in times:
-        if not 0 <= updated < TIME_LIMIT:
-            raise StoreError(f"updated: expected a time from 1970 to 9999 [us], got {updated}")
-    check_names("goal", (goal for goal, _ in contents.expert))
-    for rated in contents.expert.values():
-        check_names("option", [rated.option.name])
-        check_names("source", [rated.source])
-        definition(rated.option)
-    for key, entry in contents.learned.items():
-        for what, name in key._asdict().items():
-            check_names(what, [name])
-        if why := entry.moments.impossible():
-            raise StoreError(f"{', '.join(key)}: {why}")
-
-
-def check_names(what: str, names: Iterable[str]) -> None:
-    """Raise StoreError for a name that no store accepts; only a context may be empty."""
-    for name in names:
-        if not name.isprintable() or len(name) > NAME_LIMIT or (not name and what != "context"):
-            raise StoreError(f"{what}: expected up to {NAME_LIMIT} printable characters, got {name!r}")
 
 
 def microseconds() -> int:

@@ -48,7 +48,7 @@ class DecisionStrategy(ABC):
 
     The learned state is the arrays of `_first_state`, whose first axis is the group: rows of one group share estimates.
     Random numbers are a function of the key of a row and of the number of its decision, so that a row decides the same
-    alone and in a batch; a subclass states in `draws_per_decision` how many random numbers it needs.
+    alone and in a batch. A subclass states in `draws_per_decision` and `draws_per_option` how many it needs.
 
     Args:
         problem: goal, options, scores, names of the features, and rewards known at the beginning.
@@ -60,6 +60,10 @@ class DecisionStrategy(ABC):
 
     Parameters: ClassVar[type[Closed]] = NoParameters
     """Model of the parameters."""
+    draws_per_decision: ClassVar[int] = 0
+    """Random numbers that one row takes for one decision."""
+    draws_per_option: ClassVar[int] = 0
+    """Further ones, for each option."""
 
     def __init__(
         self,
@@ -96,11 +100,6 @@ class DecisionStrategy(ABC):
         """Return whether rewards change what it decides."""
         return cls._update is not DecisionStrategy._update
 
-    @property
-    def draws_per_decision(self) -> int:
-        """Random numbers that one row takes for one decision."""
-        return 0
-
     @final
     def select(self, context: Floats, allowed: Flags | None = None, rows: Ints | None = None) -> Ints:
         """Return the option (K,) for each row of `context` (K, F).
@@ -116,7 +115,8 @@ class DecisionStrategy(ABC):
             raise ValueError(f"rows: expected each row once, got {deciding.tolist()}")
         seen = readable("context", context, (len(deciding), self.features))
         can_serve = self._allowed(allowed, deciding)
-        draws = uniforms(self.keys[deciding], self.counters[deciding], self.draws_per_decision)
+        count = self.draws_per_decision + self.draws_per_option * self.options
+        draws = uniforms(self.keys[deciding], self.counters[deciding], count)
         draws.flags.writeable = False
         groups = self.group_of[deciding]
         chosen = np.asarray(self._select(Decisions(deciding, groups, seen, can_serve, draws)))
@@ -172,12 +172,6 @@ class DecisionStrategy(ABC):
         self.keys[rows] = keys
         self.counters[rows] = 0
         self.chance[rows] = 1.0
-
-    @final
-    def forget(self, groups: Ints) -> None:
-        """Reset the learned arrays of `groups` (K,) to their first state."""
-        for name, first in self._first_state().items():
-            getattr(self, name)[groups] = first[groups]
 
     @final
     def learned(self) -> Arrays:

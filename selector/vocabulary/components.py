@@ -73,7 +73,7 @@ class ComponentSpec(Closed, Generic[Component], extra="allow"):
         try:
             self._form.model_validate(self.model_extra)
         except ValidationError as error:
-            raise of_part(self.type, error, self._form) from error
+            raise of_part(self.type, error) from error
         return self
 
     @property

@@ -10,16 +10,25 @@ optional:
       - {type: Negation, of: {sensor: at_home, activator: {type: Boolean}}}
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    ValidationInfo,
+    model_validator,
+)
 
 from selector.documents.fields import Closed, Flag, Name, Positive, Share
 from selector.vocabulary.components import ComponentSpec
 from selforg.network.model import behaviours, conditions
 from selforg.network.model.activators import ACTIVATORS, Activator
+from selforg.registry import unknown
 
+MOST_CONDITIONS = 2_000
+"""Conditions of a network, those of a name counted wherever it stands; the cleaning robot has 20."""
 Priority = Annotated[int, Field(strict=True, ge=-1_000_000, le=1_000_000)]
 """An order; a network has no million of behaviours or goals."""
 
@@ -64,32 +73,48 @@ class NegationSpec(_OptionalSpec):
     """The condition that is negated."""
 
 
-class ConjunctionSpec(_OptionalSpec):
-    """All of several conditions: the product of their satisfactions."""
+class CombinationSpec(_OptionalSpec):
+    """All of several conditions, the product of their satisfactions; or one of them, the largest satisfaction."""
 
-    type: Literal["Conjunction"]
+    type: Literal["Conjunction", "Disjunction"]
     of: Annotated[tuple["AnyCondition", ...], Field(min_length=1)]
     """The conditions."""
 
 
-class DisjunctionSpec(_OptionalSpec):
-    """One of several conditions: the largest of their satisfactions."""
+@dataclass
+class NamedConditions:
+    """The context in which a network is validated: names that may be given in place of conditions.
 
-    type: Literal["Disjunction"]
-    of: Annotated[tuple["AnyCondition", ...], Field(min_length=1)]
-    """The conditions."""
+    Attributes:
+        conditions: content of the document, by name.
+        number: conditions so far, those of a name counted wherever it stands.
+
+    """
+
+    conditions: Mapping[str, Any]
+    number: int = 0
+
+    def resolved(self, given: Any) -> Any:  # noqa: ANN401  (whatever YAML holds)
+        """Return what is given, or the condition of which the name is given."""
+        self.number += 1
+        while isinstance(given, str) and self.number <= MOST_CONDITIONS:
+            if given not in self.conditions:
+                raise ValueError(unknown("condition", given, sorted(self.conditions)))
+            given = self.conditions[given]
+            self.number += 1
+        if self.number > MOST_CONDITIONS:
+            raise ValueError(f"expected at most {MOST_CONDITIONS} conditions in all, got more")
+        return given
 
 
-def _kind(value: Any) -> Any:  # noqa: ANN401  (whatever YAML holds)
-    return value.get("type", "Condition") if isinstance(value, dict) else getattr(value, "type", "Condition")
+def _resolved(given: Any, info: ValidationInfo) -> Any:  # noqa: ANN401  (whatever YAML holds)
+    """Return what a name stands for, and name the type of a condition that names none."""
+    content = info.context.resolved(given) if info.context else given
+    return {"type": "Condition", **content} if isinstance(content, Mapping) else content
 
 
 AnyCondition: TypeAlias = Annotated[
-    Annotated[ConditionSpec, Tag("Condition")]
-    | Annotated[NegationSpec, Tag("Negation")]
-    | Annotated[ConjunctionSpec, Tag("Conjunction")]
-    | Annotated[DisjunctionSpec, Tag("Disjunction")],
-    Discriminator(_kind),
+    Annotated[ConditionSpec | NegationSpec | CombinationSpec, Field(discriminator="type")], BeforeValidator(_resolved)
 ]
 
 
@@ -160,10 +185,9 @@ def tree_of(spec: AnyCondition) -> conditions.Tree:
             return conditions.Condition(spec.sensor, spec.activator.build())
         case NegationSpec():
             return conditions.Negation(tree_of(spec.of))
-        case ConjunctionSpec():
-            return conditions.Conjunction(*map(tree_of, spec.of))
-        case DisjunctionSpec():
-            return conditions.Disjunction(*map(tree_of, spec.of))
+        case CombinationSpec():
+            combine = conditions.Conjunction if spec.type == "Conjunction" else conditions.Disjunction
+            return combine(*map(tree_of, spec.of))
 
 
 def precondition(spec: AnyCondition) -> conditions.Tree | conditions.Optional:
@@ -178,6 +202,6 @@ def plain_conditions(spec: AnyCondition) -> Iterator[ConditionSpec]:
             yield spec
         case NegationSpec():
             yield from plain_conditions(spec.of)
-        case ConjunctionSpec() | DisjunctionSpec():
+        case CombinationSpec():
             for part in spec.of:
                 yield from plain_conditions(part)

@@ -12,7 +12,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
 import numpy.typing as npt
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
+from pydantic import AfterValidator, BaseModel, Field, create_model
 
 from selector.documents import fields
 from selector.documents.errors import DocumentError, validated
@@ -23,7 +23,6 @@ from selforg.mechanisms import DecisionMechanism, MovementMechanism, Pheromone, 
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.spreading import Carried
 from selforg.parameters import REQUIRED, parameters_of
-from selforg.registry import unknown
 
 FROM_HOST = ("buffer", "directions", "generators")
 """Parameters that the host gives; a document cannot."""
@@ -51,6 +50,10 @@ _FIELDS: dict[object, object] = {
     npt.ArrayLike: _Real | str,  # a number, or the name of what each robot knows
 }
 """Annotation of a parameter -> type of the values that a document may give."""
+
+
+class _Form(fields.Closed, arbitrary_types_allowed=True):
+    """Base of the document models of classes."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,7 +106,7 @@ def model_of(cls: type) -> type[BaseModel]:
         for name, (annotation, default) in parameters_of(cls).items()
         if name not in FROM_HOST
     }
-    return create_model(cls.__name__, __config__=ConfigDict(extra="forbid", arbitrary_types_allowed=True), **form)
+    return create_model(cls.__name__, __base__=_Form, **form)
 
 
 def checked_parameters(cls: type, given: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -113,11 +116,7 @@ def checked_parameters(cls: type, given: Mapping[str, Any], where: str) -> dict[
         DocumentError: a parameter is unknown, missing, or has a value of another type.
 
     """
-    model = model_of(cls)
-    for name in given:
-        if name not in model.model_fields:
-            raise DocumentError(f"{where}: {unknown('parameter', name, sorted(model.model_fields))}")
-    checked = validated(model, dict(given), where)
+    checked = validated(model_of(cls), dict(given), where)
     try:
         return arguments_of(checked)
     except ValueError as error:

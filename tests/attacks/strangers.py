@@ -24,7 +24,7 @@ from train.running.provenance import fingerprints, versions
 CANARY = """
 from pathlib import Path
 Path(__file__).with_name("sang").touch()
-from selector.strategies.max_score import MaxScore as Own
+from selector.strategies.unlearned import MaxScore as Own
 """
 OWN = {"name": "canary:Own"}
 

@@ -8,7 +8,7 @@ COLLISIONS, PHYSICS = (
     "clean_swarm_env/physics/collisions.py",
     "tests/clean_swarm_env/physics/test_collisions.py::test_a_pair_at_the_distance_itself_is_not_closer",
 )
-UCB, BANDITS = "selector/strategies/bandits/discounted_ucb.py", "tests/selector/strategies/test_bandits.py"
+UCB, BANDITS = "selector/strategies/bandits/upper_confidence.py", "tests/selector/strategies/test_bandits.py"
 JOURNAL, WRITING = "train/running/finished_runs.py", "selector/documents/writing.py"
 ENDINGS, SEARCH = (
     "tests/train/cli/test_endings.py::test_what_is_promised_to_be_kept_is_on_the_disk_before_it_counts",

@@ -102,13 +102,15 @@ def merge_stores(
     others: Annotated[list[str], typer.Argument(help="URLs or paths of the stores to add.", metavar="OTHER...")],
     store: StoreOption = None,
 ) -> None:
-    """Add all that other stores hold to a store, exactly; updates that it holds already are refused."""
+    """Add all that other stores hold to a store, exactly; what it holds already counts once."""
     from train.knowledge_store import amount, opened
 
     sources = [opened(other, create=False) for other in others]  # a missing one is an error before any is added
     with closing(opened(store, create=True)) as kept:
         for source in sources:
-            typer.echo(f"{kept.name}: took in {amount(kept.merge(source))} of {source.name}")
+            contents = source.contents()
+            kept.absorb(contents)
+            typer.echo(f"{kept.name}: took in {amount(contents)} of {source.name}")
             source.close()
 
 

@@ -9,8 +9,7 @@ import numpy as np
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.arrays import check_known
 from selector.strategies.choosing import shares
-from selector.strategies.policy import Network
-from selector.strategies.policy_file import TrainedPolicy
+from selector.strategies.policy_file import Network, TrainedPolicy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec
 from selector.strategies.streams import row_keys

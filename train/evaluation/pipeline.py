@@ -163,7 +163,7 @@ def _lessons(
 
 def _give_scores(evaluation: Evaluation, memory: Memory, records: Sequence[RunRecord]) -> None:
     """Give the scores of fixed options to the store, all at once; nothing if it has them already."""
-    if memory.given():
+    if memory.held():
         return
     memory.give(
         (goal, option, mission_score(evaluation.mission, record.result.cost_s))

@@ -21,7 +21,7 @@ from selector.configurations.library import library_of
 from selector.documents.errors import validated
 from selector.documents.trust import BASELINE
 from selector.knowledge import Knowledge
-from selector.strategies.max_score import MaxScore
+from selector.strategies.unlearned import MaxScore
 from selforg.registry import unknown
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.task_report import MeasuredStrategy, reached

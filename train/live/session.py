@@ -110,7 +110,7 @@ class Session:
         try:
             change = _CHANGE.validate_python({**order, "tick": self.ticks})
         except ValidationError as error:
-            raise ValueError(one_line(error, "by hand", Change)) from error
+            raise ValueError(one_line(error, "by hand")) from error
         if self.result is not None:
             raise ValueError("the mission is over")
         self._make(change)

@@ -136,7 +136,7 @@ class FoundKnowledge:
         memory = request.memory(knowledge, mission_context(self._family.name), source)
         if memory is None:
             return
-        if not memory.given():
+        if not memory.held():
             memory.give((goal, name, float(x)) for (goal, name), scores in self._scores.items() for x in scores)
         memory.close()
 

@@ -7,12 +7,11 @@ from pydantic import Field, model_validator
 
 from selector.documents.arrays import Arrays
 from selector.documents.fields import Closed, NonNegative, Number
-from selector.strategies.choosing import chance_of, drawn, even
+from selector.strategies.choosing import chance_of, drawn, even, shares
 from selector.strategies.problem import Decisions, Outcomes, Problem
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
-from selforg.elementary import exponentials
 
 
 class EXP3Parameters(Closed):
@@ -44,6 +43,7 @@ class EXP3(DecisionStrategy):
 
     Parameters = EXP3Parameters
     parameters: EXP3Parameters
+    draws_per_decision = 1
     log_weights: Floats  # (G, O)
 
     @classmethod
@@ -56,18 +56,11 @@ class EXP3(DecisionStrategy):
         first = self.parameters.prior * self.parameters.gamma * self._scaled(self.problem.scores)
         return {"log_weights": np.tile(first - first.max(), (self.groups, 1))}
 
-    @property
-    def draws_per_decision(self) -> int:
-        """Random numbers that one row takes for one decision."""
-        return 1
-
     def chances(self, decisions: Decisions) -> Floats:
         """Return the probability (K, O) of each option: (1 - gamma) * its share of the weights + gamma / O."""
         logarithms = np.where(decisions.allowed, self.log_weights[decisions.groups], -np.inf)
-        weights = exponentials(logarithms - logarithms.max(axis=1, keepdims=True))
-        shares = weights / weights.sum(axis=1, keepdims=True)
         gamma = self.parameters.gamma
-        mixed: Floats = (1.0 - gamma) * shares + gamma * even(decisions.allowed)
+        mixed: Floats = (1.0 - gamma) * shares(logarithms) + gamma * even(decisions.allowed)
         return mixed
 
     def _select(self, decisions: Decisions) -> Ints:

@@ -1,4 +1,4 @@
-"""Statistics of the rewards of each option, for strategies without a context: count, mean and spread."""
+"""Statistics of the rewards of each option, and strategies that need nothing else: EpsilonGreedy, GaussianThompson."""
 
 from typing import Annotated
 
@@ -6,10 +6,14 @@ import numpy as np
 from pydantic import Field
 
 from selector.documents.arrays import Arrays
-from selector.documents.fields import Closed, NonNegative
+from selector.documents.fields import Closed, NonNegative, Positive, Share
+from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import LEARNED_LIMIT, DecisionStrategy
+from selector.strategies.streams import student_t
 from selforg.arrays import Floats, Ints
+from selforg.elementary import exponentials
 
 Pseudocount = Annotated[NonNegative, Field(le=1e12)]
 
@@ -78,3 +82,69 @@ def weighted(counts: Floats, means: Floats, prior: float, scores: Floats) -> Flo
     known = total > 0.0
     values = (counts * means + prior * scores) / np.where(known, total, 1.0)
     return np.where(known, values, scores)
+
+
+class EpsilonGreedyParameters(PriorParameters):
+    """How often to explore."""
+
+    epsilon: Share = 0.1
+    """Probability of taking any option that can serve, each with equal probability [-]."""
+    decay: NonNegative = 0.0
+    """Rate at which this probability falls, as epsilon * exp(-decay * number of rewards) [1/reward]."""
+
+
+@STRATEGIES.register
+class EpsilonGreedy(ValueTable):
+    """Epsilon-greedy (Auer, Cesa-Bianchi & Fischer 2002, doi:10.1023/A:1013689704352, section 2)."""
+
+    Parameters = EpsilonGreedyParameters
+    parameters: EpsilonGreedyParameters
+    draws_per_decision = 2  # whether to explore, and what
+
+    def _select(self, decisions: Decisions) -> Ints:
+        rewards = self.counts.sum(axis=1)
+        epsilon = (self.parameters.epsilon * exponentials(-self.parameters.decay * rewards))[decisions.groups]
+        greedy = best(self.estimates()[decisions.groups], decisions.allowed)
+        anything = even(decisions.allowed)
+        option = np.where(decisions.draws[:, 0] < epsilon, drawn(anything, decisions.draws[:, 1]), greedy)
+        self.chance[decisions.rows] = epsilon * chance_of(anything, option) + (1.0 - epsilon) * (option == greedy)
+        return option
+
+
+class GaussianThompsonParameters(PriorParameters):
+    """Prior distribution of the rewards: normal-inverse-gamma around the scores of the expert."""
+
+    prior: Positive = 1.0
+    """Pseudo-count: the expert's score of an option counts as this many rewards of that size [rewards]."""
+    deviation: Positive = 1.0
+    """Expected standard deviation of a reward [reward]."""
+    shape: Positive = 1.0
+    """Half the number of rewards that `deviation` counts as [rewards]."""
+
+
+@STRATEGIES.register
+class GaussianThompson(ValueTable):
+    """Thompson sampling for normal rewards of unknown mean and variance (Thompson 1933, doi:10.1093/biomet/25.3-4.285).
+
+    The conjugate prior is normal-inverse-gamma. The mean of an option, given its rewards, has a Student
+    distribution (Gelman et al., Bayesian Data Analysis, section 3.3), from which it is drawn directly.
+    """
+
+    Parameters = GaussianThompsonParameters
+    parameters: GaussianThompsonParameters
+    draws_per_option = 2
+
+    def posterior(self) -> tuple[Floats, Floats, Floats]:
+        """Return location, scale and degrees of freedom (G, O) of the Student distribution of each option's mean."""
+        settings, counts = self.parameters, self.counts
+        kappa = settings.prior + counts
+        alpha = settings.shape + 0.5 * counts
+        surprise = settings.prior * counts / kappa * (self.means - self.problem.scores) ** 2
+        beta = settings.shape * settings.deviation**2 + 0.5 * (self.spreads + surprise)
+        return self.estimates(), np.sqrt(beta / (alpha * kappa)), 2.0 * alpha
+
+    def _select(self, decisions: Decisions) -> Ints:
+        location, scale, freedom = (values[decisions.groups] for values in self.posterior())
+        deviates = np.empty_like(location)
+        student_t(decisions.draws, freedom, deviates)
+        return best(location + scale * deviates, decisions.allowed)

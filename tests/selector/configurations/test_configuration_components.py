@@ -150,7 +150,11 @@ def test_a_movement_is_held_as_long_as_it_says(model):
     ("place", "value", "message"),
     [
         ("mechanisms.go.type", "Chemotaxis", "mechanisms.go.type: unknown mechanism 'Chemotaxis'"),
-        ("mechanisms.go.parameters.speed", 1.0, "mechanisms.go.parameters: unknown parameter 'speed' (known: channels"),
+        (
+            "mechanisms.go.parameters.speed",
+            1.0,
+            "mechanisms.go.parameters: speed: unknown key 'speed' (known: c",
+        ),
         ("mechanisms.go.parameters.max_speed", "fast", "mechanisms.go.parameters: max_speed: expected a valid number"),
         ("mechanisms.go.parameters.max_speed", -1.0, "mechanisms.go.parameters: ChemotaxisBalch: max_speed must be at"),
         ("mechanisms.go.parameters.channels", "goal", "mechanisms.go.parameters: channels: expected a valid tuple"),

@@ -155,7 +155,7 @@ def test_a_copy_made_in_the_middle_goes_on_like_the_original():
         ),
         (
             changed("networks", "tidy", "mechanisms", "go", "parameters", to={"speed": 1.0}),
-            "mine.yaml: networks.tidy: mechanisms.go.parameters: unknown parameter 'speed' (known: channels",
+            "mine.yaml: networks.tidy: mechanisms.go.parameters: speed: unknown key 'speed' (known: channels",
         ),
         (
             changed("networks", "tidy", "sensors", "charge", to="fact"),

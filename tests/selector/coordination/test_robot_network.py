@@ -101,7 +101,7 @@ def test_what_a_file_describes_runs():
         ),
         (
             changed("networks", "robot", "behaviours", "Search", "preconditions", to=["lots"]),
-            "networks.robot.behaviours.Search.preconditions: unknown condition 'lots' (known: lost, near, seen; "
+            "networks.robot: behaviours.Search.preconditions.0: unknown condition 'lots' (known: lost, near, seen; "
             "did you mean 'lost'?)",
         ),
         (
@@ -116,7 +116,7 @@ def test_what_a_file_describes_runs():
         ),
         (
             changed("networks", "robot", "conditions", "seen", to={"type": "Negation", "of": "lost"}),
-            "conditions must not contain each other: ",
+            "cyclic reference detected",
         ),
         (
             changed("networks", "robot", "settings", to={"max_parallel": 0}),

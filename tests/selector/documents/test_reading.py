@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from selector.documents.building import MOST_DEPTH, MOST_NODES
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
 from selector.documents.reading import as_yaml, read_json, read_mapping, read_value
+from selector.documents.yaml_values import MOST_DEPTH, MOST_NODES
 
 PLAIN = {text: text for text in ("Off", "No", "y", "2024-13-45", "12:30:45", "1_000")}
 PLAIN |= {"true": True, "FALSE": False, "null": None, "~": None, "": None, "'1'": "1", '"null"': "null"}
@@ -33,9 +33,9 @@ def test_plain_values_are_read_by_the_core_schema(text):
         ("a: !!map abc", "without a tag"),
         ("a: .nan", "line 1: a: expected a number, got .nan"),
         ("a: 1e999", "line 1: a: expected a number, got 1e999"),
-        ("a: " + "[" * 3000, f"line 1: a.*: expected values in at most {MOST_DEPTH} others"),
-        ("a: &b [*b]", r"line 1: a\.0: expected a value, got \*b, which holds itself"),
-        ("a: *b", r"line 1: a: expected an alias of something above, got \*b"),
+        ("a: " + "[" * 3000 + "]" * 3000, f"line 1: a.*: expected values in at most {MOST_DEPTH} others"),
+        ("a: &b [*b]", r"line 1: a\.0: expected an alias of a whole value above, got \*b"),
+        ("a: *b", r"line 1: a: expected an alias of a whole value above, got \*b"),
         ("a: 1\nb:\n  c: 1\n  c: 2", "line 4: b: key 'c' twice"),
         ("a: 1\n---\nb: 2", "line 2: expected one document"),
         ("a: [" + ",".join(["1"] * MOST_NODES) + "]", f"line 1: a.*: expected at most {MOST_NODES} values"),
@@ -55,7 +55,9 @@ def test_aliases_count_wherever_they_stand_and_may_be_used(tmp_path):
     (tmp_path / "few.yaml").write_text("\n".join(lines[:4]))
     assert sum(read_mapping(tmp_path / "few.yaml")["a1"][3]) == 10
     (tmp_path / "many.yaml").write_text("\n".join(lines))
-    with pytest.raises(DocumentError, match=r"many\.yaml: line 5: a4\.\d: expected at most 100000 values, with those"):
+    with pytest.raises(
+        DocumentError, match=r"many\.yaml: line \d: a4\.\d[.\d]*: expected at most 100000 values, with those"
+    ):
         read_mapping(tmp_path / "many.yaml")
 
 

@@ -27,7 +27,7 @@ from selector.strategies.registry import spec_from_text
 from train.deciders.named import decider_named
 from train.running.processes import Processes
 
-CANARY = "from pathlib import Path\nPath('sang').touch()\nfrom selector.strategies.max_score import MaxScore as Own\n"
+CANARY = "from pathlib import Path\nPath('sang').touch()\nfrom selector.strategies.unlearned import MaxScore as Own\n"
 REFUSED = "only a file asks to import bird:Own; --trust"
 
 

@@ -10,7 +10,7 @@ import time
 import numpy as np
 
 from selector.store import KnowledgeStore, RewardSums
-from selector.store.exact_sums import Moments, on_grid, sums_by_cell
+from selector.store.exact_sums import NO_REWARDS, Moments
 
 GOAL, OPTIONS = "Avoid", ("near", "far")
 SOURCES = 3
@@ -36,10 +36,11 @@ def expected(processes: int, updates: int) -> dict[tuple[str, str], Moments]:
     """Return the exact sums of all updates, by option and source."""
     found: dict[tuple[str, str], Moments] = {}
     for process in range(processes):
-        sums = sums_by_cell(np.arange(updates) % 2, on_grid(rewards(process, updates)), 2)
-        for option, moments in zip(OPTIONS, sums, strict=True):
+        sums = RewardSums(GOAL, OPTIONS)
+        sums.record(np.arange(updates) % 2, rewards(process, updates))
+        for (option, _), moments in sums.moments.items():
             key = option, f"run-{process % SOURCES}"
-            found[key] = found[key] + moments if key in found else moments
+            found[key] = found.get(key, NO_REWARDS) + moments
     return found
 
 

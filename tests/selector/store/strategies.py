@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from selector.knowledge import Option
-from selector.store.exact_sums import NO_REWARDS, REWARD_LIMIT, RewardSums, on_grid, sums_by_cell
+from selector.store.exact_sums import NO_REWARDS, REWARD_LIMIT, RewardSums
 from selector.store.stored_knowledge import Key, LearnedEntry, Rated, StoredKnowledge
 
 rewards = st.floats(-REWARD_LIMIT, REWARD_LIMIT)
@@ -14,13 +14,13 @@ times = st.integers(0, 4 * 10**15)
 
 
 def moments_of(values):
-    cell = np.zeros(len(values), dtype=np.int64)
-    return sums_by_cell(cell, on_grid(np.array(values)), 1)[0] if values else NO_REWARDS
+    sums = RewardSums("G", ["a"])
+    sums.record(np.zeros(len(values), dtype=np.int64), np.array(values))
+    return sums.moments.get(("a", ""), NO_REWARDS)
 
 
 moments = st.lists(rewards, min_size=1, max_size=5).map(moments_of)
 keys = st.builds(Key, names, names, st.just("") | names, names)
-few_keys = st.builds(Key, *[st.sampled_from("ab")] * 4)
 scores = st.floats(-1e9, 1e9)
 json_values = st.recursive(
     st.none()
@@ -52,13 +52,29 @@ def rated_table(draw, of=names):
     return table
 
 
-def contents(of=None):
-    """StoredKnowledge of a store; with a strategy of few names, two of them have much in common."""
-    entries = st.dictionaries(keys if of is None else few_keys, st.builds(LearnedEntry, moments, times), max_size=5)
-    return st.builds(StoredKnowledge, rated_table(names if of is None else of), entries)
+def contents():
+    """StoredKnowledge of a store."""
+    return st.builds(
+        StoredKnowledge, rated_table(), st.dictionaries(keys, st.builds(LearnedEntry, moments, times), max_size=5)
+    )
 
 
-overlapping = contents(st.sampled_from("ab"))
+def learned_so_far(keys_and_counts):
+    """Learned entries by key: the first rewards of a source, which gives each option rewards of its own."""
+    entries = {}
+    for (option, source), count in keys_and_counts.items():
+        rewards = np.random.default_rng([ord(option), ord(source)]).uniform(-1e6, 1e6, count).tolist()
+        entries[Key("a", option, "", source)] = LearnedEntry(moments_of(rewards), count)
+    return entries
+
+
+letters = st.sampled_from("ab")
+overlapping = st.builds(
+    StoredKnowledge,
+    rated_table(letters),
+    st.dictionaries(st.tuples(letters, letters), st.integers(1, 5), max_size=4).map(learned_so_far),
+)
+"""Contents of stores that have much in common, of sources that some of them have heard for longer than others."""
 
 
 @st.composite

@@ -59,7 +59,7 @@ def test_what_reading_refuses_no_import_takes(tmp_path_factory, column, value):
         assert dump(path) == before
     for use in (
         lambda store: store.add(rewards(), source="run"),
-        lambda store: KnowledgeStore(str(path.with_name("other.sqlite"))).merge(store),
+        lambda store: KnowledgeStore(str(path.with_name("other.sqlite"))).absorb(store.contents()),
     ):
         why(path, use)  # done, or refused in one line
 
@@ -94,7 +94,7 @@ def test_a_missing_table_is_noticed_on_opening(tmp_path, table):
 def test_an_update_does_not_hide_a_damaged_row(tmp_path):
     made(tmp_path / "k.sqlite")
     with closing(sqlite3.connect(tmp_path / "k.sqlite")) as connection, connection:
-        connection.execute(f"UPDATE {learned.name} SET squares_low = 3")
+        connection.execute(f"UPDATE {learned.name} SET squares = '3'")
     with closing(KnowledgeStore(str(tmp_path / "k.sqlite"))) as store:
         with pytest.raises(StoreError, match=r"is corrupt: .* do not belong to 1 rewards"):
             store.add(rewards(), source="run")

@@ -1,4 +1,4 @@
-"""No update counts twice: what is merged once, again, by two ways, at the same time, as a copy."""
+"""No update counts twice: what is merged once, again, by two ways, at the same time, as a copy or a document."""
 
 import shutil
 import threading
@@ -7,125 +7,101 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from selector.knowledge import knowledge_from, load_knowledge
-from selector.store import KnowledgeStore, RewardSums, StoreError
+from selector.knowledge import knowledge_from
+from selector.store import Key, KnowledgeStore, RewardSums, StoreError
+from selector.store.document import as_document, from_document
 
 
-def learned_from(store, reward):
+def learn(store, reward, source):
     """Let a store learn one reward of option `a`."""
     made = RewardSums("G", ["a"])
     made.record(np.zeros(1, dtype=np.int64), np.array([reward]))
-    store.add(made, source="run", updated=1)
+    store.add(made, source=source, updated=1)
 
 
-def test_a_store_is_not_merged_into_itself_or_its_copy(new_url):
-    url = new_url()
-    store, again = KnowledgeStore(url), KnowledgeStore(url)
-    learned_from(store, 1.0)
-    with pytest.raises(StoreError, match="is the same store or a copy of it: updates would count twice"):
-        store.merge(again)
-    assert store.estimates("G", ["a"]).count.tolist() == [[1]]
-    store.close()
-    again.close()
+def known(store):
+    """Return count and mean of the rewards of option `a`."""
+    found = store.estimates("G", ["a"])
+    return int(found.count[0, 0]), float(found.mean[0, 0])
 
 
-def test_a_store_is_merged_once_and_again_after_it_was_reset(new_store):
+def test_what_a_store_holds_already_counts_once(new_store):
     a, b = new_store(), new_store()
-    learned_from(b, 1.0)
-    a.merge(b)
-    learned_from(b, 2.0)
-    before = a.contents()
-    with pytest.raises(
-        StoreError, match=r"was merged into it before: updates would count twice \(after a merge, `reset`"
-    ):
-        a.merge(b)
-    assert a.contents() == before
-    b.reset(goal="G")  # all that it learned
-    learned_from(b, 4.0)
-    assert a.merge(b) == b.contents()
-    assert a.estimates("G", ["a"]).mean.tolist() == [[2.5]]
-    a.reset(source="other")  # of which there is nothing
-    with pytest.raises(StoreError, match="was merged into it before"):
-        a.merge(b)
-    a.reset()
-    a.merge(b)
-    assert a.contents() == b.contents()
-
-
-def test_updates_that_come_by_two_ways_are_refused(new_store):
-    a, b, c = new_store(), new_store(), new_store()
-    for store in (a, b, c):
-        learned_from(store, 1.0)
-    b.merge(a)
-    c.merge(a)
-    for into, other in ((b, c), (c, b), (a, b), (a, c)):
-        before = into.contents()
-        with pytest.raises(StoreError, match="has updates that are in it already: they would count twice"):
-            into.merge(other)
-        assert into.contents() == before
-    d = new_store()
-    d.merge(c)
-    with pytest.raises(StoreError, match="has updates that are in it already"):
-        b.merge(d)
-
-
-def test_expert_options_merge_as_often_as_one_likes(new_store):
-    a, b = new_store(), new_store()
-    b.put(load_knowledge("cleaning"), source="expert", updated=1)
-    learned_from(a, 1.0)
+    learn(a, 3.0, "one")
+    learn(b, 1.0, "two")
     for _ in range(2):
-        a.merge(b)
-    learned_from(b, 2.0)  # what it learns later was never taken in
-    a.merge(b)
-    assert a.estimates("G", ["a"]).count.tolist() == [[2]]
-    assert a.contents().expert == b.contents().expert
+        a.absorb(b.contents())
+        a.absorb(a.contents())
+        a.absorb(from_document(as_document(a.contents()), "exported"))
+    assert known(a) == (2, 2.0)
+    learn(b, 2.0, "two")
+    a.absorb(b.contents())
+    assert known(a) == (3, 2.0)
+    assert a.contents().learned[Key("G", "a", "", "two")] == b.contents().learned[Key("G", "a", "", "two")]
+
+
+def test_updates_that_come_by_two_ways_count_once(new_store):
+    a, b, c = new_store(), new_store(), new_store()
+    for store, source in ((a, "one"), (b, "two"), (c, "three")):
+        learn(store, 1.0, source)
+    early = a.contents()
+    learn(a, 4.0, "one")
+    b.absorb(a.contents())
+    c.absorb(early)
+    for into, other in ((b, c), (c, b), (a, b)):
+        into.absorb(other.contents())
+    assert known(a) == known(b) == known(c) == (4, 1.75)
+
+
+def test_other_rewards_of_the_same_source_are_refused_and_nothing_changes(new_store):
+    a, b = new_store(), new_store()
+    for reward in (1.0, 2.0):
+        learn(a, reward, "run")
+    learn(b, 1000.0, "run")
+    before = a.contents()
+    for into, other in ((a, b), (b, a)):
+        with pytest.raises(StoreError, match=r"G: a: source 'run' holds 2 rewards here that do not begin with the 1"):
+            into.absorb(other.contents())
+    assert a.contents() == before
 
 
 def test_a_merge_that_fails_can_be_repeated(new_store):
     a, b = new_store(), new_store()
-    learned_from(a, 3.0)
-    learned_from(b, 1.0)
+    learn(a, 3.0, "one")
+    learn(b, 1.0, "two")
     for store, parameters in ((a, {"reach": 1.0}), (b, {"reach": 2.0})):
         options = [{"configuration": "A", "score": 1, "parameters": parameters}]
         store.put(knowledge_from({"goals": {"G": options}}), source="expert")
     with pytest.raises(StoreError, match="give one of them another name"):
-        a.merge(b)
-    assert a.estimates("G", ["a"]).count.tolist() == [[1]]
+        a.absorb(b.contents())
+    assert known(a) == (1, 3.0)
     a.reset(expert=True, source="expert")
-    a.merge(b)
-    assert a.estimates("G", ["a"]).count.tolist() == [[2]]
+    a.absorb(b.contents())
+    assert known(a) == (2, 2.0)
 
 
-def test_of_merges_at_the_same_time_one_succeeds(new_url, new_store):
+def test_merges_at_the_same_time_count_once(new_url, new_store):
     url, other, start = new_url(), new_store(), threading.Barrier(4)
-    learned_from(other, 1.0)
+    learn(other, 1.0, "run")
     KnowledgeStore(url).close()
 
     def merge(_):
         store = KnowledgeStore(url)
         start.wait()
-        try:
-            store.merge(other)
-        except StoreError as error:
-            return str(error)
-        finally:
-            store.close()
-        return ""
+        store.absorb(other.contents())
+        store.close()
 
     with ThreadPoolExecutor(4) as threads:
-        answers = sorted(threads.map(merge, range(4)))
-    assert answers[0] == ""
-    assert all("was merged into it before" in answer for answer in answers[1:])
-    assert KnowledgeStore(url).estimates("G", ["a"]).count.tolist() == [[1]]
+        list(threads.map(merge, range(4)))
+    assert known(KnowledgeStore(url)) == (1, 1.0)
 
 
-def test_a_copy_of_a_merged_store_is_refused(tmp_path):
+def test_a_copy_of_a_store_counts_once_and_goes_on(tmp_path):
     original, copy = (tmp_path / name for name in ("original.sqlite", "copy.sqlite"))
-    store, into = KnowledgeStore(str(original)), KnowledgeStore(str(tmp_path / "into.sqlite"))
-    learned_from(store, 1.0)
+    store = KnowledgeStore(str(original))
+    learn(store, 1.0, "run")
     store.close()
     shutil.copy(original, copy)
-    into.merge(KnowledgeStore(str(original)))
-    with pytest.raises(StoreError, match=r"into\.sqlite: .*copy\.sqlite was merged into it before"):
-        into.merge(KnowledgeStore(str(copy)))
-    assert into.estimates("G", ["a"]).count.tolist() == [[1]]
+    learn(KnowledgeStore(str(copy)), 3.0, "run")
+    store.absorb(KnowledgeStore(str(copy)).contents())
+    assert known(store) == (2, 2.0)

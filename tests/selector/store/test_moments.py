@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from selector.store.exact_sums import COUNT_LIMIT, GRID_BITS, Moments, RewardSums, on_grid, sums_by_cell
+from selector.store.exact_sums import COUNT_LIMIT, GRID_BITS, Moments, RewardSums, on_grid
 from tests.selector.store import strategies as some
 
 
@@ -36,6 +36,14 @@ def test_adding_is_exact_in_any_order_and_grouping(parts, random):
     assert parts[0] == forwards
 
 
+@given(st.lists(some.rewards, max_size=8), st.lists(some.rewards, min_size=1, max_size=8))
+def test_sums_hold_those_of_the_first_rewards_only(first, more):
+    early, late = some.moments_of(first), some.moments_of(first + more)
+    assert late.holds(early)
+    assert late.holds(late)
+    assert not early.holds(late)
+
+
 def test_floats_would_not_do():
     values = [0.1, 0.2, 0.3]
     assert sum(values) != sum(reversed(values))
@@ -46,10 +54,10 @@ def test_floats_would_not_do():
 def test_sums_of_more_rows_than_fit_into_64_bits():
     many = 2**17
     largest = np.full(2 * many + 3, -(2.0**20))
-    cell = np.arange(2 * many + 3) % 2
-    first, second = sums_by_cell(cell, on_grid(largest), 2)
-    assert first == Moments(many + 2, -(many + 2) * 2**44, (many + 2) * 2**88)
-    assert second == Moments(many + 1, -(many + 1) * 2**44, (many + 1) * 2**88)
+    sums = RewardSums("G", ["a", "b"])
+    sums.record(np.arange(2 * many + 3) % 2, largest)
+    assert sums.moments["a", ""] == Moments(many + 2, -(many + 2) * 2**44, (many + 2) * 2**88)
+    assert sums.moments["b", ""] == Moments(many + 1, -(many + 1) * 2**44, (many + 1) * 2**88)
 
 
 @pytest.mark.parametrize("reward", [math.nan, math.inf, -math.inf, 2.0**20 + 1, -1e300])

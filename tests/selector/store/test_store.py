@@ -106,9 +106,9 @@ def test_merging_stores_is_merging_contents_in_either_order(lent, first, second)
     with lent(4) as (a, b, c, d):
         for store, held in ((a, first), (b, second), (c, second), (d, first)):
             store.absorb(held)
-        assert a.merge(b) == second
+        a.absorb(b.contents())
         assert b.contents() == second
-        c.merge(d)
+        c.absorb(d.contents())
         assert a.contents() == c.contents() == first.merged(second)
 
 
@@ -116,12 +116,12 @@ def test_merging_stores_is_merging_contents_in_either_order(lent, first, second)
 @given(some.updates(), some.updates(), some.updates())
 def test_merged_stores_equal_one_store_of_all_updates(lent, first, second, third):
     with lent(4) as (a, b, c, whole):
-        for store, updates in ((a, first), (b, second), (c, third)):
+        for store, source, updates in ((a, "a", first), (b, "b", second), (c, "c", third)):
             for update in updates:  # one at a time
-                store.add(some.batch_of([update]), source="run", updated=1)
-        whole.add(some.batch_of(third + first + second), source="run", updated=1)
-        a.merge(b)
-        c.merge(a)
+                store.add(some.batch_of([update]), source=source, updated=1)
+            whole.add(some.batch_of(updates[::-1]), source=source, updated=1)
+        a.absorb(b.contents())
+        c.absorb(a.contents())
         assert c.contents() == whole.contents()
 
 
@@ -129,19 +129,21 @@ def test_merged_stores_equal_one_store_of_all_updates(lent, first, second, third
 def test_merging_contents_commutes_and_associates(a, b, c):
     assert a.merged(b) == b.merged(a)
     assert a.merged(b).merged(c) == a.merged(b.merged(c))
-    assert a.merged(StoredKnowledge()) == a
+    assert a.merged(StoredKnowledge()) == a.merged(a) == a
 
 
 def test_large_sums_are_exact_to_the_last_bit(new_store):
-    largest = Moments(COUNT_LIMIT // 2, -(COUNT_LIMIT // 2) * 2**44 + 1, (COUNT_LIMIT // 2) * 2**88 - 2**45 + 1)
-    key = Key("G", "a", "", "run")
+    count = COUNT_LIMIT - 1
+    largest = LearnedEntry(Moments(count, -count * 2**44 + 1, count * 2**88 - 2**45 + 1), 1)
+    key, sums = Key("G", "a", "", "run"), batch("G", [("a", -(2.0**20))])
     store = new_store()
-    for _ in range(2):
-        store.absorb(StoredKnowledge(learned={key: LearnedEntry(largest, 1)}))
-    assert store.contents().learned == {key: LearnedEntry(largest + largest, 1)}
-    with pytest.raises(StoreError, match=r"an entry would have more than 68719476736 updates; nothing was added"):
-        store.absorb(StoredKnowledge(learned={key: one, Key("G", "b", "", "run"): one}))
-    assert store.contents().learned == {key: LearnedEntry(largest + largest, 1)}
+    store.absorb(StoredKnowledge(learned={key: largest}))
+    store.add(sums, source="run", updated=1)
+    full = {key: LearnedEntry(largest.moments + sums.moments["a", ""], 1)}
+    assert store.contents().learned == full
+    with pytest.raises(StoreError, match=r"expected a count from 1 to 68719476736, got 68719476737"):
+        store.add(sums, batch("G", [("b", 1.0)]), source="run")
+    assert store.contents().learned == full
 
 
 def test_reset_forgets_what_is_chosen(new_store):
@@ -172,7 +174,7 @@ def test_names_that_no_store_takes_are_refused_and_nothing_changes(new_store, na
         "context": lambda: store.add(good, batch("G", [("a", 1.0)], context=name), source="run"),
     }.items():
         if (what, name) != ("context", ""):
-            with pytest.raises(StoreError, match=f"{what}: expected up to 120 printable characters, got '"):
+            with pytest.raises(StoreError, match=rf"{what}: expected "):
                 call()
             where.append(what)
     assert len(where) >= 3
@@ -219,6 +221,6 @@ def test_more_contexts_than_a_query_can_name(new_store):
 @pytest.mark.parametrize("updated", [-1, 10**18])
 def test_times_that_no_date_has_are_refused(new_store, updated):
     store = new_store()
-    with pytest.raises(StoreError, match=r"updated: expected a time from 1970 to 9999 \[us\], got"):
+    with pytest.raises(StoreError, match=r"updated: expected "):
         store.add(batch("G", [("a", 1.0)]), source="run", updated=updated)
     assert store.contents() == StoredKnowledge()

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from selector.documents.errors import DocumentError
-from selector.strategies.policy import Network
-from selector.strategies.policy_file import PolicySpec, TrainedPolicy, find_policy, load_policy, save_policy
+from selector.strategies.policy_file import Network, PolicySpec, TrainedPolicy, find_policy, load_policy, save_policy
 from selector.strategies.problem import Problem
 from tests.selector.strategies.policies import exported, untrained
 

@@ -7,12 +7,10 @@ import selector.strategies.registry
 import selector.strategies.strategy
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed
-from selector.strategies.fixed import Fixed
-from selector.strategies.max_score import MaxScore
 from selector.strategies.problem import Problem
-from selector.strategies.random_choice import Random
 from selector.strategies.registry import STRATEGIES, StrategySpec, create, spec_from_text
 from selector.strategies.strategy import DecisionStrategy
+from selector.strategies.unlearned import Fixed, MaxScore, Random
 from tests.fields import descriptions
 
 NO_CONTEXT = np.zeros((3, 0))

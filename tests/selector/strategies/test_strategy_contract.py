@@ -205,11 +205,11 @@ def test_saved_state_does_not_move_with_the_strategy(fresh):
     same(before, state)
 
 
-def test_reseeding_and_forgetting_begin_anew(fresh):
+def test_reseeding_with_what_a_new_one_knows_begins_anew(fresh):
     strategy, new = fresh(), fresh(keys=KEYS[100 : 100 + ROWS])
     live(strategy, contexts())
     strategy.reseed(np.arange(ROWS), KEYS[100 : 100 + ROWS])
-    strategy.forget(np.arange(strategy.groups))
+    strategy.load_learned(new.learned())
     same(strategy.state_dict(), new.state_dict())
     np.testing.assert_array_equal(live(strategy, contexts()), live(new, contexts()))
 
@@ -243,13 +243,6 @@ def test_what_a_store_knows_is_where_a_strategy_begins(fresh):
         other.update(option, reward, np.zeros((14, FEATURES)), rows)
     for key, value in strategy.learned().items():
         np.testing.assert_allclose(value, other.learned()[key], atol=1e-12)
-
-
-def test_what_a_store_knows_is_not_forgotten(fresh):
-    strategy, new = fresh(replace(PROBLEM, rewards=REWARDS)), fresh(replace(PROBLEM, rewards=REWARDS))
-    live(strategy, contexts())
-    strategy.forget(np.arange(strategy.groups))
-    same(strategy.learned(), new.learned())
 
 
 ALL = np.ones((ROWS, 4), dtype=bool)

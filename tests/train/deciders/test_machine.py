@@ -7,7 +7,7 @@ import pytest
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
-from selector.documents.building import yaml_value
+from selector.documents.yaml_values import yaml_value
 from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.problem import Problem
 from tests.paths import ROOT

@@ -8,8 +8,7 @@ import pytest
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from selector.strategies.machine_file import StateMachine, load_machine
-from selector.strategies.policy import Network
-from selector.strategies.policy_file import load_policy
+from selector.strategies.policy_file import Network, load_policy
 from selector.strategies.problem import Problem
 from tests.train.learning.trainings import job, written
 from train.deciders.decider import TeamsDecider

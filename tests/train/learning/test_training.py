@@ -13,7 +13,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selector.store import KnowledgeStore
-from selector.strategies.policy import Network
+from selector.strategies.policy_file import Network
 from tests.clean_swarm_env.courses import mission
 from tests.train.learning.trainings import job, written
 from train.learning import session

@@ -1,4 +1,4 @@
-"""Always the same option: a yardstick for strategies that learn."""
+"""Strategies that do not learn: the highest score, as in the paper, and as yardsticks a fixed and a random option."""
 
 from typing import Any
 
@@ -6,12 +6,20 @@ import numpy as np
 
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Label
-from selector.strategies.choosing import best
+from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions, Problem
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
+
+
+@STRATEGIES.register
+class MaxScore(DecisionStrategy):
+    """The option of the highest score that can serve, the first of several; updates change nothing."""
+
+    def _select(self, decisions: Decisions) -> Ints:
+        return best(np.broadcast_to(self.problem.scores, decisions.allowed.shape), decisions.allowed)
 
 
 class FixedParameters(Closed):
@@ -45,3 +53,19 @@ class Fixed(DecisionStrategy):
 
     def _select(self, decisions: Decisions) -> Ints:
         return best(np.broadcast_to(self._order, decisions.allowed.shape), decisions.allowed)
+
+
+@STRATEGIES.register
+class Random(DecisionStrategy):
+    """Every option that can serve, with equal probability; rewards change nothing."""
+
+    draws_per_decision = 1
+
+    def _opinions(self, decisions: Decisions) -> Floats:
+        return even(decisions.allowed)
+
+    def _select(self, decisions: Decisions) -> Ints:
+        chances = even(decisions.allowed)
+        option = drawn(chances, decisions.draws[:, 0])
+        self.chance[decisions.rows] = chance_of(chances, option)
+        return option

@@ -1,4 +1,4 @@
-"""Rewards as linear functions of the context, one for each option: the model of LinUCB and LinearThompson."""
+"""Rewards as linear functions of the context, one for each option: LinUCB and LinearThompson."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ import numpy as np
 
 from selector.documents.arrays import Arrays
 from selector.documents.fields import Closed, NonNegative, Positive
+from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
+from selector.strategies.streams import normals
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
 
@@ -95,3 +98,33 @@ def learn(inverse: Floats, weights: Floats, groups: Ints, option: Ints, inputs: 
             weights[group, chosen, i] += product[i] * surprise
             for j in range(width):
                 inverse[group, chosen, i, j] -= product[i] * product[j] / scale
+
+
+@STRATEGIES.register
+class LinUCB(LinearModel):
+    """LinUCB with disjoint models (Li, Chu, Langford & Schapire 2010, doi:10.1145/1772690.1772758, algorithm 1).
+
+    The bound is expected reward + exploration * standard error; `exploration` is the paper's alpha.
+    """
+
+    def _select(self, decisions: Decisions) -> Ints:
+        expected, error = self.predictions(decisions)
+        return best(expected + self.parameters.exploration * error, decisions.allowed)
+
+
+@STRATEGIES.register
+class LinearThompson(LinearModel):
+    """Thompson sampling with linear rewards (Agrawal & Goyal 2013, doi:10.48550/arXiv.1209.3352, algorithm 1).
+
+    The paper draws the weights of each option. Only their product with the context counts, which is normal with the
+    expected reward as mean and exploration * standard error as deviation; so this product is drawn. `exploration` is
+    the paper's v, at least the standard deviation of the noise of the rewards.
+    """
+
+    draws_per_option = 2
+
+    def _select(self, decisions: Decisions) -> Ints:
+        expected, error = self.predictions(decisions)
+        deviates = np.empty_like(expected)
+        normals(decisions.draws, deviates)
+        return best(expected + self.parameters.exploration * error * deviates, decisions.allowed)

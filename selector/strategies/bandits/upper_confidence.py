@@ -1,0 +1,182 @@
+"""Upper confidence bounds: UCB1 for rewards that stay the same, and two strategies for rewards that change."""
+
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from selector.documents.arrays import Arrays
+from selector.documents.fields import NonNegative, Number
+from selector.strategies.bandits.value_table import PriorParameters, ValueTable, summed, weighted
+from selector.strategies.choosing import best
+from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.registry import STRATEGIES
+from selector.strategies.strategy import LEARNED_LIMIT, DecisionStrategy
+from selforg.arrays import Floats, Ints
+from selforg.elementary import logarithms
+
+
+class RecentParameters(PriorParameters):
+    """How wide the confidence bounds are."""
+
+    exploration: NonNegative = 1.0
+    """Range of the rewards, B of the paper [reward]."""
+    confidence: NonNegative = 0.5
+    """The paper's xi [-]; theory asks for more than 0.5."""
+
+
+class RecentUCB(DecisionStrategy):
+    """Upper confidence bounds over recent rewards, by Garivier & Moulines; subclasses keep `counts` and `totals`."""
+
+    Parameters = RecentParameters
+    parameters: RecentParameters
+    width: ClassVar[float]
+    """Factor of the bounds in the paper."""
+    counts: Floats  # (G, O) weight of the rewards that count
+    totals: Floats  # (G, O) weighted sum of these rewards
+
+    def estimates(self) -> Floats:
+        """Return the present estimate (G, O) of the reward of each option."""
+        means = self.totals / np.where(self.counts > 0.0, self.counts, 1.0)
+        return weighted(self.counts, means, self.parameters.prior, self.problem.scores)
+
+    def _select(self, decisions: Decisions) -> Ints:
+        settings = self.parameters
+        width = self.width * settings.exploration * np.sqrt(settings.confidence)
+        return most_promising(decisions, self.estimates(), self.counts + settings.prior, width, self.problem.scores)
+
+    def _opinions(self, decisions: Decisions) -> Floats:
+        return self.estimates()[decisions.groups]
+
+
+def most_promising(decisions: Decisions, means: Floats, pulls: Floats, width: float, scores: Floats) -> Ints:
+    """Return the option (K,) of the highest upper bound mean + width * sqrt(ln(sum of pulls) / pulls).
+
+    Options never tried come first, by the expert's `scores` (O,), as the algorithms begin by trying each once.
+
+    Args:
+        decisions: K decisions.
+        means: (G, O) estimated rewards.
+        pulls: (G, O) number of trials, 0 or more, not necessarily whole.
+        width: factor of the confidence interval.
+        scores: (O,) the scores of the expert.
+
+    """
+    tried = pulls > 0.0
+    total = pulls.sum(axis=1, keepdims=True)
+    certainty = logarithms(np.maximum(total, 1.0)) / np.where(tried, pulls, 1.0)
+    bounds = means + width * np.sqrt(certainty)
+    untried = decisions.allowed & ~tried[decisions.groups]
+    favourite = best(np.broadcast_to(scores, untried.shape), untried)
+    return np.where(untried.any(axis=1), favourite, best(bounds[decisions.groups], decisions.allowed))
+
+
+class UCB1Parameters(PriorParameters):
+    """How wide the confidence bounds are."""
+
+    exploration: NonNegative = 1.0
+    """Factor of the confidence interval [reward]; the range of the rewards gives the interval of the paper."""
+
+
+@STRATEGIES.register
+class UCB1(ValueTable):
+    """UCB1 (Auer, Cesa-Bianchi & Fischer 2002, doi:10.1023/A:1013689704352, figure 1).
+
+    The bound of option i is mean_i + exploration * sqrt(2 ln n / n_i), n being the sum of all n_i.
+    """
+
+    Parameters = UCB1Parameters
+    parameters: UCB1Parameters
+
+    def _select(self, decisions: Decisions) -> Ints:
+        pulls, width = self.counts + self.parameters.prior, self.parameters.exploration * np.sqrt(2.0)
+        return most_promising(decisions, self.estimates(), pulls, width, self.problem.scores)
+
+
+class DiscountedUCBParameters(RecentParameters):
+    """How wide the bounds are, and how fast rewards lose weight."""
+
+    discount: Annotated[Number, Field(gt=0.0, le=1.0)] = 0.99
+    """Factor by which all earlier rewards lose weight at each step [-]."""
+
+
+@STRATEGIES.register
+class DiscountedUCB(RecentUCB):
+    """Discounted UCB (Garivier & Moulines 2011, doi:10.1007/978-3-642-24412-4_16, algorithm 1).
+
+    A step is one update with rewards of any number of robots of a group, so that the discount does not depend on the
+    size of the team. The scores of the expert are not discounted.
+    """
+
+    Parameters = DiscountedUCBParameters
+    parameters: DiscountedUCBParameters
+    width = 2.0
+
+    def _first_state(self) -> Arrays:
+        shape = (self.groups, self.options)
+        return {"counts": np.zeros(shape), "totals": np.zeros(shape)}
+
+    def _ranges(self) -> dict[str, tuple[float, float]]:
+        return {"counts": (0.0, LEARNED_LIMIT)}
+
+    def _update(self, outcomes: Outcomes) -> None:
+        place = (outcomes.groups, outcomes.option)
+        touched = np.unique(outcomes.groups)
+        self.counts[touched] *= self.parameters.discount
+        self.totals[touched] *= self.parameters.discount
+        self.counts += summed(place, np.ones(len(outcomes.option)), self.counts.shape)
+        self.totals += summed(place, outcomes.reward, self.totals.shape)
+
+
+class SlidingWindowUCBParameters(RecentParameters):
+    """How wide the bounds are, and how many steps count."""
+
+    window: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 200
+    """Number of steps whose rewards count, tau of the paper [steps]."""
+
+
+@STRATEGIES.register
+class SlidingWindowUCB(RecentUCB):
+    """Sliding-window UCB (Garivier & Moulines 2011, doi:10.1007/978-3-642-24412-4_16, algorithm 2).
+
+    A step is one update with rewards of any number of robots of a group, so that the window does not depend on the size
+    of the team. The scores of the expert do not leave the window.
+    """
+
+    Parameters = SlidingWindowUCBParameters
+    parameters: SlidingWindowUCBParameters
+    width = 1.0
+    step_counts: Floats  # (G, T, O) number of rewards in each of the last T steps
+    step_totals: Floats  # (G, T, O) sum of these rewards
+    cursor: Ints  # (G,) index of the next step
+
+    def _first_state(self) -> Arrays:
+        shape = (self.groups, self.parameters.window, self.options)
+        return {
+            "step_counts": np.zeros(shape),
+            "step_totals": np.zeros(shape),
+            "counts": np.zeros((self.groups, self.options)),
+            "totals": np.zeros((self.groups, self.options)),
+            "cursor": np.zeros(self.groups, dtype=np.int64),
+        }
+
+    def _ranges(self) -> dict[str, tuple[float, float]]:
+        some = (0.0, LEARNED_LIMIT)
+        return {"counts": some, "step_counts": some, "cursor": (0, self.parameters.window - 1)}
+
+    def _update(self, outcomes: Outcomes) -> None:
+        touched = np.unique(outcomes.groups)
+        now = self.cursor[touched]
+        place = (outcomes.groups, self.cursor[outcomes.groups], outcomes.option)
+        for steps, sums, added in (
+            (self.step_counts, self.counts, np.ones(len(outcomes.option))),
+            (self.step_totals, self.totals, outcomes.reward),
+        ):
+            sums[touched] -= steps[touched, now]  # the oldest step leaves the window
+            steps[touched, now] = 0.0
+            np.add.at(steps, place, added)
+            sums[touched] += steps[touched, now]
+        self.cursor[touched] = (now + 1) % self.parameters.window
+        # After T steps the sums are computed again, so that errors of rounding do not grow.
+        round_begins = touched[self.cursor[touched] == 0]
+        self.totals[round_begins] = self.step_totals[round_begins].sum(axis=1)
