@@ -110,7 +110,8 @@ class NamedConditions:
 def _resolved(given: Any, info: ValidationInfo) -> Any:  # noqa: ANN401  (whatever YAML holds)
     """Return what a name stands for, and name the type of a condition that names none."""
     content = info.context.resolved(given) if info.context else given
-    return {"type": "Condition", **content} if isinstance(content, Mapping) else content
+    unnamed = isinstance(content, Mapping) and "type" not in content
+    return {"type": "Condition", **content} if unnamed else content
 
 
 AnyCondition: TypeAlias = Annotated[
