@@ -76,7 +76,7 @@ def test_figures_have_intervals_and_an_evaluation_goes_on_to_the_same_results(tm
         for figures in by_strategy.values():
             assert all(each["ci95"][0] <= each["value"] <= each["ci95"][1] for each in figures.values())
     repeated = task_of(tmp_path / "whole", "test-2", "loss all - fsm:rule")
-    assert (repeated.mission.delivery.loss, repeated.member) == (1.0, "fsm:rule")
+    assert (repeated.scenarios[0].mission.delivery.loss, repeated.member) == (1.0, "fsm:rule")
     assert run("explain", tmp_path / "whole", "--condition", "failing 1 - fsm:rule", "--robot", 1, "--time", 3) == 0
 
 
