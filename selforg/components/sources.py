@@ -68,13 +68,11 @@ class MovementSource(Source):
                 return
             self._asked[rows] = now
             if self.exponent:
-                times = self.hold * exponentials(logarithms(self._shares(rows)) / (1.0 - self.exponent))
+                drawn = directions(self.mechanism.directions.next_directions(rows)[:, :2])
+                shares = 0.5 + drawn / (2.0 * np.pi)  # of a circle: random numbers from 0 to 1
+                times = self.hold * exponentials(logarithms(shares) / (1.0 - self.exponent))
                 self._holds[rows] = np.minimum(times, self.longest)
         self.mechanism.move_into(now, rows, self.vectors, self.active)
-
-    def _shares(self, rows: Ints) -> Floats:
-        """Return random numbers (K,) from 0 to 1 of `rows`: the shares of a circle at which random directions lie."""
-        return 0.5 + directions(self.mechanism.directions.next_directions(rows)[:, :2]) / (2.0 * np.pi)
 
 
 class GoalSource(Source):

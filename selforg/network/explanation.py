@@ -137,7 +137,7 @@ class _RecordReader:
         if len(marks) < st.EXPLAINED_LAYERS:
             return ""
         by = int(marks[st.BY])
-        return why.in_words(int(marks[st.REASON]), self.names[by] if by >= 0 else None)
+        return why.WORDS[int(marks[st.REASON])].format(by=self.names[by] if by >= 0 else None)
 
     def _goal(self, g: int) -> GoalAccount:
         packed, goal = self.model.packed.record, self.model.goals[g]

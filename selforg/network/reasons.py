@@ -43,8 +43,3 @@ WORDS = {
     BLOCKED: "does not start: {by} influences the same sensor and does not yield",
     NO_PLACE: "does not start: enough others run",
 }
-
-
-def in_words(reason: int, by: str | None) -> str:
-    """Return a reason as a sentence; `by` names the other behaviour it is about."""
-    return WORDS[reason].format(by=by)

@@ -1,25 +1,15 @@
 """Recording: what a network decided, step by step, with everything that an explanation needs.
 
-    network = BehaviourNetwork(model, rows, explained=True)
-    recorder = Recorder(network)
-    ...
-    network.step()
-    recorder.record()
-
-`stacked` turns the steps into arrays with a leading axis T (for `numpy.savez`), `record_at` takes one step out again.
+Make a `Recorder` of a network that is `explained`, and call `record` after each of its steps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from selforg.arrays import Floats, Ints
-from selforg.network import plan_state as ps
 from selforg.network.network import BehaviourNetwork
 
 
@@ -81,15 +71,3 @@ class Recorder:
         )
         self.steps.append(record)
         return record
-
-
-def stacked(steps: Sequence[StepRecord]) -> dict[str, NDArray[Any]]:
-    """Return the steps as arrays (T, ...) by name; plans are cut to the longest one."""
-    longest = max((int(step.plan_marks[ps.LENGTH].max(initial=0)) for step in steps), default=0)
-    arrays = {field.name: np.stack([getattr(step, field.name) for step in steps]) for field in fields(StepRecord)}
-    return arrays | {"plan": arrays["plan"][:, :, :longest]}
-
-
-def record_at(arrays: Mapping[str, NDArray[Any]], step: int) -> StepRecord:
-    """Return step `step` of what `stacked` has made."""
-    return StepRecord(**{field.name: arrays[field.name][step] for field in fields(StepRecord)})

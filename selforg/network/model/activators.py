@@ -41,13 +41,13 @@ class Activator(ABC):
 
     @property
     @abstractmethod
-    def parameters(self) -> tuple[float, float]:
-        """The two numbers that `activate` needs."""
+    def parameters(self) -> tuple[float, float, float]:
+        """The two numbers that `activate` needs, and the sign of the wanted change."""
 
     @property
-    @abstractmethod
     def direction(self) -> float:
         """Sign of the wanted change."""
+        return self.parameters[2]
 
 
 ACTIVATORS: Registry[Activator] = Registry("activator")
@@ -62,14 +62,9 @@ class Boolean(Activator):
     kind: ClassVar[int] = BOOLEAN_RULE
 
     @property
-    def parameters(self) -> tuple[float, float]:
-        """Return the desired value as a number; the second is not used."""
-        return float(self.desired), 0.0
-
-    @property
-    def direction(self) -> float:
-        """Return the sign of the wanted change."""
-        return 1.0 if self.desired else -1.0
+    def parameters(self) -> tuple[float, float, float]:
+        """Return the desired value as a number, one that is not used, and the sign."""
+        return float(self.desired), 0.0, 1.0 if self.desired else -1.0
 
 
 @ACTIVATORS.register
@@ -88,14 +83,9 @@ class Threshold(Activator):
     example: ClassVar[Mapping[str, Any]] = {"threshold": 2.0}
 
     @property
-    def parameters(self) -> tuple[float, float]:
-        """Return the threshold and the range, in the sensor's unit."""
-        return self.threshold, self.value_range
-
-    @property
-    def direction(self) -> float:
-        """Return the sign of the wanted change."""
-        return 1.0 if self.minimum else -1.0
+    def parameters(self) -> tuple[float, float, float]:
+        """Return the threshold and the range, in the sensor's unit, and the sign."""
+        return self.threshold, self.value_range, 1.0 if self.minimum else -1.0
 
 
 @ACTIVATORS.register
@@ -115,14 +105,9 @@ class Linear(Activator):
             raise ValueError(f"Linear: expected different readings zero and full, got {self.zero} for both")
 
     @property
-    def parameters(self) -> tuple[float, float]:
-        """Return the readings of no and of full satisfaction."""
-        return self.zero, self.full
-
-    @property
-    def direction(self) -> float:
-        """Return the sign of the wanted change."""
-        return 1.0 if self.full > self.zero else -1.0
+    def parameters(self) -> tuple[float, float, float]:
+        """Return the readings of no and of full satisfaction, and the sign."""
+        return self.zero, self.full, 1.0 if self.full > self.zero else -1.0
 
 
 @ACTIVATORS.register
@@ -135,14 +120,9 @@ class Greedy(Activator):
     kind: ClassVar[int] = GREEDY_RULE
 
     @property
-    def parameters(self) -> tuple[float, float]:
-        """Return the step size; the second is not used."""
-        return self.step_size, 0.0
-
-    @property
-    def direction(self) -> float:
-        """Return the sign of the wanted change."""
-        return 1.0 if self.maximise else -1.0
+    def parameters(self) -> tuple[float, float, float]:
+        """Return the step size, a number that is not used, and the sign."""
+        return self.step_size, 0.0, 1.0 if self.maximise else -1.0
 
 
 @ACTIVATORS.register
@@ -156,21 +136,16 @@ class Equal(Activator):
     example: ClassVar[Mapping[str, Any]] = {"value": 2.0}
 
     @property
-    def parameters(self) -> tuple[float, float]:
-        """Return the value; the second is not used."""
-        return self.value, 0.0
-
-    @property
-    def direction(self) -> float:
-        """Return the sign of the wanted change."""
-        return 1.0
+    def parameters(self) -> tuple[float, float, float]:
+        """Return the value, a number that is not used, and the sign."""
+        return self.value, 0.0, 1.0
 
 
 @inlined
 def activate(
     kind: int, reading: float, a: float, b: float, low: float, high: float, direction: float
 ) -> tuple[float, float]:
-    """Return satisfaction and wish at one reading; `a` and `b` are the activator's `parameters`."""
+    """Return satisfaction and wish at one reading; `a`, `b` and `direction` are the activator's `parameters`."""
     if kind == LINEAR_RULE:
         slope = (reading - a) / (b - a)
         satisfaction = min(max(low + slope * (high - low), low), high)

@@ -140,8 +140,8 @@ class Packer:
         kind = self.sensors[column].kind
         if activator.kind not in (THRESHOLD_RULE, EQUAL_RULE) and (kind == "fact") != (activator.kind == BOOLEAN_RULE):
             raise ValueError(f"{where}: {type(activator).__name__} does not fit sensor {condition.sensor!r} (a {kind})")
-        a, b = activator.parameters
-        row = LeafRow(column, activator.kind, a, b, activator.low, activator.high, activator.direction)
+        a, b, direction = activator.parameters
+        row = LeafRow(column, activator.kind, a, b, activator.low, activator.high, direction)
         return self._leaves.setdefault(row, len(self._leaves))
 
     def _pairs(self, of_goals: bool) -> list[Pair]:

@@ -75,7 +75,10 @@ class PlanTask:
         relevant, tests = _relevant(steps, goal)
         self.fact_mask = sum(1 << slot for slot in {test.slot for test in tests if isinstance(test, FactTest)})
         read = {test.slot for test in tests if isinstance(test, NumberTest)}
-        self.steps = tuple(_restricted(step, read) for step in relevant)
+        self.steps = tuple(
+            step._replace(changes=tuple((slot, change) for slot, change in step.changes if slot in read))
+            for step in relevant
+        )
         self.scales = tuple(_scale(slot, self.steps, tests) for slot in sorted(read))
         self.landmarks, self.roots = _landmarks(self.steps, goal)
         self._numbers = numbers
@@ -153,11 +156,6 @@ def _relevant(steps: Sequence[GuardedAction], goal: Guard) -> tuple[list[Guarded
                 tests.update(dict.fromkeys(fresh))
                 pending.extend(fresh)
     return [steps[position] for position in sorted(chosen)], list(tests)
-
-
-def _restricted(step: GuardedAction, read: set[int]) -> GuardedAction:
-    """Return the action without its changes of numbers that nothing reads."""
-    return step._replace(changes=tuple((slot, change) for slot, change in step.changes if slot in read))
 
 
 def _scale(slot: int, steps: Sequence[GuardedAction], tests: Sequence[Test]) -> Scale:

@@ -38,8 +38,7 @@ class Low(Activator):
     """Fulfilled at or below 1."""
 
     kind = THRESHOLD_RULE
-    parameters = (1.0, 0.0)
-    direction = -1.0
+    parameters = (1.0, 0.0, -1.0)
 
 
 def declared(cls):
@@ -123,7 +122,7 @@ def test_every_activator_can_be_declared(cls):
     content = {"type": cls.__name__, **cls.example, "low": 0.25, "high": 0.75}
     built = validated(ActivatorSpec, content, "mine.yaml").build()
     assert built == cls(**cls.example, low=0.25, high=0.75)
-    assert len(built.parameters) == 2
+    assert len(built.parameters) == 3
     assert built.direction in (-1.0, 1.0)
     with pytest.raises(DocumentError, match=rf"mine.yaml: {cls.__name__}.luck: unknown key 'luck'"):
         validated(ActivatorSpec, content | {"luck": 7}, "mine.yaml")

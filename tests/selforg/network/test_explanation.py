@@ -1,5 +1,3 @@
-import io
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,7 @@ from selforg.network.model.conditions import Condition, Conjunction, Negation, O
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
-from selforg.network.recording import Recorder, record_at, stacked
+from selforg.network.recording import Recorder
 from tests.selforg.network.cleaning import cleaning_model, wandering
 from tests.selforg.network.random_models import Draw
 
@@ -118,16 +116,6 @@ def robot_records():
         network.step()
         recorder.record()
     return network, recorder
-
-
-def test_records_survive_a_file():
-    network, recorder = robot_records()
-    file = io.BytesIO()
-    np.savez(file, **stacked(recorder.steps))
-    file.seek(0)
-    with np.load(file) as arrays:
-        for k, step in enumerate(recorder.steps):
-            assert explain(network.model, record_at(arrays, k), 0) == explain(network.model, step, 0)
 
 
 def test_a_record_is_not_changed_by_later_steps():
