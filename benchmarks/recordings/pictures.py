@@ -16,8 +16,8 @@ from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND
+from clean_swarm_env.drawing.canvases import RecordedCourse
 from clean_swarm_env.drawing.picture import pixels_of
-from clean_swarm_env.drawing.recorded_picture import RecordedCourse
 from clean_swarm_env.drawing.video import SUFFIXES, check_video, write_video
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission

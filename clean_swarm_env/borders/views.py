@@ -7,8 +7,8 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND, Canvas, Pixels, between
+from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.drawing.window import Window
-from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.interface import BatchStep
 

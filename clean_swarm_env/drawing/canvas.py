@@ -44,7 +44,7 @@ class Area(NamedTuple):
 
 @dataclass(frozen=True)
 class Canvas:
-    """The data of a picture. Arrays of another shape than stated raise ValueError."""
+    """The data of a picture."""
 
     positions: Floats  # (N, 2) [m] of the robots
     headings: Floats  # (N,) [rad]
@@ -66,26 +66,6 @@ class Canvas:
     areas: tuple[Area, ...] = ()  # what else lies in the world
     pheromones: Floats = field(default_factory=no_places)  # (M, 2) [m]
     pheromone_diffusions: Floats = field(default_factory=lambda: np.zeros(0))  # (M,) [m]
-
-    def __post_init__(self) -> None:
-        robots, items, marks = len(self.positions), len(self.garbage), len(self.pheromones)
-        shapes = {
-            "positions": (robots, 2),
-            "headings": (robots,),
-            "numbers": (robots,),
-            "cargo": (robots,),
-            "working": (robots,),
-            "held": (robots,),
-            "garbage": (items, 2),
-            "leftover": (items,),
-            "stations": (len(self.stations), 2),
-            "pheromones": (marks, 2),
-            "pheromone_diffusions": (marks,),
-        }
-        for name, shape in shapes.items():
-            given = getattr(self, name)
-            if given is not None and np.shape(given) != shape:
-                raise ValueError(f"{name}: expected shape {shape}, got {np.shape(given)}")
 
 
 def between(first: Canvas, second: Canvas, share: float) -> Canvas:

@@ -19,12 +19,11 @@ import numpy as np
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.backends.backend_svg import RendererSVG
-from matplotlib.colors import to_rgba
+from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.font_manager import FontProperties
 from matplotlib.path import Path as Outline
 from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Affine2D, Bbox
-from numpy.typing import NDArray
 from PIL import Image
 
 from clean_swarm_env.config.types import ConfigurationError
@@ -116,8 +115,9 @@ class _Picture:
         self._pen.set_clip_rectangle(None)
         middle = Affine2D.from_values(across, 0.0, 0.0, up, self._left + across, self._bottom + up)
         self._outline(OUTLINES["square"], middle, NO_COLOUR, LOOK.edge)
-        title = ", ".join(filter(None, [f"{self._canvas.time:.1f} s", self._canvas.state]))
-        self._write(title, MARGIN, self.height - TITLE / 2 - 5.0, LOOK.letter_size + 2.0)
+        time, high = f"{self._canvas.time:.1f} s", self.height - TITLE / 2 - 4.0
+        self._write(time, MARGIN, high)
+        self._write(self._canvas.state, MARGIN + _length(time) + KEY, high)  # apart: it seldom changes, and is kept
         for k, sign in enumerate(self._entries):
             line, column = divmod(k, self._columns)
             x, y = MARGIN + KEY + 2 + column * self._column, self._bottom - MARGIN / 2 - (line + 0.5) * ENTRY
@@ -187,9 +187,9 @@ class _Picture:
         if sign.letter:
             self._outline(_word(sign.letter, 1.5 * half, centred=True), Affine2D().translate(x, y), WHITE)
 
-    def _write(self, text: str, x: float, y: float, size: float = LOOK.letter_size, *, centred: bool = False) -> None:
+    def _write(self, text: str, x: float, y: float, *, centred: bool = False) -> None:
         """Write a line of text that begins at a place, or lies around it."""
-        self._outline(_word(text, size, centred), Affine2D().translate(x, y), LOOK.ink)
+        self._outline(_word(text, centred=centred), Affine2D().translate(x, y), LOOK.ink)
 
     def _shape(self, shape: str, x: float, y: float, half: float, fill: Colour, edge: str = NO_COLOUR) -> None:
         self._outline(OUTLINES[shape], Affine2D.from_values(half, 0.0, 0.0, half, x, y), fill, edge)
@@ -218,7 +218,7 @@ def _word(text: str, size: float = LOOK.letter_size, centred: bool = False) -> O
 @lru_cache(WORDS_KEPT)
 def _length(text: str) -> float:
     """Return the length of a line of text [pixels]."""
-    return float(_word(text).get_extents().width)
+    return float(np.max(np.asarray(_word(text).vertices)[:, 0], initial=0.0))
 
 
 def _trail(canvas: Canvas, across: int, up: int) -> Pixels:
@@ -227,14 +227,14 @@ def _trail(canvas: Canvas, across: int, up: int) -> Pixels:
     lines, columns = strength.shape
     inside = (1, 1, columns + 1, lines + 1)
     smooth = Image.fromarray(np.pad(strength, 1, mode="wrap")).resize((across, up), Image.Resampling.BILINEAR, inside)
-    words: NDArray[np.uint32] = trail_colours().view(np.uint32)[:, 0]  # a number of 32 bits for each colour
-    return words.take(np.asarray(smooth)).view(np.uint8).reshape(up, across, 4)
+    smooth.putpalette(trail_colours().tobytes())
+    return np.array(smooth.convert("RGBA"))
 
 
 @lru_cache(1)
 def trail_colours() -> Pixels:
-    """Return the colour (256, 4) of each strength of pheromones."""
-    paper, trail = (np.array(to_rgba(colour)) for colour in (LOOK.paper, LOOK.pheromones.colour))
+    """Return the colour (256, 3) of each strength of pheromones."""
+    paper, trail = (np.array(to_rgb(colour)) for colour in (LOOK.paper, LOOK.pheromones.colour))
     shares = np.linspace(0.0, LOOK.pheromones.opacity, 256)[:, None]
     colours = 255.0 * (paper + shares * (trail - paper))
     return np.asarray(colours.round(), dtype=np.uint8)

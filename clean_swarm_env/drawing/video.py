@@ -123,7 +123,7 @@ def _colours() -> bytes:
     flat = [ImageColor.getrgb(colour)[:3] for colour in OPTION_COLOURS]
     paler = [tuple((part + 255) // 2 for part in colour) for colour in flat]
     greys = [(level, level, level) for level in range(0, 256, 15)]
-    return np.array([*flat, *paler, *greys, *trail_colours()[::2, :3].tolist()], dtype=np.uint8).tobytes()
+    return np.array([*flat, *paler, *greys, *trail_colours()[::2].tolist()], dtype=np.uint8).tobytes()
 
 
 def _numbers(picture: Pixels, palette: Image.Image) -> Image.Image:

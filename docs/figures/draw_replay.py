@@ -102,7 +102,9 @@ def played(browser: Browser, output: Path, speed: float) -> Iterator[Page]:
 
 def save(page: Page, path: Path) -> None:
     """Write a picture of what a page shows."""
-    Image.open(BytesIO(page.screenshot())).convert("RGB").quantize(256).save(path, optimize=True)
+    Image.open(BytesIO(page.screenshot())).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2).save(
+        path, optimize=True
+    )
 
 
 def pictures(page: Page, frames: int) -> Iterator[Image.Image]:

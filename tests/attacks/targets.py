@@ -22,8 +22,8 @@ from hypothesis import strategies as st
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.drawing.canvases import CHANNELS, RecordedCourse
 from clean_swarm_env.drawing.picture import pixels_of
-from clean_swarm_env.drawing.recorded_picture import CHANNELS, RecordedCourse
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.file import BLOCK, MAGIC, blocks_of
 from clean_swarm_env.recording.reader import RecordedMission, tables_of

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.drawing.canvases import RecordedCourse
 from clean_swarm_env.drawing.picture import FORMATS, write_picture
-from clean_swarm_env.drawing.recorded_picture import RecordedCourse
 from clean_swarm_env.drawing.video import write_video
 from clean_swarm_env.recording.file import blocks_of
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts

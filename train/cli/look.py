@@ -19,7 +19,7 @@ from train.cli.options import MAY_NAME_CODE, Configs, check_whole, error_console
 from train.cli.repeat import ConditionOption, ScenarioOption, repeating
 
 if TYPE_CHECKING:
-    from clean_swarm_env.drawing.recorded_picture import RecordedCourse
+    from clean_swarm_env.drawing.canvases import RecordedCourse
     from train.reports.network_content import NetworkPanel
 
 LEAST_SIZE, MOST_SIZE = 200, 4000
@@ -58,7 +58,7 @@ def check_times(course: "RecordedCourse", times: dict[str, float]) -> None:
 @contextmanager
 def course_of(run: Path, scenario: str | None, condition: str | None) -> Iterator["RecordedCourse"]:
     """Give the course of a recording, or of a run in a directory of results, which is repeated if need be."""
-    from clean_swarm_env.drawing.recorded_picture import DRAWN, RecordedCourse
+    from clean_swarm_env.drawing.canvases import DRAWN, RecordedCourse
     from clean_swarm_env.recording.reader import RecordedMission
     from train.evaluation.repeat import recording_of
     from train.running.needs import most_numbers

@@ -1,8 +1,9 @@
-"""The conductor of a session: runs it at a speed, pauses it, and carries out what people ask for meanwhile."""
+"""The conductor of a session: runs it at a speed, pauses it, carries out orders, and tells readers what happens."""
 
 from __future__ import annotations
 
 import queue
+import threading
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
@@ -12,7 +13,6 @@ from typing import Any, Final
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.plain import plain, short
 from train.live.session import Session
-from train.live.stream import Stream
 
 LEAST_SPEED: Final = 0.01
 """Smallest speed: a control period in 20 s."""
@@ -25,6 +25,47 @@ LOOKING: Final = 0.2
 ANSWER: Final = 30.0
 """Longest time that an answer takes [s]: a control period, and the orders before."""
 RUNNING_ORDERS: Final = ("play", "pause", "step", "speed", "open")
+
+
+class Stream:
+    """Blocks that one writer appends and readers fetch; a slow or sleeping reader delays no other.
+
+    Attributes:
+        state: how the session runs, plain data.
+
+    """
+
+    def __init__(self, beginning: bytes, state: Mapping[str, Any]) -> None:
+        self._blocks = [beginning]
+        self.state = state
+        self._changed = threading.Condition()
+        self.ended = False
+
+    def add(self, block: bytes) -> None:
+        """Append a block."""
+        with self._changed:
+            self._blocks.append(block)
+            self._changed.notify_all()
+
+    def tell(self, state: Mapping[str, Any]) -> None:
+        """Replace the state."""
+        with self._changed:
+            self.state = state
+            self._changed.notify_all()
+
+    def end(self) -> None:
+        """Tell all readers that nothing more comes."""
+        with self._changed:
+            self.ended = True
+            self._changed.notify_all()
+
+    def after(self, read: int, state: Mapping[str, Any] | None, seconds: float) -> list[bytes]:
+        """Return the blocks after the first `read` ones; wait up to `seconds` for a new block or another state."""
+        with self._changed:
+            self._changed.wait_for(
+                lambda: len(self._blocks) > read or self.state is not state or self.ended, timeout=seconds
+            )
+            return self._blocks[read:]
 
 
 class Conductor:

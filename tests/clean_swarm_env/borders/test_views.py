@@ -11,8 +11,8 @@ from gymnasium.wrappers import RecordVideo
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
+from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.drawing.picture import pixels_of
-from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.wrappers import RecordMission
 
 SHORT = {"base": "table1", "time_limit": 5.0}

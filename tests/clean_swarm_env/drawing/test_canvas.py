@@ -1,4 +1,4 @@
-"""The canvas: places at a seam, the trail, moments between two, and the errors for wrong arrays."""
+"""The canvas: places at a seam, the trail and moments between two."""
 
 from dataclasses import replace
 
@@ -61,18 +61,3 @@ def test_robots_move_the_shorter_way_between_two_moments_and_never_jump():
     assert middle.time == pytest.approx(1.15)
     fewer = replace(second, positions=second.positions[:1], headings=second.headings[:1])
     assert between(first, fewer, 0.5) is first
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"headings": np.zeros(3)}, r"headings: expected shape \(2,\), got \(3,\)"),
-        ({"positions": np.zeros((2, 3))}, r"positions: expected shape \(2, 2\), got \(2, 3\)"),
-        ({"cargo": np.zeros(1, np.int64)}, r"cargo: expected shape \(2,\), got \(1,\)"),
-        ({"held": np.zeros(1, np.int64)}, r"held: expected shape \(2,\), got \(1,\)"),
-        ({"pheromones": np.zeros((4, 2))}, r"pheromone_diffusions: expected shape \(4,\), got \(0,\)"),
-    ],
-)
-def test_an_array_of_another_shape_is_named(change, message):
-    with pytest.raises(ValueError, match=message):
-        canvas(**change)

@@ -10,7 +10,7 @@ from clean_swarm_env.config.cleaning import DUMP, RECYCLING
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance, random_start
-from clean_swarm_env.drawing.world_picture import canvas_of
+from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.physics.cells import nearest_of_kind
 from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
 from clean_swarm_env.world.cleaning.garbage import DONE

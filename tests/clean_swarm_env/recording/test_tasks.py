@@ -9,8 +9,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.tasks import CLEANING, task_names
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.recorded_picture import RecordedCourse
-from clean_swarm_env.drawing.world_picture import canvas_of
+from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
 from clean_swarm_env.recording.reader import RecordedMission, tables_of
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.world.mission import Course, MissionRun, result_of

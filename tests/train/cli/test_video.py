@@ -12,9 +12,9 @@ from PIL import Image
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvas import Canvas
+from clean_swarm_env.drawing.canvases import RecordedCourse
 from clean_swarm_env.drawing.look import OPTION_COLOURS
 from clean_swarm_env.drawing.picture import pixels_of
-from clean_swarm_env.drawing.recorded_picture import RecordedCourse
 from clean_swarm_env.drawing.video import write_video
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission

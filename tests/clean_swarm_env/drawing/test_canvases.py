@@ -6,7 +6,7 @@ import pytest
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING
-from clean_swarm_env.drawing.world_picture import canvas_of
+from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.world.mission import Course, MissionRun
 from tests.clean_swarm_env.courses import mission, worlds_at_start

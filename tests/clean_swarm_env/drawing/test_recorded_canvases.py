@@ -7,8 +7,7 @@ import pytest
 
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.recorded_picture import RecordedCourse
-from clean_swarm_env.drawing.world_picture import canvas_of
+from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
 from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
