@@ -18,7 +18,7 @@ from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import run_mission
 from selforg.arrays import Floats
 from train.analysis.spread import Ratio

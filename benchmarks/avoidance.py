@@ -19,7 +19,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.interface import Finished
 from clean_swarm_env.learning.observation.term import TERMS
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 
 SEED = 900
 TEAMS = (5, 10, 20)

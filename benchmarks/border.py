@@ -18,7 +18,7 @@ from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of, worlds_at_start
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 
 STEPS = 500
 AGENTS = 5

@@ -15,7 +15,7 @@ from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of, worlds_at_start
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import run_mission
 
 REQUIRED = 800.0  # simulated seconds for a CPU second

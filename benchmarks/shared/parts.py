@@ -61,7 +61,7 @@ def borders_of(worlds: Worlds) -> Iterator[tuple[object, str, str]]:
     yield worlds.minds.poses, "update", "buffer"
     contents = [content for coordinator in worlds.coordinators for content in coordinator.contents]
     inner = [mechanism for content in contents for mechanism in content.mechanisms.values()]
-    for mechanism in (worlds.minds.movers["MoveToGarbage"], worlds.minds.movers["Patrol"], *inner):
+    for mechanism in (worlds.task.movers.mechanisms["MoveToGarbage"], worlds.task.movers.mechanisms["Patrol"], *inner):
         if isinstance(mechanism, MovementMechanism):
             yield mechanism, "move_into", "mechanisms"
     for network in (worlds.network, *(content.network for content in contents)):

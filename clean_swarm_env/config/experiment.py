@@ -71,7 +71,7 @@ class ExperimentConfig(Closed):
     """Name of the experiment."""
     description: str = ""
     """What the experiment shows, in one sentence."""
-    mission: MissionConfig = MissionConfig()
+    mission: MissionConfig = Field(default_factory=MissionConfig)
     """The mission."""
     conditions: Annotated[tuple[ConditionConfig, ...], Field(min_length=1)]
     """The conditions; each one runs on every start configuration."""

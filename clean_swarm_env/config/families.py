@@ -69,7 +69,7 @@ class FamilyConfig(Closed):
     """Name of the family."""
     description: str
     """Particulars of its scenarios, in one sentence."""
-    mission: MissionConfig = MissionConfig()
+    mission: MissionConfig = Field(default_factory=MissionConfig)
     """The mission; a scenario changes the drawn keys. Its events happen in every scenario."""
     sizes: Annotated[tuple[tuple[Length, Length], ...], Field(max_length=1000)] = ()
     """Widths and heights of tori, one of which is drawn; if empty, the torus of the mission [m]."""

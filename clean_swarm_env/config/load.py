@@ -5,14 +5,14 @@ Every mistake raises ConfigurationError: one line with file, key, expected and g
 databases only with `trust` (docs/trust.md).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import named_file
+from clean_swarm_env.config.tasks import named_file, with_changes
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
 from selector.documents.find import find_file
@@ -73,15 +73,6 @@ def load_mission(
 def own_mission(task: str) -> MissionConfig:
     """Return the mission that a task has of its own."""
     return validated(MissionConfig, {"name": task, "task": task}, f"task {task}")
-
-
-def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `base` with the values of `changes` in place of its own; mappings are merged."""
-    merged = dict(base)
-    for key, value in changes.items():
-        below = merged.get(key)
-        merged[key] = with_changes(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
-    return merged
 
 
 def _resolved(path: Path, directories: Sequence[Path]) -> dict[str, Any]:

@@ -18,14 +18,12 @@ from clean_swarm_env.config.events import (
     Event,
     Join,
     Land,
-    MoveSpots,
-    MoveStations,
     Respawn,
     SetDelivery,
     check_team,
 )
 from clean_swarm_env.config.network import NetworkConfig
-from clean_swarm_env.config.tasks import CLEANING, TaskSettings, settings_from, with_task_defaults
+from clean_swarm_env.config.tasks import TaskSettings, find_task, settings_from, with_task_defaults
 from clean_swarm_env.config.types import Index, Length, Point, Pose, Robots, Seconds
 from clean_swarm_env.config.world import ConsequencesConfig, WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
@@ -149,43 +147,10 @@ class MissionConfig(Closed):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        if self.cleans:
-            self._check_places()
-        else:
-            self._check_other_task()
+        find_task(self.task.name).check(self)
         self._check_times()
         self._check_room()
         return self
-
-    def _check_places(self) -> None:
-        """Raise the error of the first place that is not on the torus."""
-        world, stations = self.world, self.stations
-        if world.ground != "torus":
-            raise impossible("world.ground", "a torus with the task Cleaning", world.ground)
-        places = {"stations.recycling": stations.recycling, "stations.dump": stations.dump}
-        for key in ("further_recycling", "further_dumps"):
-            places |= {f"stations.{key}.{k}": place for k, place in enumerate(getattr(stations, key))}
-        places |= {f"garbage.spots.{k}": spot for k, spot in enumerate(self.garbage.spots)}
-        for k, event in enumerate(self.events):
-            if isinstance(event, MoveSpots):
-                places |= {f"events.{k}.spots.{n}": spot for n, spot in enumerate(event.spots)}
-            elif isinstance(event, MoveStations):
-                places |= {f"events.{k}.recycling": event.recycling, f"events.{k}.dump": event.dump}
-        for key, (x, y) in places.items():
-            if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
-                expected = f"a point on the torus {world.width:g} m x {world.height:g} m"
-                raise impossible(key, expected, f"[{x:g}, {y:g}]")
-
-    def _check_other_task(self) -> None:
-        """Raise the error of the first key that only cleaning has."""
-        garbage = self.garbage
-        for key, given in (
-            ("garbage", garbage.count > 0 or self.continuous),
-            ("events", bool(self.events)),
-            ("consequences", self.consequences != ConsequencesConfig()),
-        ):
-            if given:
-                raise impossible(key, f"none with the task {self.task.name}", "some")
 
     def _check_times(self) -> None:
         """Raise the error of the first time that is no number of control periods."""
@@ -223,11 +188,6 @@ class MissionConfig(Closed):
         """Return the mission without a store, and with learned rewards of options, if any, as plain data."""
         known = learned_from(learned, "learned") if learned else self.learned
         return self.model_copy(update={"store": "", "learned": known})
-
-    @property
-    def cleans(self) -> bool:
-        """Whether the task is to clean."""
-        return self.task.name == CLEANING
 
     @property
     def extent(self) -> tuple[float, float]:

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.config.types import ConfigurationError, Point
 from selector.documents.errors import impossible, shown, validated
 from selector.documents.fields import Closed, Positive
@@ -69,7 +70,7 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
 
     Tasks other than cleaning place robots and things themselves.
     """
-    if not mission.cleans:
+    if not find_task(mission.task.name).begins_as_given:
         return StartConfiguration(id=name, robots=())
     for_robots, for_items = sequence.spawn(2)
     size = np.array([mission.world.width, mission.world.height])
@@ -166,8 +167,8 @@ def load_starts(path: Path) -> StartsFile:
 
 def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfig:
     """Return `mission` with the counts of `start`; a start that does not fit raises ConfigurationError."""
-    if not mission.cleans and not start.robots:
-        return mission  # its task places them
+    if not start.robots and not find_task(mission.task.name).begins_as_given:
+        return mission
     size = np.array(mission.extent)
     robots = np.array(start.robots).reshape(-1, 3)
     for what, points in (("robots", robots[:, :2]), ("items", np.array(start.items).reshape(-1, 2))):

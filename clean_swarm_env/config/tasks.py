@@ -1,7 +1,7 @@
 """The tasks of missions by name, and their settings: the key `task:` of a mission.
 
 Cleaning is the task of missions that name none. The tasks themselves are in `clean_swarm_env.tasks`, which is imported
-as soon as a mission names another one, and in files of the user's own, which `import_tasks` reads.
+with the first mission, and in files of the user's own, which `import_tasks` reads.
 """
 
 from __future__ import annotations
@@ -49,6 +49,12 @@ class TaskKind(Protocol):
     """Keys of a mission that names the task, unless they are given."""
     story: str
     """One sentence: the robots, their place and their task."""
+    begins_as_given: bool
+    """Whether starts say where robots and items are; else the task places them, unless a start says it."""
+
+    @classmethod
+    def check(cls, mission: Any) -> None:  # noqa: ANN401  (a MissionConfig, which stands above this module)
+        """Raise the error of the first key of a mission that is impossible with the task."""
 
 
 TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name)
@@ -67,7 +73,7 @@ def task_stories() -> dict[str, str]:
     """Return the stories of all tasks by name; their sources are read, not run: imports of tasks take a second."""
     here = Path(__file__).parents[1]
     stories: dict[str, str] = {}
-    for file in (*here.glob("world/cleaning/*.py"), *here.glob("tasks/*.py"), *map(Path, own_files())):
+    for file in (*here.glob("tasks/cleaning/*.py"), *here.glob("tasks/*.py"), *map(Path, own_files())):
         stories |= _declared(file)
     return dict(sorted(stories.items()))
 
@@ -144,29 +150,23 @@ def settings_from(given: object) -> object:
     content = {"name": given} if isinstance(given, str) else given
     if not isinstance(content, Mapping) or not isinstance(name := content.get("name", CLEANING), str):
         return given
-    return (TaskSettings if name == CLEANING else find_task(name).Settings).model_validate(dict(content))
+    return find_task(name).Settings.model_validate(dict(content))
 
 
 def with_task_defaults(content: Mapping[str, Any]) -> dict[str, Any]:
     """Return the keys of a mission with those that its task has in place of the usual ones, unless they are given."""
     task = content.get("task", CLEANING)
-    name = (
-        task
-        if isinstance(task, str)
-        else getattr(task, "name", None) or (task.get("name", CLEANING) if isinstance(task, Mapping) else CLEANING)
-    )
-    if not isinstance(name, str) or name == CLEANING:
+    name = task.get("name", CLEANING) if isinstance(task, Mapping) else getattr(task, "name", task)
+    if not isinstance(name, str):
         return dict(content)
     usual = {"name": name, "knowledge": "library", "garbage": {"count": 0}}
-    return _below(content, _below(find_task(name).mission, usual))
+    return with_changes(with_changes(usual, find_task(name).mission), content)
 
 
-def _below(content: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `content`, completed from `usual`, in parts that are mappings, too."""
-    merged = dict(content)
-    for key, value in usual.items():
-        if key not in merged:
-            merged[key] = value
-        elif isinstance(value, Mapping) and isinstance(merged[key], Mapping):
-            merged[key] = _below(merged[key], value)
+def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `base` with the values of `changes` in place of its own; mappings are merged."""
+    merged = dict(base)
+    for key, value in changes.items():
+        below = merged.get(key)
+        merged[key] = with_changes(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
     return merged

@@ -16,8 +16,8 @@ from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.sampled import things_of
-from clean_swarm_env.world.cleaning.cleaning_task import PHEROMONES
-from clean_swarm_env.world.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.movers import PHEROMONES
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
@@ -195,11 +195,8 @@ def areas_of(things: Sequence[DrawnThing], corner: Floats, moved: Floats) -> tup
 
 def canvas_of(worlds: Worlds, world: int) -> Canvas:
     """Return the canvas of a world as it is now; the options are those of the first coordinated goal."""
-    garbage, mission = worlds.garbage, worlds.mission
     rows_of_world = worlds.rows_of(world)
     rows = rows_of_world[worlds.physics.present[rows_of_world]]
-    loaded = (garbage.cargo[rows] != NOTHING) | worlds.world.carrying[rows]
-    lying = garbage.stage[world] == LYING
     coordinator = worlds.coordinators[0] if worlds.coordinators else None
     trail, diffusions = trail_of(worlds.minds.buffers["pheromones"], int(rows_of_world[0]), worlds.now)
     corner, size = shown_part(worlds, worlds.physics.positions[rows])
@@ -211,21 +208,16 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
         width=width,
         height=height,
         time=float(worlds.ticks[world]) * worlds.period,
-        state=_state_of(worlds, world),
-        radius=mission.robots.radius,
-        cargo=np.where(loaded, np.where(garbage.recycled[rows] == 1, LEFTOVERS, GARBAGE), SEARCHING),
+        state=worlds.task.headline(world),
+        radius=worlds.mission.robots.radius,
         numbers=rows - rows_of_world[0],
         working=worlds.team.working[rows].astype(np.bool_),
         options=coordinator.model.options if coordinator else (),
         held=coordinator.held[rows].copy() if coordinator else None,
-        garbage=garbage.positions[world][lying],
-        leftover=garbage.leftover[world][lying] == 1,
-        stations=worlds.stations[world].copy(),
-        station_kinds=mission.stations.kinds,
-        station_radius=mission.stations.reach,
         areas=areas_of(things, corner, no_places()),
         pheromones=trail - corner,
         pheromone_diffusions=diffusions,
+        **worlds.task.drawn(world, rows),
     )
 
 
@@ -249,10 +241,3 @@ def trail_of(buffer: SoBuffer, row: int, now: float) -> tuple[Floats, Floats]:
     pairs = Queries(buffer).gather(now, [row], everything, without_pose=True).pairs
     slots = pairs[:, c.PAIR_SLOT].astype(np.int64)
     return buffer.table.record.near[slots][:, [c.X, c.Y]], pairs[:, c.PAIR_DIFFUSION].copy()
-
-
-def _state_of(worlds: Worlds, world: int) -> str:
-    """Return the caption of a world: items dumped, or the measures of its task."""
-    if worlds.mission.cleans:
-        return f"{worlds.garbage.done[world]} of {worlds.garbage.arrived[world]} items dumped"
-    return ", ".join(f"{name} {values[world]:.3g}" for name, values in worlds.task.result().items())

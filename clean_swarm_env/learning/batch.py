@@ -29,16 +29,16 @@ from clean_swarm_env.learning.given import (
 )
 from clean_swarm_env.learning.global_state import GlobalState
 from clean_swarm_env.learning.interface import NO_JUMPS, BatchStep, Finished
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TASK_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.learning.reward import MeasureRewards, OwnRewards, RewardConfig, Rewards, rewards_of
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from clean_swarm_env.recording.recorder import MissionRecorder
-from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, TIME_OVER
 from clean_swarm_env.world.states import Opened
+from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats, Ints
@@ -124,8 +124,7 @@ class Batch:
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
         self.rewards = rewards_of(reward, self.worlds)
         seen = config_from(ObservationConfig, observation, "observation")
-        usual = DEFAULT_TERMS if self.mission.cleans else TASK_TERMS
-        seen = seen.beside(self.mission.terms, usual, driven=self.action.mode == "velocity")
+        seen = seen.beside(self.mission.terms, self.worlds.task.terms, driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)
         self.phases = self.observer.phases
         self.observations = np.zeros((self.rows, self.observer.width), dtype=np.float32)

@@ -15,8 +15,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from clean_swarm_env.config.families import FamilyConfig
-from clean_swarm_env.config.load import load_family, load_mission, with_changes
+from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import with_changes
 from selector.documents.errors import M, validated
 from selforg.registry import unknown
 

@@ -51,6 +51,5 @@ class Finished:
         result = self.result
         figures = {"duration_s": result.duration_s, "completed": result.completed}
         figures["mission_collision_events"] = self.collision_events
-        if result.measures:
-            return figures | {key_of(name): value for name, value in result.measures.items()}
-        return figures | {"garbage_done": result.garbage_done}
+        measures = {key_of(name): value for name, value in result.measures.items()}
+        return figures | (measures or {"garbage_done": result.garbage_done})

@@ -9,24 +9,22 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
-from clean_swarm_env.world.cleaning.garbage import DONE, NOTHING
-from clean_swarm_env.world.mission_end import (
+from clean_swarm_env.tasks.cleaning.cost import (
     EVENT,
     ITEMS,
     LEFT,
     LIMIT,
     NO_ITEM,
-    RUNNING,
     SAMPLE,
-    TIME_OVER,
     WORTH,
     CostTerms,
     collision_price,
     cost_terms,
-    mission_state,
-    tick_limit,
 )
+from clean_swarm_env.tasks.cleaning.garbage import DONE, NOTHING
+from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.tasks.cleaning.task import garbage_of
+from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state, tick_limit
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
@@ -109,7 +107,7 @@ class MissionProgress:
 
         self._worlds = worlds
         self._avoiding = avoidance_column(worlds)
-        count, rows, garbage = worlds.worlds, worlds.rows, worlds.garbage
+        count, rows, garbage = worlds.worlds, worlds.rows, garbage_of(worlds.task)
         self.events, self.ticks, self.dumped = numbers(len(EVENTS), rows), numbers(count), numbers(count)
         self.outcome, self.took_part = numbers(count), np.zeros(rows, dtype=np.bool_)
         self._coordinated = [coordinator.index for coordinator in worlds.coordinators]

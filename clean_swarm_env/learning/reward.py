@@ -1,6 +1,6 @@
 """The reward of a selector: the cost of the mission, and shaping terms.
 
-In a mission, the mean payment over the robots of a world adds up to the mission's cost (`mission_end`) times the
+In a mission, the mean payment over the robots of a world adds up to the mission's cost (`cleaning.cost`) times the
 weight `cost`: exactly where the mission can be completed; where garbage keeps coming, an item is worth the mean time
 between two arrivals. The price of collisions is shared among the robots that took part in them.
 
@@ -190,7 +190,7 @@ def rewards_of(
 ) -> Rewards | MeasureRewards:
     """Return the rewards of worlds by weights, or by the user's own function."""
     own = own_rewards(given)
-    if worlds.mission.cleans or own is not None:
+    if worlds.task.priced or own is not None:
         return Rewards(given, worlds.period)
     return MeasureRewards(given, worlds)  # type: ignore[arg-type]  # no function
 

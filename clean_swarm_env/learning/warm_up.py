@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.world.cleaning import tick_kernels
+from clean_swarm_env.tasks.cleaning import tick_kernels
 from selforg.compiler.cache import cache_directory, folder_for
 from selforg.compiler.switches import COMPILED
 

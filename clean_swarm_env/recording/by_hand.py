@@ -19,8 +19,8 @@ import numpy as np
 from pydantic import Field, create_model
 
 from clean_swarm_env.config.types import Index
-from clean_swarm_env.world.cleaning.cleaning_task import cleaning_of
-from clean_swarm_env.world.cleaning.garbage import ABSENT, LYING
+from clean_swarm_env.tasks.cleaning.garbage import ABSENT, LYING
+from clean_swarm_env.tasks.cleaning.task import Cleaning, cleaning_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import Closed, Number, Share
 from selforg.arrays import Floats
@@ -121,28 +121,26 @@ def fail_robot(worlds: Worlds, robot: Index) -> None:
 @_by_hand
 def add_item(worlds: Worlds, x: Number, y: Number) -> None:
     """Put a new item at a place [m]."""
-    cleaning_of(worlds.task)
-    place = _place(worlds, x, y)
-    if not worlds.garbage.arrive(WORLD, place):
-        raise ValueError(f"an item more: expected at most {worlds.garbage.stage.shape[1]} lying or carried")
-    worlds.minds.show_items(WORLD, place[None], worlds.now)
+    task, place = cleaning_of(worlds.task), _place(worlds, x, y)
+    if not task.garbage.arrive(WORLD, place):
+        raise ValueError(f"an item more: expected at most {task.garbage.stage.shape[1]} lying or carried")
+    task.site.show_items(WORLD, place[None])
 
 
 @_by_hand
 def put_item(worlds: Worlds, item: Item, x: Number, y: Number) -> None:
     """Put an item that lies at another place [m]."""
     place = _place(worlds, x, y)
-    _lift(worlds, item)
-    worlds.garbage.positions[WORLD, item] = place
-    worlds.garbage.stage[WORLD, item] = LYING
-    worlds.minds.show_items(WORLD, place[None], worlds.now)
+    task = _lift(worlds, item)
+    task.garbage.positions[WORLD, item] = place
+    task.garbage.stage[WORLD, item] = LYING
+    task.site.show_items(WORLD, place[None])
 
 
 @_by_hand
 def remove_item(worlds: Worlds, item: Item) -> None:
     """Take an item that lies away, as if it had never come."""
-    _lift(worlds, item)
-    worlds.garbage.arrived[WORLD] -= 1
+    _lift(worlds, item).garbage.arrived[WORLD] -= 1
 
 
 @_by_hand
@@ -170,14 +168,16 @@ def _check_not_last(worlds: Worlds, robot: int) -> None:
         raise ValueError(f"robot {robot}: expected another robot at work, got the last one")
 
 
-def _lift(worlds: Worlds, item: int) -> None:
-    """Take an item from where it lies; robots no longer see it. ValueError if none lies there."""
-    garbage, task = worlds.garbage, cleaning_of(worlds.task)
+def _lift(worlds: Worlds, item: int) -> Cleaning:
+    """Take an item from where it lies, so that robots no longer see it; ValueError if none lies there."""
+    task = cleaning_of(worlds.task)
+    garbage = task.garbage
     if item >= garbage.stage.shape[1] or garbage.stage[WORLD, item] != LYING:
         raise ValueError(f"item {item}: expected an item that lies")
     here, place = np.array([WORLD]), garbage.positions[WORLD, [item]]
     garbage.stage[WORLD, item] = ABSENT
-    task.hide_items(here, place)
+    task.site.hide_items(here, place)
+    return task
 
 
 if TYPE_CHECKING:

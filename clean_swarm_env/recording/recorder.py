@@ -17,7 +17,7 @@ from clean_swarm_env.recording.channels import MILLI, Channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
 from clean_swarm_env.recording.sampled import Thinking, floor_arrays, mind_arrays, networks_of, points, things_of
-from clean_swarm_env.recording.stepping import DONE, JOINED, copy_poses, look_at_worlds
+from clean_swarm_env.recording.stepping import copy_poses
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of
 from clean_swarm_env.world.mission_end import tick_limit
@@ -103,6 +103,7 @@ class MissionRecorder:
         self._end(world)
         worlds, mission = self.worlds, self.worlds.missions[world]
         width, height = mission.extent
+        kept = [one for one in worlds.task.recorded() if one.axis == "item"]
         facts: dict[str, Any] = {
             "about": {**self.settings.about, **about},
             "period": worlds.period,
@@ -110,14 +111,14 @@ class MissionRecorder:
             "width": width,
             "height": height,
             "robots": worlds.robots,
-            "items": worlds.garbage.stage.shape[1],
+            "items": kept[0].values.shape[1] if kept else 0,
             "minds": self.settings.minds,
             "options": {c.model.goal: c.model.options for c in worlds.coordinators},
             "views": {c.model.goal: [content.view_distance for content in c.contents] for c in worlds.coordinators},
             "mission": mission.model_dump(mode="json"),
         }
         facts |= self._networks
-        if not mission.cleans:
+        if not kept:
             facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)
             facts["things"] = list(things_of(worlds, world))
         path = self._path(facts["about"])
@@ -144,17 +145,15 @@ class MissionRecorder:
         if not self._running:
             return
         worlds = self.worlds
-        garbage = worlds.garbage
-        found = look_at_worlds(worlds.team.joined, self._joined, garbage.done, garbage.arrived)
-        if found & JOINED:
+        if (worlds.team.joined != self._joined).any():
             self._note_joined()
         self.frames.record(None if self._begun else [coordinator.used for coordinator in worlds.coordinators])
         self._begun = False
         self._messages.clear()
         self._note_poses()
         self._ticks += 1
-        if found & DONE or self._ticks >= self._soonest:
-            done = worlds.done
+        done = worlds.done
+        if done.any() or self._ticks >= self._soonest:
             for world in [w for w in self._running if done[w] or self._ticks >= self._ends[w]]:
                 self._end(world, result_of(worlds, world).as_mapping())
         if self.frames.at == self.frames.room:

@@ -13,8 +13,7 @@ import numpy as np
 
 from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.taking import Sampled
-from clean_swarm_env.world.cleaning.garbage import NOTHING
-from clean_swarm_env.world.view import CARRYING
+from clean_swarm_env.world.task_parts import Recorded
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork, at_any_depth
@@ -49,46 +48,26 @@ class Thinking(NamedTuple):
     inner: tuple[InnerNetwork, ...]
 
 
-CLEANING_CHANNELS = ("recycled", "item_stage", "item_leftover")
-"""Channels that missions of other tasks do not have, beside the places of items and stations."""
-
-
 def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
-    """Yield the arrays of items, stations, cargo, contacts and held options; the recorder keeps the poses itself."""
-    robots, items = ("robot", worlds.robots), ("item", worlds.garbage.stage.shape[1])
-    garbage, consequences, cleans = worlds.garbage, worlds.floor.consequences, worlds.mission.cleans
-    cargo = garbage.cargo if cleans else np.full(worlds.rows, NOTHING)
-    lacking = (
-        () if cleans else CLEANING_CHANNELS if CARRYING in worlds.minds.memory.kinds else (*CLEANING_CHANNELS, "cargo")
-    )
-    named = [
-        (robots, "present", worlds.physics.present, "1 where the robot is there, at work or failed"),
-        (robots, "working", worlds.team.working, "1 where the robot is at work"),
-        (robots, "cargo", cargo, "the item that the robot carries, -1 for none"),
-        (robots, "recycled", garbage.recycled, "1 where the cargo has been recycled"),
-        (robots, "contact", worlds.collisions.entered_in_tick, "robots that came too close until the next frame"),
-        (items, "item_stage", garbage.stage, "0 lying, 1 carried, 2 dumped, 3 absent"),
-        (items, "item_leftover", garbage.leftover, "1 where what lies has been recycled already"),
+    """Yield the arrays of robots, held options and the task; the recorder keeps the poses itself."""
+    own = [
+        Recorded("present", "robot", worlds.physics.present, "1 where the robot is there, at work or failed"),
+        Recorded("working", "robot", worlds.team.working, "1 where the robot is at work"),
+        Recorded(
+            "contact",
+            "robot",
+            worlds.collisions.entered_in_tick,
+            "robots that came too close until the next frame",
+        ),
     ]
-    if consequences.active:
-        about = "frames for which a collision stops the robot, this one too"
-        named.append((robots, "standing", consequences.standing, about))
-        named.append((robots, "collisions", consequences.collisions, "collisions of the robot since it was as new"))
     for c in worlds.coordinators:
-        named.append((robots, f"held/{c.model.goal}", c.held, "the option that serves the goal in the robot"))
-    for axis, name, values, about in named:
-        if name not in lacking:
-            prepare = partial(_note_cargo, worlds, cargo) if name == "cargo" and not cleans else None
-            yield Sampled(whole_channel(name, axis, about), values, None, prepare)
-    if cleans:
-        yield from points("item", (items,), garbage.positions, "where the item lies or was picked")
-        stations = ("station", worlds.stations.shape[1])
-        yield from points("station", (stations,), worlds.stations, "recycling, dump, further recycling, further dumps")
-
-
-def _note_cargo(worlds: Worlds, cargo: Ints) -> None:
-    """Fill `cargo` (R,) with 0 where a robot carries something, -1 elsewhere."""
-    cargo[:] = np.where(worlds.world.carrying, 0, NOTHING)
+        own.append(Recorded(f"held/{c.model.goal}", "robot", c.held, "the option that serves the goal in the robot"))
+    for one in (*own, *worlds.task.recorded()):
+        axis = (one.axis, worlds.robots if one.axis == "robot" else one.values.shape[1])
+        if one.values.ndim == 3:
+            yield from points(one.name, (axis,), one.values, one.about)
+        else:
+            yield Sampled(whole_channel(one.name, axis, one.about), one.values, None, one.note)
 
 
 def things_of(worlds: Worlds, world: int) -> Iterator[dict[str, Any]]:

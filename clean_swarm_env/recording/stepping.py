@@ -8,8 +8,6 @@ from selforg.compiler.decorators import kernel, lean_kernel, part
 
 WholeNumbers = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
-JOINED, DONE = 1, 2
-"""What `look_at_worlds` finds."""
 
 
 @part
@@ -35,21 +33,6 @@ def copy_poses(positions: Floats, headings: Floats, poses: Floats) -> None:
     """Fill `poses` (R, 3) with positions (R, 2) [m] and headings (R,) [rad]."""
     for row in range(len(poses)):
         poses[row, 0], poses[row, 1], poses[row, 2] = positions[row, 0], positions[row, 1], headings[row]
-
-
-@lean_kernel
-def look_at_worlds(joined: Ints, known: Ints, done: Ints, arrived: Ints) -> int:
-    """Return `JOINED` if robots joined a world since `known` (W,), plus `DONE` if one has all items (W,) done.
-
-    One call of compiled code costs less than a few of NumPy, which find nothing in nearly all ticks.
-    """
-    found = 0
-    for world in range(len(joined)):
-        if joined[world] != known[world]:
-            found |= JOINED
-        if done[world] == arrived[world]:
-            found |= DONE
-    return found
 
 
 @lean_kernel

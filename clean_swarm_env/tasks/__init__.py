@@ -1,11 +1,11 @@
 """Tasks: the work in a world. `Task` is the base class of a task of your own; importing this registers ours.
 
-`TASKS` has the tasks by name; cleaning is in `clean_swarm_env.world.cleaning.cleaning_task`.
+`TASKS` has the tasks by name; cleaning is in `clean_swarm_env.tasks.cleaning.task`.
 """
 
 from clean_swarm_env.config.tasks import TASKS as TASKS
 from clean_swarm_env.config.tasks import TaskSettings as TaskSettings
-from clean_swarm_env.world.cleaning.cleaning_task import Cleaning as Cleaning
+from clean_swarm_env.tasks.cleaning.task import Cleaning as Cleaning
 from clean_swarm_env.world.task import Task as Task
 from clean_swarm_env.world.task_parts import Measure as Measure
 from clean_swarm_env.world.task_parts import TaskState as TaskState

@@ -80,7 +80,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
     if not worlds.network.state.explained:
         raise ValueError("explain: expected worlds with explained=True, got worlds that note no reasons")
     world = row // worlds.robots
-    step, consequences = int(worlds.ticks[world]) - 1, worlds.floor.consequences
+    step, (stopped, damaged) = int(worlds.ticks[world]) - 1, worlds.task.hindered(row)
     if step < 0:
         raise ValueError("explain: expected a world that has run a control period, got one at its beginning")
     robot, time = row % worlds.robots, round(step * worlds.period, 9)
@@ -94,8 +94,8 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
         step,
         time,
         "at work" if worlds.team.working[row] else "failed" if worlds.physics.present[row] else "taken away",
-        round(int(consequences.standing[row]) * worlds.period, 9),
-        bool(consequences.damaged[row]),
+        stopped,
+        damaged,
         {c.model.goal: c.model.options[c.held[row]] for c in worlds.coordinators},
         _step_of(worlds.network, row),
         tuple(_coordinated(coordinator, row) for coordinator in worlds.coordinators),

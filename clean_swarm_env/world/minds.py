@@ -1,47 +1,38 @@
 """What the robots of W worlds know and decide: poses, buffers, messages, networks, coordinators, knowledge.
 
-Rows are robots, R = W * N. Bodies, items and stations are on the `floor`.
+Rows are robots, R = W * N. Bodies are on the `floor`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Final, Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.reception import Localisation, Reception, pose_history
-from clean_swarm_env.world.records import MINDS, MindsRecord
 from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import CoordinatedRobots
-from selforg.arrays import KEPT, READ, Flags, Floats, Ints
+from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
-from selforg.compiler.records import Packed
 from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
-from selforg.mechanisms import MovementMechanism, Patrol
 from selforg.network.planning.planner import planner_named
 from selforg.randomness import DirectionStream
 from selforg.registry import unknown
 
-ITEM_CHANNEL: Final = "garbage"
-"""Channel of the items."""
-STATION_CHANNELS: Final = ("recycling", "dump")
-"""Channels of the stations, by their kinds."""
-
 
 class Blueprint(Protocol):
-    """What minds must know of a task: buffers, networks, and mechanisms that move robots by themselves."""
+    """What minds must know of a task: buffers and networks."""
 
-    handling: tuple[str, ...]
-    transport: tuple[str, ...]
+    always_acts: bool
 
     def robot(
         self, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
@@ -50,11 +41,6 @@ class Blueprint(Protocol):
 
     def buffers(self, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:
         """Return the buffers by name."""
-
-    def movers(
-        self, mission: MissionConfig, buffers: Mapping[str, SoBuffer], directions: DirectionStream
-    ) -> dict[str, MovementMechanism]:
-        """Return mechanisms by behaviours of the robots' network."""
 
 
 class Minds:
@@ -67,17 +53,16 @@ class Minds:
         memory: knowledge of every robot, shared by all options.
         known: returns what robots know from the start on: name -> (R,).
         directions: random directions, one stream a row.
+        robot: the network of a robot as it is declared.
         robots: networks, coordinators and nested networks of the robots.
         network: the robots' behaviour networks.
         coordinators: (C,) one for each goal that the robot's document coordinates, in its order.
         nested: the networks inside other behaviours of the robot's document.
         commands: the commands to the robots in this tick.
-        packed: the record that compiled code takes.
 
     """
 
     _chances: Annotated[list[np.random.Generator], "R", KEPT]  # of mechanisms
-    _station_kinds: Annotated[Ints, "K", READ]
 
     def __init__(
         self,
@@ -88,26 +73,11 @@ class Minds:
         directories: Sequence[Path] = (),
         explained: bool = False,
     ) -> None:
-        self.rows, self._alone = worlds * mission.rows, not task.handling
+        self.rows, self._always = worlds * mission.rows, task.always_acts
         self.known: Callable[[], Mapping[str, Floats]] = dict
-        self._garbage = mission.garbage
-        self._station_kinds = np.array(mission.stations.kinds, dtype=np.int64)
         self._build_buffers(mission, worlds, task)
         self._build_network(mission, models, task, directories, explained)
         self.commands = Commands.none(self.rows, 2)
-        index = self.network.model.behaviour_index
-        self.packed: Packed[MindsRecord] = MINDS.pack(
-            MindsRecord(
-                readings=self.network.readings,
-                marks=self.network.state.mark_table,
-                handling=np.array([index[name] for name in task.handling], dtype=np.int64),
-                transport=np.array([index[name] for name in task.transport], dtype=np.int64),
-                movers=np.array([index[name] for name in self._movers], dtype=np.int64),
-                starting=np.zeros((self.rows, 3), dtype=np.bool_),
-                running=np.zeros((len(self._movers), self.rows), dtype=np.int64),
-                counts=np.zeros(len(self._movers), dtype=np.int64),
-            )
-        )
 
     def _build_buffers(self, mission: MissionConfig, worlds: int, task: Blueprint) -> None:
         space = Ground.of(mission).space
@@ -125,8 +95,6 @@ class Minds:
         self._pose_delivery = self.reception.of_poses(self.poses)
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
         self.buffers = task.buffers(mission, self.poses, self.reception)
-        self._delivered = tuple(self.buffers.values()) if mission.own_contents or not mission.cleans else ()
-        self.movers = task.movers(mission, self.buffers, self.directions)
 
     def _build_network(
         self,
@@ -136,7 +104,7 @@ class Minds:
         directories: Sequence[Path],
         explained: bool,
     ) -> None:
-        robot = task.robot(mission, models, directories)
+        robot = self.robot = task.robot(mission, models, directories)
         planner = planner_named(robot.model, mission.network.planner)
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
@@ -144,11 +112,6 @@ class Minds:
         host = Host(self.poses, self.buffers, self.directions, self._chances, self.memory)
         self.robots = CoordinatedRobots(models, host, network=robot, planner=planner, explained=explained)
         self.network, self.coordinators, self.nested = self.robots.network, self.robots.coordinators, self.robots.inner
-        self._movers = {
-            name: mechanism
-            for name, mechanism in self.movers.items()
-            if name in robot.model.behaviour_index and name not in robot.inner
-        }
 
     def coordinator_of(self, goal: str) -> Coordinator:
         """Return the coordinator of a goal; KeyError if the robot's document does not coordinate it."""
@@ -177,29 +140,6 @@ class Minds:
                 self.memory[name].values[rows] = values[rows]
         self.robots.reset(rows)
 
-    def show_items(self, worlds: int | Ints, positions: Floats, now: float) -> None:
-        """Store the gradients of items that lie at `positions` (M, 2) [m] of one world, or of `worlds` (M,)."""
-        garbage = self._garbage
-        self.buffers["items"].store_static(
-            np.broadcast_to(worlds, len(positions)),
-            ITEM_CHANNEL,
-            positions,
-            now,
-            diffusion=garbage.diffusion,
-            goal_radius=garbage.goal_radius,
-        )
-
-    def hide_items(self, worlds: Ints, positions: Floats, now: float) -> None:
-        """Delete the gradients of items that lay at `positions` (M, 2) [m] of `worlds` (M,)."""
-        self.buffers["items"].extinguish(worlds, ITEM_CHANNEL, positions, now)
-
-    def show_stations(self, world: int, places: Floats, now: float) -> None:
-        """Store the gradients of the stations, which are at `places` (K, 2) [m], in place of those stored before."""
-        buffer = self.buffers["stations"]
-        buffer.clear(world)
-        for kind, channel in enumerate(STATION_CHANNELS):
-            buffer.store_static(world, channel, places[self._station_kinds == kind], now)
-
     def spread_poses(self, positions: Floats, headings: Floats, now: float) -> None:
         """Spread the poses that robots at positions (R, 2) [m] with headings (R,) [rad] take for their own."""
         self.poses.update(self._localisation.believed(positions), headings, now)
@@ -208,7 +148,7 @@ class Minds:
         """Deliver the messages that arrive now, by the delivery of each mission."""
         if self._pose_delivery is not None:
             self._pose_delivery.deliver()
-        for buffer in self._delivered:
+        for buffer in self.buffers.values():
             buffer.deliver(now)
 
     def sense(self, now: float) -> None:
@@ -217,27 +157,15 @@ class Minds:
 
     def decide(self, rows: Ints | None) -> None:
         """Step the networks of `rows` (K,), or all, so that they decide which behaviours run."""
-        self.network.step(rows, self._alone)
+        self.network.step(rows, self._always)
 
     def act(self, now: float) -> None:
         """Write a movement vector for every robot in which a behaviour that moves runs, and bend those there are."""
         commands = self.commands
-        for mechanism, rows in self._moved():
-            mechanism.move_into(now, rows, commands.vectors, commands.commanded)
         self.robots.act(now, commands)
 
-    def _moved(self) -> Iterator[tuple[MovementMechanism, Ints]]:
-        """Return the mechanisms of this tick, and the rows that they move."""
-        record = self.packed.record
-        for mechanism, rows, count in zip(self._movers.values(), record.running, record.counts.tolist(), strict=True):
-            if count:
-                yield mechanism, rows[:count]
-
     def leave(self, now: float) -> None:
-        """Deposit and spread what others perceive from the next tick on: pheromones of the patrol, and gradients."""
-        for mechanism, rows in self._moved():
-            if isinstance(mechanism, Patrol):
-                mechanism.deposit(now, rows)
+        """Deposit and spread what others perceive from the next tick on: pheromones and gradients."""
         self.robots.leave(now)
 
     def follow(self, vectors: Floats, rows: Flags) -> None:

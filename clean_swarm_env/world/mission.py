@@ -10,9 +10,9 @@ from typing import Any
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
 from clean_swarm_env.world.explaining import RobotStep, explain_robot
-from clean_swarm_env.world.mission_end import RUNNING, mission_cost, mission_state, tick_limit, unavoidable_cost
+from clean_swarm_env.world.mission_end import RUNNING, mission_state, tick_limit
+from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.coordination.selection import BY_SCORE, Selection
@@ -29,7 +29,7 @@ class MissionResult:
     """The figures of a mission that is over, in the order of the columns of `runs.csv`."""
 
     completed: bool
-    """Whether all garbage was dumped in time; with another task, whether all measures met their targets."""
+    """Whether all garbage was dumped in time, or all measures of the task met their targets."""
     duration_s: float
     """Time at which the last item was dumped, or the task was done, or the time limit [s]."""
     collision_samples_per_s: tuple[float, ...]
@@ -45,11 +45,11 @@ class MissionResult:
     items_per_min: float
     """Items dumped per minute [1/min]."""
     cost_s: float
-    """See `mission_cost`, and `Task.costs` for other tasks [s]."""
+    """See `Task.costs` [s]."""
     unavoidable_s: float
-    """The part of the cost that no team could avoid [s]; see `unavoidable_cost`."""
+    """The part of the cost that nobody could avoid [s]."""
     measures: Mapping[str, float] = field(default_factory=dict)
-    """The measures of a task other than cleaning, by name."""
+    """The measures of the task by name; cleaning has none."""
 
     @property
     def excess_s(self) -> float:
@@ -57,7 +57,7 @@ class MissionResult:
         return self.cost_s - self.unavoidable_s
 
     def as_mapping(self) -> dict[str, Any]:
-        """Return the figures as plain data; of cleaning, which has no measures, without `measures`."""
+        """Return the figures as plain data; without `measures` where there are none."""
         figures = asdict(self)
         return figures if self.measures else {name: figures[name] for name in figures if name != "measures"}
 
@@ -188,25 +188,20 @@ class Course:
 
 def result_of(worlds: Worlds, world: int) -> MissionResult:
     """Return the result of a world up to now."""
-    mission, task = worlds.missions[world], worlds.task
-    ticks, done = int(worlds.ticks[world]), int(worlds.garbage.done[world])
-    completed = bool(worlds.done[world]) if mission.cleans else bool(task.met()[world])
+    task, values = worlds.task, worlds.task.result()
+    ticks, done = int(worlds.ticks[world]), int(task.items_done()[world])
     time = max(ticks, 1) * worlds.period
-    # the last item is dumped at the beginning of its control period
-    duration = max(ticks - 1, 0) * worlds.period if bool(worlds.done[world]) else mission.time_limit
     events, samples = worlds.collisions.events[world], worlds.collisions.samples[world]
     return MissionResult(
-        completed=completed,
-        duration_s=round(duration, 9),
+        completed=bool(task.completed(values)[world]),
+        duration_s=round(float(task.durations()[world]), 9),
         collision_samples_per_s=tuple((samples / time).tolist()),
         collision_events_per_s=tuple((events / time).tolist()),
         garbage_done=done,
         robots=int(worlds.team.joined[world]),
         ticks=ticks,
         items_per_min=60.0 * done / time,
-        cost_s=mission_cost(mission, duration, int(events[0]), int(samples[0]), done)
-        if mission.cleans
-        else float(task.costs()[world]),
-        unavoidable_s=unavoidable_cost(mission, worlds.came(world)) if mission.cleans else 0.0,
-        measures={} if mission.cleans else {name: float(values[world]) for name, values in task.result().items()},
+        cost_s=float(task.costs(values)[world]),
+        unavoidable_s=float(task.unavoidable()[world]),
+        measures={name: float(own[world]) for name, own in values.items()},
     )

@@ -8,7 +8,7 @@ Shapes: W worlds of N robots, R = W * N rows (robots).
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin
 
@@ -18,20 +18,22 @@ from clean_swarm_env.config.cleaning import PatrolConfig
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.config.world import ConsequencesConfig
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.task_parts import Measure, TaskState, Things, WorldStart
-from clean_swarm_env.world.view import World
-from selector.coordination.model import CoordinatorModel
+from clean_swarm_env.world.task_parts import Measure, Recorded, TaskState, Things, WorldStart, kinds_of
+from clean_swarm_env.world.view import CARRYING, World
+from selector.configurations.library import Library
+from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import network_of
-from selforg.arrays import KEPT, Flags, Floats
+from selector.documents.errors import impossible
+from selector.knowledge import Knowledge
+from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import MovementMechanism
-from selforg.randomness import DirectionStream
 
 AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of things: gradients at one place are one thing."""
@@ -60,6 +62,13 @@ class Task(ABC, Generic[S, T]):
         fewest: robots with which the measures have a meaning.
         start_side: side of the square in the middle in which robots start, 0: the whole ground [m].
         apart, away: least distance of robots from each other, and from the middle, at the start [m].
+        begins_as_given: whether starts say where robots and items are; else you place them, unless a start says it.
+        changes: whether robots and things may come and go during a mission; not where measures are of all robots.
+        priced: whether the cost of a mission is counted in each tick, so that learners can be paid for it.
+        best_score: score of a mission that costs nothing, from which its cost by the time limit is taken [-].
+        terms: terms of an observation unless others are chosen.
+        counted: infos of learners beside times, collisions and the measures; see `learning.figures`.
+        beside: strategies that every comparison has beside those chosen; the baseline unless given.
         thinks_when_driven: whether networks of robots go on deciding while a learner drives the robots.
         world, settings, state: the worlds, the settings, and the arrays of this task.
         around: the things, as `things` returned them.
@@ -80,9 +89,17 @@ class Task(ABC, Generic[S, T]):
     start_side: ClassVar[float] = 0.0
     apart: ClassVar[float] = 1.0
     away: ClassVar[float] = 0.0
+    begins_as_given: ClassVar[bool] = False
+    changes: ClassVar[bool] = False
+    priced: ClassVar[bool] = False
+    best_score: ClassVar[float] = 2.0  # 1 where the measure that is worst by its target just meets it
+    terms: ClassVar[tuple[str, ...]] = (
+        "command", "things", "neighbour", "crowd", "movement", "facts", "task", "time", "holds",
+    )  # fmt: skip
+    counted: ClassVar[tuple[str, ...]] = ("own_collisions", "own_contact_s")
+    beside: ClassVar[tuple[str, ...]] = ()
     thinks_when_driven: ClassVar[bool] = True
-    handling: ClassVar[tuple[str, ...]] = ()  # behaviours that the task carries out; see `records.MindsRecord`
-    transport: ClassVar[tuple[str, ...]] = ()
+    always_acts: ClassVar[bool] = True  # whether networks select again until some behaviour runs
 
     settings: S
     state: T
@@ -170,6 +187,22 @@ class Task(ABC, Generic[S, T]):
     # ---- what the worlds call
 
     @classmethod
+    def check(cls, mission: MissionConfig) -> None:
+        """Raise the error of the first key of a mission that only cleaning has."""
+        for key, given in (
+            ("garbage", mission.garbage.count > 0 or mission.continuous),
+            ("events", bool(mission.events)),
+            ("consequences", mission.consequences != ConsequencesConfig()),
+        ):
+            if given:
+                raise impossible(key, f"none with the task {cls.name}", "some")
+
+    @classmethod
+    def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
+        """Return the goals that robots coordinate."""
+        return (cls.goal or cls.name,)
+
+    @classmethod
     def robot(
         cls, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
     ) -> RobotNetwork:
@@ -190,18 +223,21 @@ class Task(ABC, Generic[S, T]):
             "own_pheromones": SoBuffer(trails, space, poses, Delivery(reach=0.0)),
         }
 
-    @classmethod
-    def movers(
-        cls, mission: MissionConfig, buffers: Mapping[str, SoBuffer], directions: DirectionStream
-    ) -> dict[str, MovementMechanism]:
-        """Return the mechanisms that move robots by themselves, by the behaviours of the robots' network."""
-        return {}
-
     def reset(self, world: int, rows: slice) -> None:
         """Show the things of a world that has just been placed."""
         self.asked[rows] = self._walk[rows] = 0.0
         for thing in self.around:
             thing.show(self.world.buffers["gradients"], world, self.world.now)
+
+    def lose(self, rows: Ints) -> None:
+        """Let go of robots in `rows` (K,) that are about to be taken away or to fail."""
+
+    def renew(self, rows: Ints) -> None:
+        """Forget what happened to the robots in `rows` (K,), which begin anew."""
+
+    def begin_tick(self) -> Ints | None:
+        """Begin a control period; return the rows (K,) that decide in it, None for all."""
+        return self.world.team.at_work
 
     def sense(self) -> None:
         """Show things that move where they are now, before robots sense."""
@@ -227,21 +263,86 @@ class Task(ABC, Generic[S, T]):
     def after_leaving(self) -> None:
         """Carry out the requests of robots while they acted."""
 
-    def costs(self) -> Floats:
-        """Return what the missions (W,) cost [s]: their time limits times their worst measures by the targets.
+    def before_moving(self, commands: Commands) -> None:
+        """Change the commands of all robots, also of driven ones, just before they move."""
 
-        A guard counts where it misses its target only. 1 time limit: the target is just met.
-        """
-        values = self.result()
-        worst: Floats = np.max([measure.ratio(values[measure.name]) for measure in self.measures], axis=0)
-        return worst * self.world.limits * self.world.period
-
-    def met(self) -> Flags:
-        """Return whether all measures (W,) meet their targets."""
-        values, met = self.result(), np.ones(self.world.worlds, dtype=np.bool_)
+    def completed(self, values: Mapping[str, Floats]) -> Flags:
+        """Return whether the missions (W,) are completed: all measures, whose `values` are (W,), meet their targets."""
+        met = np.ones(self.world.worlds, dtype=np.bool_)
         for measure in self.measures:
             met &= np.array([measure.met(value) for value in values[measure.name].tolist()])
         return met
+
+    def costs(self, values: Mapping[str, Floats]) -> Floats:
+        """Return what the missions (W,) cost [s]: their time limits times their worst measures by the targets.
+
+        A guard counts where it misses its target only. 1 time limit: the target is just met. `values`: of `result`.
+        """
+        worst: Floats = np.max([measure.ratio(values[measure.name]) for measure in self.measures], axis=0)
+        return worst * self.world.limits * self.world.period
+
+    def unavoidable(self) -> Floats:
+        """Return the part of the costs (W,) that nobody could avoid [s]."""
+        return np.zeros(self.world.worlds)
+
+    def items_done(self) -> Ints:
+        """Return how many items are dumped in each world (W,)."""
+        return np.zeros(self.world.worlds, dtype=np.int64)
+
+    def durations(self) -> Floats:
+        """Return how long the missions (W,) have lasted if they are done, else their time limits [s]."""
+        world = self.world
+        ticks = np.maximum(world.ticks - 1, 0)  # what was done last was done at the beginning of its control period
+        return np.where(self.done(), ticks * world.period, [mission.time_limit for mission in world.missions])
+
+    # ---- what pictures, recordings and learners show of the task
+
+    def hindered(self, row: int) -> tuple[float, bool]:
+        """Return how long a collision still stops the robot of a row [s], and whether it is damaged."""
+        return 0.0, False
+
+    def headline(self, world: int) -> str:
+        """Return what there is to say of a world in one line: its measures."""
+        return ", ".join(f"{name} {values[world]:.3g}" for name, values in self.result().items())
+
+    def cargo(self) -> Ints:
+        """Return the thing that each robot (R,) carries, -1 for none; 0 where all that is known is that it carries."""
+        return np.where(self.world.carrying, 0, -1)
+
+    def recorded(self) -> tuple[Recorded, ...]:
+        """Return arrays that recordings keep beside poses, contacts and options; the same ones all the time."""
+        if CARRYING not in self.world.memory.kinds:
+            return ()
+        cargo = self.cargo()
+
+        def note() -> None:
+            cargo[:] = self.cargo()
+
+        return (Recorded("cargo", "robot", cargo, "the item that the robot carries, -1 for none", note),)
+
+    def drawn(self, world: int, rows: Ints) -> Mapping[str, Any]:
+        """Return what pictures show beside robots, `around` and trails: fields of `drawing.canvas.Canvas`."""
+        return {"cargo": np.where(self.cargo()[rows] >= 0, 1, 0)}
+
+    def facts_of_robots(self) -> Mapping[str, Floats]:
+        """Return what the global state has of each robot beside its pose: name -> (R,), within [-1, 1]."""
+        memory = self.world.memory
+        return {name: memory[name].values for name in memory.facts}
+
+    def facts_of_worlds(self) -> Mapping[str, Floats]:
+        """Return what the global state has of each world beside its time: name -> (W,), within [-1, 1]."""
+        return {}
+
+    def thing_names(self) -> list[str]:
+        """Return the names (K,) of what `thing_values` returns."""
+        kinds = zip(kinds_of(self.around), self.around, strict=True)
+        return [f"{kind}_{k}_{axis}" for kind, thing in kinds for k in range(thing.count) for axis in ("x", "y")]
+
+    def thing_values(self, scaled: Callable[[Floats], Floats]) -> Floats:
+        """Return what the global state has of things (W, K), within [-1, 1]; `scaled` makes this of places [m]."""
+        worlds = self.world.worlds
+        places = [scaled(thing.places).reshape(worlds, -1) for thing in self.around]
+        return np.concatenate((np.zeros((worlds, 0)), *places), axis=1)
 
 
 def trail_settings(patrol: PatrolConfig) -> BufferSettings:
@@ -249,8 +350,15 @@ def trail_settings(patrol: PatrolConfig) -> BufferSettings:
     return BufferSettings(patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion)
 
 
-def measures_of(mission: MissionConfig) -> tuple[Measure, ...]:
-    """Return the measures that results of a mission have; none where the task is cleaning, which has other figures."""
-    kind: Any = None if mission.cleans else find_task(mission.task.name)
-    measures: tuple[Measure, ...] = () if kind is None else kind.measures
-    return measures
+def task_class(mission: MissionConfig) -> type[Task[Any, Any]]:
+    """Return the class of the task of a mission."""
+    kind: Any = find_task(mission.task.name)
+    found: type[Task[Any, Any]] = kind
+    return found
+
+
+def coordinators_of(
+    mission: MissionConfig, knowledge: Knowledge, library: Library, directories: Sequence[Path] = ()
+) -> tuple[CoordinatorModel, ...]:
+    """Return the models of the goals that robots coordinate, in their order."""
+    return coordinator_models(task_class(mission).goals(mission, directories), knowledge, library)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Final, Literal
+from typing import Annotated, Any, Final, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.ground import Ground
@@ -15,6 +16,8 @@ from selforg.arrays import READ, Floats
 from selforg.declared import fields_of, make_arrays
 from selforg.gradients.buffer import SoBuffer
 
+TASK_STREAM: Final = 0xFFFFFFFB
+"""Spawn key of the draws of a task at the start of a world; other streams have other keys."""
 PLACE_TRIES = 10_000
 """Draws for one place before the placement fails."""
 MOST_RATIO: Final = 100.0
@@ -98,6 +101,26 @@ class Things:
         )
 
 
+def kinds_of(things: Sequence[Things]) -> Sequence[str]:
+    """Return the names of kinds of things: their channels, with `_repulsive` where one is there twice."""
+    names: list[str] = []
+    for thing in things:
+        names.append(f"{thing.channel}_repulsive" if thing.channel in names else thing.channel)
+    return names
+
+
+class Recorded(NamedTuple):
+    """An array of which recordings keep whole numbers, or places (..., 2) [m], in each frame."""
+
+    name: str
+    axis: str
+    """What has an entry each: robot, item or station."""
+    values: NDArray[Any]
+    about: str
+    note: Callable[[], None] | None = None
+    """Fills `values` before a frame; None: they are always up to date."""
+
+
 class TaskState:
     """Arrays of all worlds, each with its axes and a mark; zero at each reset. States and copies follow from it.
 
@@ -133,16 +156,25 @@ class WorldStart:
         rows: rows of its robots in arrays of all worlds.
         robots: number of robots.
         ground: the ground.
-        rng: generator of all draws.
+        seed: from which all that is random in the world follows; `rng` is the generator of your draws.
+        items: (M, 2) places of items [m] that the start has.
         poses: (robots, 3) x [m], y [m] and heading [rad], once they are put.
         given: whether the robots were placed by whoever began the mission; `put_robots` then changes nothing.
 
     """
 
     def __init__(
-        self, world: int, rows: slice, ground: Ground, rng: np.random.Generator, poses: Floats | None = None
+        self,
+        world: int,
+        rows: slice,
+        ground: Ground,
+        seed: np.random.SeedSequence,
+        poses: Floats | None = None,
+        items: Floats | None = None,
     ) -> None:
-        self.world, self.rows, self.ground, self.rng = world, rows, ground, rng
+        self.world, self.rows, self.ground, self.seed = world, rows, ground, seed
+        self.rng = np.random.default_rng(np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, TASK_STREAM)))
+        self.items = np.zeros((0, 2)) if items is None else items
         self.robots: int = rows.stop - rows.start
         self.given = poses is not None
         self.poses: Floats = np.zeros((self.robots, 3)) if poses is None else poses

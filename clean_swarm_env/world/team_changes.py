@@ -7,13 +7,12 @@ the mission says so, still carries its pose gradient. No robot comes back: robot
 
 from __future__ import annotations
 
-from typing import Annotated, Final
+from typing import Annotated, Final, Protocol
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import START_GAP, nearest_distance
-from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints, derived
@@ -25,23 +24,34 @@ MOST_DRAWS: Final = 1_000
 """Draws for a free place before a robot that is to join has to wait."""
 
 
+class Following(Protocol):
+    """What a task does with robots that come and go."""
+
+    def lose(self, rows: Ints) -> None:
+        """Let go of robots in `rows` (K,) that are about to be taken away or to fail."""
+
+    def renew(self, rows: Ints) -> None:
+        """Forget what happened to the robots in `rows` (K,), which begin anew."""
+
+
 class Team:
     """The robots of all worlds of a batch that are present and at work; see `Worlds` for the letters.
 
     Attributes:
         working: (R,) bool, robots that sense, decide and act; read only.
         joined: (W,) int64, rows of each world that have been used since its reset; read only.
+        task: is told about robots that come and go.
 
     """
 
     working: Annotated[Flags, "R", KEPT]
     joined: Annotated[Ints, "W", KEPT]
+    task: Following
     _listed: Annotated[Flags, "1", derived(False)]  # whether `_at_work` is what follows from `working`
     _at_work: Annotated[Ints | None, "K", SCRATCH]
 
-    def __init__(self, mission: MissionConfig, floor: Floor, minds: Minds, clock: Clock) -> None:
-        self._mission = mission
-        self._floor, self._minds, self._clock = floor, minds, clock
+    def __init__(self, mission: MissionConfig, floor: Floor, minds: Minds) -> None:
+        self._mission, self._floor, self._minds = mission, floor, minds
         make_arrays(self, R=minds.rows, W=floor.worlds)
         self._at_work = None
 
@@ -87,7 +97,7 @@ class Team:
 
     def remove(self, rows: Ints) -> None:
         """Take away the robots in `rows` (K,), which are at work; their cargo lies where they were."""
-        self._drop_cargo(rows)
+        self._lose(rows)
         for row in rows.tolist():
             self._floor.physics.remove(row)
         self._minds.poses.silence(rows)
@@ -95,7 +105,7 @@ class Team:
 
     def fail(self, rows: Ints) -> None:
         """Make the robots in `rows` (K,), which are at work, fail permanently; bodies and cargo stay where they are."""
-        self._drop_cargo(rows)
+        self._lose(rows)
         if self._mission.robots.failed_pose == "unseen":
             self._minds.poses.silence(rows)
         self._stop_working(rows)
@@ -122,15 +132,11 @@ class Team:
                 return float(point[0]), float(point[1]), heading
         return None
 
-    def _drop_cargo(self, rows: Ints) -> None:
+    def _lose(self, rows: Ints) -> None:
         for row in rows.tolist():
             if not 0 <= row < len(self.working) or not self.working[row]:
                 raise ValueError(unknown("robot at work", str(row), [str(r) for r in np.flatnonzero(self.working)]))
-        floor, now = self._floor, self._clock.now
-        for row in rows.tolist():
-            place = floor.physics.positions[row]
-            if floor.garbage.drop(row, place):
-                self._minds.show_items(row // floor.robots, place[None], now)
+        self.task.lose(rows)
 
     def _stop_working(self, rows: Ints) -> None:
         self.working[rows] = False
@@ -142,7 +148,7 @@ class Team:
         Rows that do not work receive no more pheromones: over days their contents would fill the memory.
         """
         self._floor.drive.reset(rows)
-        self._floor.consequences.reset(rows)
+        self.task.renew(rows)
         self._minds.reset_rows(rows)
         self._minds.poses.deafen(rows, ~self.working[rows])
         self._listed[0] = False

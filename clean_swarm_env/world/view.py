@@ -18,6 +18,7 @@ from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.mission_end import tick_limit
+from clean_swarm_env.world.team_changes import Team
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.coordinator import Coordinator
 from selforg.arrays import READ, Flags, Floats, Ints
@@ -40,15 +41,16 @@ class World:
         period: length of a control period [s].
         max_speed: of the robots [m/s].
         of_row: (R,) the world of each row.
+        missions: (W,) those of the worlds until their next resets.
         led: whether the baseline of the task commands the robots.
-        floor, minds: bodies, and what robots know and decide.
+        floor, minds, team: bodies, what robots know and decide, and which of them are at work.
 
     """
 
     of_row: Annotated[Ints, "R", READ]
 
-    def __init__(self, missions: Sequence[MissionConfig], floor: Floor, minds: Minds, clock: Clock) -> None:
-        self.floor, self.minds, self._clock, self._missions = floor, minds, clock, missions
+    def __init__(self, missions: Sequence[MissionConfig], floor: Floor, minds: Minds, team: Team, clock: Clock) -> None:
+        self.floor, self.minds, self.team, self._clock, self.missions = floor, minds, team, clock, missions
         self.mission = missions[0]
         self.worlds, self.robots, self.rows = floor.worlds, floor.robots, floor.worlds * floor.robots
         self.ground: Ground = floor.ground
@@ -72,6 +74,11 @@ class World:
         return self.by_world(self.floor.physics.headings)
 
     @property
+    def tick(self) -> int:
+        """Control periods of the batch; they go on through resets."""
+        return self._clock.tick
+
+    @property
     def ticks(self) -> Ints:
         """Control periods (W,) since the start of each world."""
         return self._clock.ticks
@@ -85,7 +92,7 @@ class World:
     @property
     def limits(self) -> Ints:
         """Control periods (W,) after which the missions of the worlds end."""
-        return np.array([tick_limit(mission) for mission in self._missions])
+        return np.array([tick_limit(mission) for mission in self.missions])
 
     @property
     def robot_minutes(self) -> Floats:

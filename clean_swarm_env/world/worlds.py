@@ -8,20 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any
 
 import numpy as np
 
 from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.physics.clock import Clock
-from clean_swarm_env.world.cleaning.cleaning_task import Cleaning
-from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.states import KeptStates, WorldState
-from clean_swarm_env.world.task import Task
+from clean_swarm_env.world.task import Task, task_class
 from clean_swarm_env.world.task_parts import WorldStart
 from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.view import World
@@ -29,9 +26,6 @@ from selector.coordination.coordinator import hold_options
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import OUTSIDE, Flags, Floats, Ints
 from selforg.sealing import sealed, unsealed
-
-TASK_STREAM: Final = 0xFFFFFFFB
-"""Spawn key of the draws of a task at the start of a world; other streams have other keys."""
 
 
 class Worlds:
@@ -45,8 +39,7 @@ class Worlds:
         mission: mission of the batch; `missions` (W,) are those of the worlds until their next resets.
         worlds, robots, rows: W, N and R.
         period: length of a control period [s].
-        floor: bodies, items and stations; its `extent`, `physics`, `collisions`, `garbage` and `stations` are
-            attributes of the worlds too.
+        floor: the bodies; its `extent`, `physics` and `collisions` are attributes of the worlds too.
         minds: what the robots know and decide; its `network` and `coordinators` are attributes of the worlds too.
         team: which robots are present and at work.
         task: the work in the worlds.
@@ -72,16 +65,14 @@ class Worlds:
         self.period = 1.0 / mission.world.control_rate
         self._clock = Clock(worlds, self.period)
         self.floor = Floor(mission, worlds)
-        kind: Any = Cleaning if mission.cleans else find_task(mission.task.name)
+        kind = task_class(mission)
         self.minds = Minds(mission, models, worlds, kind, directories, explained)
-        self.world = World(self.missions, self.floor, self.minds, self._clock)
+        self.team = Team(mission, self.floor, self.minds)
+        self.world = World(self.missions, self.floor, self.minds, self.team, self._clock)
         self.task: Task[Any, Any] = kind(self.world)
-        self.minds.known = self.task.known
-        self.team = Team(mission, self.floor, self.minds, self._clock)
-        self._agendas = Agendas(Affected(self.floor, self.minds, self.team, self._clock))
+        self.minds.known, self.team.task = self.task.known, self.task
         self._driven = self._correction = None
-        self.extent, self.stations, self.garbage = self.floor.extent, self.floor.stations, self.floor.garbage
-        self.physics, self.collisions = self.floor.physics, self.floor.collisions
+        self.extent, self.physics, self.collisions = self.floor.extent, self.floor.physics, self.floor.collisions
         self.network, self.coordinators = self.minds.network, self.minds.coordinators
         self._states = self.states_below(self, {})
 
@@ -98,13 +89,7 @@ class Worlds:
     @property
     def done(self) -> Flags:
         """(W,) whether the task of a world is done, and nothing more will come."""
-        done: Flags = self._agendas.over & self.task.done()
-        return done
-
-    def came(self, world: int) -> int:
-        """Return how many items have come into a world, those without room included: whatever robots do."""
-        agenda = self._agendas.of(world)
-        return agenda.came if agenda is not None else 0
+        return self.task.done()
 
     def rows_of(self, world: int) -> Ints:
         """Return the rows (N,) of the robots of a world."""
@@ -122,32 +107,22 @@ class Worlds:
         check_frame(mission, self.mission)
         items = np.array(start.items).reshape(-1, 2)
         counts, given = (mission.robots.count, mission.garbage.count), (len(start.robots), len(items))
-        if given != counts and (mission.cleans or start.robots):
+        if given != counts and (self.task.begins_as_given or start.robots):
             expected = f"{counts[0]} robots and {counts[1]} items"
             raise ValueError(f"start {start.id!r}: expected {expected}, got {given[0]} and {given[1]}")
         self.missions[world] = mission
         self._clock.reset(world)
-        self.floor.reset(world, mission, items)
+        self.collisions.reset(world)
         rows = self.rows_of(world)
         own = slice(int(rows[0]), int(rows[-1]) + 1)
         self.minds.reset(world, mission, rows, stream)
-        self.team.reset(world, self._placed(world, own, start, stream))
-        self.task.reset(world, own)
-        self._agendas.reset(world, mission, stream)
-
-    def _placed(self, world: int, rows: slice, start: StartConfiguration, stream: np.random.SeedSequence) -> Floats:
-        """Return the poses (N, 3) of robots at the start of a world, and let its task place all else."""
-        mission = self.missions[world]
-        given = np.array(start.robots) if start.robots else None
-        if mission.cleans:
-            assert given is not None  # its counts have been checked
-            return given
-        self.task.state.reset(world, rows)
-        own = np.random.SeedSequence(stream.entropy, spawn_key=(*stream.spawn_key, TASK_STREAM))
-        placed = slice(rows.start, rows.start + mission.robots.count)
-        placing = WorldStart(world, placed, self.floor.ground, np.random.default_rng(own), given)
+        self.task.state.reset(world, own)
+        placed = slice(own.start, own.start + mission.robots.count)
+        poses = np.array(start.robots) if start.robots else None
+        placing = WorldStart(world, placed, self.floor.ground, stream, poses, items)
         self.task.place(placing)
-        return placing.poses
+        self.team.reset(world, placing.poses)
+        self.task.reset(world, own)
 
     def states_below(self, root: object, alike: Mapping[str, object]) -> KeptStates:
         """Return the states of these worlds and of all below `root`; `alike` is what they must have in common, too."""
@@ -199,8 +174,7 @@ class Worlds:
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
         floor, minds, task, now = self.floor, self.minds, self.task, self._clock.now
-        self._agendas.apply_due()
-        able = floor.consequences.start_tick(self.team.at_work)
+        able = task.begin_tick()
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
         minds.receive(now)
         if self.world.led:
@@ -211,11 +185,11 @@ class Worlds:
         if self._driven is not None:
             task.follow(self._driven, self.team.working)
             minds.follow(self._driven, self.team.working)
-        floor.consequences.hold_back(minds.commands.packed)
+        task.before_moving(minds.commands)
         floor.move(minds.commands.packed, now)
         self._clock.advance()
         task.after_moving()
-        return self._bear_collisions()
+        return self.collisions.entered_in_tick
 
     def _think(self, able: Ints | None, now: float) -> None:
         """Let the robots that are `able` (K,), all with None, sense, decide and act."""
@@ -231,11 +205,3 @@ class Worlds:
             minds.commands.add(self._correction * self.team.working[:, None])
         minds.leave(now)
         task.after_leaving()
-
-    def _bear_collisions(self) -> Ints:
-        """Let the collisions of the tick have their consequences, and return them (R,)."""
-        floor, entered = self.floor, self.collisions.entered_in_tick
-        lost = floor.consequences.apply(entered, self.team.working, self.physics.present, floor.packed)
-        if len(lost):
-            self.minds.show_items(lost // self.robots, self.physics.positions[lost], self._clock.now)
-        return entered

@@ -10,7 +10,7 @@ from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.drawing.picture import pixels_of
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel

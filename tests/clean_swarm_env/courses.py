@@ -8,7 +8,7 @@ import pytest
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
@@ -49,7 +49,7 @@ def begin(worlds: Worlds, world: int, seed: int) -> None:
 
 def snapshot(worlds: Worlds, world: int) -> dict[str, np.ndarray]:
     """Return copies of all arrays of a world, those of its minds included, by name."""
-    rows, garbage, network = worlds.rows_of(world), worlds.garbage, worlds.network
+    rows, garbage, network = worlds.rows_of(world), worlds.task.garbage, worlds.network
     parts = {
         "positions": worlds.physics.positions[rows],
         "headings": worlds.physics.headings[rows],

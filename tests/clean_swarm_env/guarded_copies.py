@@ -48,7 +48,7 @@ def check(number: int, fault: str) -> None:
     way, state = WAYS[list(WAYS)[number % len(WAYS)]], batch.get_state()
     orphan, course = way(batch), advance(batch, np.random.default_rng(number), 6)
     if fault == "address":
-        orphan.worlds.floor.packed.words[:] = batch.worlds.floor.packed.words
+        orphan.worlds.minds.poses.packed.words[:] = batch.worlds.minds.poses.packed.words
     del batch
     gc.collect()
     assert advance(orphan, np.random.default_rng(number), 6) == course, number

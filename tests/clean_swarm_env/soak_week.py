@@ -129,11 +129,9 @@ def soak(days: int, folder: Path) -> list[str]:
             memory[done, hour], times[done, hour], young_times[done, hour] = resident(), took, timed(young, YOUNG_TICKS)
             if not finite(worlds):
                 wrong.append(f"a number is not finite after {24 * done + hour + 1} h")
-        tick, megabytes = 1e6 * np.median(times[done]), memory[done].mean()
+        tick, megabytes, dumped = 1e6 * np.median(times[done]), memory[done].mean(), worlds.task.garbage.done[0]
         done += 1
-        print(
-            f"day {done}: {tick:.1f} us of CPU time a tick, {megabytes:.2f} MB, {worlds.garbage.done[0]} items dumped"
-        )
+        print(f"day {done}: {tick:.1f} us of CPU time a tick, {megabytes:.2f} MB, {dumped} items dumped")
         (folder / f"{done}").write_bytes(worlds.get_state())
     whole, half = fingerprint(worlds), (done + 1) // 2
     if done > 2:

@@ -15,9 +15,9 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.tasks.cleaning.cost import left_cost, mission_cost
 from clean_swarm_env.world.mission import MissionResult
-from clean_swarm_env.world.mission_end import left_cost, mission_cost
-from clean_swarm_env.world.task import measures_of
+from clean_swarm_env.world.task import task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
 from train.analysis.spread import Ratio
@@ -144,7 +144,7 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
     }
     comparison = compare_strategies(excesses_of(runs), runs.fixed) if runs.fixed else None
     limits = {} if comparison is None else limit_ratios(runs, comparison.best_fixed)
-    measures = measures_of(runs.family.mission)
+    measures = task_class(runs.family.mission).measures
     front = None if measures else _front(runs, summaries)
     tables = {measure.name: runs.table(partial(_measured, measure=measure.name)) for measure in measures}
     values = {

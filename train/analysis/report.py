@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
-from clean_swarm_env.world.task import measures_of
+from clean_swarm_env.world.task import task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Flags, Floats
 from train.analysis.spread import Interval, Ratio
@@ -91,7 +91,7 @@ def report_of(
     conditions = [condition.name for condition in experiment.conditions]
     distances = experiment.mission.collision_distances
     figures = figures_of(records, conditions, [start.id for start in experiment.starts], distances)
-    measures = measures_of(experiment.mission)
+    measures = task_class(experiment.mission).measures
     compared = (COST,) if measures else METRICS
     summarised = (*METRICS, *((COST, *(measure.name for measure in measures)) if measures else ()))
     summaries = {

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
 from selector.documents.trust import BASELINE

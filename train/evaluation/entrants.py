@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observer
+from clean_swarm_env.world.task import task_class
 from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
 from selector.documents.trust import BASELINE
@@ -23,8 +22,8 @@ from train.deciders.named import FILED, FIXED, decider_named
 
 UNTAUGHT = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
 """What is said of a strategy that could learn."""
-NEVER_AVOIDING, RANDOM = f"{FIXED}:Off", "Random"
-"""What every strategy has to beat at avoiding collisions: never to avoid, and any option in each decision period."""
+RANDOM = "Random"
+"""The strategy that takes any option in each decision period."""
 
 
 @dataclass(frozen=True)
@@ -86,19 +85,12 @@ def check_fit(entrants: Sequence[Entrant], batch: Batch, problem: Problem, direc
                 raise DocumentError(f"--strategy {entrant.label}: {error}") from error
 
 
-def with_baselines(
-    entrants: Sequence[Entrant], options: Sequence[str], mission: MissionConfig | None = None
-) -> list[Entrant]:
-    """Return the entrants, and after them those of the baselines that are not among them and exist.
-
-    The baselines of cleaning are `NEVER_AVOIDING` and `RANDOM`; another task has its own, or none.
-    """
+def with_baselines(entrants: Sequence[Entrant], options: Sequence[str], mission: MissionConfig) -> list[Entrant]:
+    """Return the entrants, and after them those of the task's baselines that are not among them and exist."""
     taken = {member for entrant in entrants for member in entrant.members}
-    kind: Any = None if mission is None or mission.cleans else find_task(mission.task.name)
-    names: tuple[str, ...] = (NEVER_AVOIDING, RANDOM)
-    if kind is not None:
-        exists = kind.baseline and (not kind.baseline_option or kind.baseline_option in options)
-        names = (BASELINE,) if exists else ()
+    task = task_class(mission)
+    leads = task.baseline and (not task.baseline_option or task.baseline_option in options)
+    names = task.beside or ((BASELINE,) if leads else ())
     exist = [RANDOM, BASELINE, *(f"{FIXED}:{name}" for option in options for name in option.split(JOINT))]
     return [*entrants, *(Entrant(name, (name,)) for name in names if name in exist and name not in taken)]
 

@@ -12,7 +12,7 @@ from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import load_starts, random_start
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of, goals_of, robot_network
+from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
 from selector.documents.errors import shown, within
 from selector.knowledge import load_knowledge
@@ -89,7 +89,7 @@ class ExperimentEvaluation(Evaluation):
 
     def choosers(self) -> dict[str, Choosers]:
         """Return the strategy of each condition, once for each goal."""
-        goals = goals_of(self.mission, self.directories)
+        goals = task_class(self.mission).goals(self.mission, self.directories)
         knowledge, alone = knowledge_of(self.mission, self.directories), np.zeros(1, dtype=np.int64)
         return {
             condition.name: {
@@ -175,7 +175,7 @@ def by_option(
     knowledge = knowledge_of(mission, directories)
     served = {
         f"{goal} - {option.name}": {goal: option.name}
-        for goal in goals_of(mission, directories)
+        for goal in task_class(mission).goals(mission, directories)
         for option in knowledge.options(goal)
     }
     conditions = tuple(ConditionConfig(name=name, scores=forcing(options)) for name, options in served.items())
@@ -199,8 +199,7 @@ def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], w
         library.check(knowledge)
     with within(where):
         models = coordinators_of(experiment.mission, knowledge, library, directories)
-        if experiment.mission.cleans:
-            robot_network(network, models, directories)
+        task_class(experiment.mission).robot(experiment.mission, models, directories)
     for condition in experiment.conditions:
         try:
             knowledge.with_scores(condition.scores)

@@ -16,7 +16,7 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.world.mission_end import best_score
+from clean_swarm_env.world.task import task_class
 from selector.store.exact_sums import REWARD_LIMIT
 from train.cluster.bits import noted_bits, noting, own_bits
 from train.evaluation.base import Evaluation
@@ -173,8 +173,8 @@ def _give_scores(evaluation: Evaluation, memory: Memory, records: Sequence[RunRe
 
 
 def mission_score(mission: MissionConfig, cost: float) -> float:
-    """Return the score of a mission by its `cost` [s]; see `best_score`.
+    """Return the score of a mission by its `cost` [s]; see `Task.best_score`.
 
     The lowest score is the lowest reward that a store takes.
     """
-    return max(best_score(mission) - cost / mission.time_limit, -REWARD_LIMIT)
+    return max(task_class(mission).best_score - cost / mission.time_limit, -REWARD_LIMIT)

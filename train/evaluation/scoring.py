@@ -7,7 +7,7 @@ from pathlib import Path
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.tasks import task_names
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.world.cleaning.cleaning_robot import goals_of
+from clean_swarm_env.world.task import task_class
 from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown
@@ -31,6 +31,5 @@ def scored_missions(request: Request) -> Sequence[Evaluation]:
         known = dict.fromkeys((*families, *experiments, *task_names()))
         raise ConfigurationError(unknown("family, experiment or task", name, tuple(known)))
     mission = load_family(name, directories).mission
-    return [
-        FamilyEvaluation(replace(request, strategies=(FIXED,), goal=goal)) for goal in goals_of(mission, directories)
-    ]
+    goals = task_class(mission).goals(mission, directories)
+    return [FamilyEvaluation(replace(request, strategies=(FIXED,), goal=goal)) for goal in goals]

@@ -16,6 +16,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.file import SUFFIX
 from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.world.task import task_class
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
@@ -106,12 +107,12 @@ def again(recording: RecordedMission) -> PlayedMission:
 def with_room(mission: MissionConfig) -> MissionConfig:
     """Return the mission with messages that can get lost in small teams, and with room for what may be added by hand.
 
-    The measures of tasks other than cleaning are of all rows of a world, so no robot can be added there.
+    Nobody can be added where the measures of the task are of all rows of a world.
     """
     parts: dict[str, dict[str, Any]] = {
         "delivery": {"own_contents": mission.own_contents or mission.rows <= MOST_HEARING}
     }
-    if mission.cleans:
+    if task_class(mission).changes:
         parts["robots"] = {"capacity": mission.rows + SPARE_ROBOTS}
         parts["garbage"] = {"capacity": mission.item_rows + SPARE_ITEMS}
     changed = {name: {**getattr(mission, name).model_dump(), **change} for name, change in parts.items()}

@@ -3,7 +3,7 @@
 Of strategies under disturbances there is a table for each strategy, with a row for each disturbance.
 """
 
-from clean_swarm_env.world.mission_end import LEFT_LIMITS
+from clean_swarm_env.tasks.cleaning.cost import LEFT_LIMITS
 from train.analysis.family_report import LIMITS, PRICES, FamilyReport, Front
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.spread import too_few
@@ -41,7 +41,7 @@ def family_tables(report: FamilyReport) -> list[Grid]:
 
 def _means(report: FamilyReport) -> Grid:
     family, mission = report.runs.family, report.runs.missions[0]
-    shown = [name for name in MEANS if mission.cleans or name not in CLEANING_ONLY]
+    shown = [name for name in MEANS if name not in CLEANING_ONLY or not report.measured]
     rows = []
     for label, own in report.summaries.items():
         figures = [f"{own[name].mean:.1f}" for name in shown]
@@ -51,7 +51,7 @@ def _means(report: FamilyReport) -> Grid:
     contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
     left = "" if mission.continuous else f" + {LEFT_LIMITS * mission.time_limit:g} s an item left"
     cost = f"cost = {every}seconds + {mission.collision_cost:g} s an event{contact}{left}"
-    if not mission.cleans:
+    if report.measured:
         cost = f"cost = {mission.time_limit:g} s times the measure that is worst by its target"
     heads = ("strategy", _unfinished(report), *(MEANS[name] for name in shown), "95 %")
     return Grid(f"{family.name}: means; {cost}", heads, rows)

@@ -8,7 +8,7 @@ import numpy as np
 from rich.table import Table
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.mission_end import best_score
+from clean_swarm_env.world.task import task_class
 from selector.knowledge import ENOUGH, Knowledge
 from selector.store import Key, StoredKnowledge, StoreError
 from selector.store.stored_knowledge import LearnedEntry
@@ -74,7 +74,7 @@ def learned_scores(knowledge: Knowledge, title: str, mission: MissionConfig) -> 
             score = EMPTY_CELL if not count else _with_interval(mean, half, ".4f")
             cost, limit = EMPTY_CELL, mission.time_limit
             if count:
-                spent = best_score(mission) - mean
+                spent = task_class(mission).best_score - mean
                 cost = _with_interval(spent * limit, None if half is None else half * limit, ".1f")
             counts = f"{problem.scores[k]:.4g} {'expert' if problem.scores[k] == option.score else 'learned'}"
             taken = "taken" if k == int(np.argmax(problem.scores)) else ""

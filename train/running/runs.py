@@ -19,7 +19,7 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionResult, MissionRun, run_mission
-from clean_swarm_env.world.task import measures_of
+from clean_swarm_env.world.task import task_class
 from selector.coordination.selection import BY_SCORE
 from selector.documents.fields import LARGEST_NUMBER
 from selector.strategies.registry import StrategySpec
@@ -89,7 +89,7 @@ class RunRecord:
         """Return how the record shows that it is not of `mission` in an evaluation; empty if nothing shows it."""
         result = self.result
         limit = mission.time_limit * (1.0 + 1e-9)
-        names = {measure.name for measure in measures_of(mission)}
+        names = {measure.name for measure in task_class(mission).measures}
         checks = (
             ("experiment", self.experiment == experiment, experiment, self.experiment),
             ("seed", self.seed == seed, seed, self.seed),

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.known import knowledge_of
-from clean_swarm_env.config.load import load_family, with_changes
+from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.tasks import with_changes
 from selector.configurations.library import library_of
 from selector.documents.errors import DocumentError, validated
 from selector.documents.parameters import Content

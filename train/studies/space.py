@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from optuna.distributions import BaseDistribution, CategoricalDistribution, FloatDistribution, IntDistribution
 
-from clean_swarm_env.config.load import with_changes
+from clean_swarm_env.config.tasks import with_changes
 from selector.configurations.library import library_of
 from selector.documents.errors import DocumentError, validated, within
 from selector.documents.parameters import Content

@@ -21,18 +21,14 @@ from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation import thing_terms as thing_terms
 from clean_swarm_env.learning.observation import true_terms as true_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
+from clean_swarm_env.tasks.cleaning.task import Cleaning
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Number, Positive
 from selector.documents.imported import NameOrImport, imported, is_import
 from selforg.registry import unknown
 
-DEFAULT_TERMS = (
-    "garbage", "cargo", "phase", "situation", "recycling", "dump", "nearness", "target", "neighbour", "encounter",
-    "crowd", "avoidance", "movement", "time", "idle", "holds",
-)  # fmt: skip
-"""The terms of an observation unless others are chosen: what a robot senses or has heard, all of them compiled."""
-TASK_TERMS = ("command", "things", "neighbour", "crowd", "movement", "facts", "task", "time", "holds")
-"""The terms of an observation of a task other than cleaning, unless others are chosen."""
+DEFAULT_TERMS = Cleaning.terms
+"""The terms of cleaning robots unless others are chosen: what one senses or has heard, all of them compiled."""
 TRUE_TERMS = ("true_neighbour", "true_encounter", "true_crowd", "true_carriers", "true_density", "true_done")
 """Compiled terms that no robot could know; the modules of all terms are imported above."""
 

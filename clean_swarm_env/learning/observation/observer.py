@@ -14,6 +14,7 @@ from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERM
 from clean_swarm_env.learning.observation.searches import search
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term
 from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
+from clean_swarm_env.tasks.cleaning.task import Cleaning, garbage_of
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
@@ -80,7 +81,8 @@ class Observer:
 
 def around_robots(worlds: Worlds, progress: MissionProgress, config: ObservationConfig) -> Around:
     """Return the surroundings of the robots of `worlds`, before any search."""
-    physics, garbage, network, robots = worlds.physics, worlds.garbage, worlds.network, worlds.mission.robots
+    physics, garbage, network, robots = worlds.physics, garbage_of(worlds.task), worlds.network, worlds.mission.robots
+    site = worlds.task.site if isinstance(worlds.task, Cleaning) else None
     sizes = [len(coordinator.model.options) for coordinator in worlds.coordinators]
 
     def numbers(*shape: int) -> Ints:
@@ -101,15 +103,15 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         stage=garbage.stage,
         done=garbage.done,
         arrived=garbage.arrived,
-        stations=worlds.stations,
-        station_kinds=worlds.floor.packed.record.kinds,
+        stations=np.zeros((worlds.worlds, 0, 2)) if site is None else site.stations,
+        station_kinds=numbers(0) if site is None else site.kinds,
         readings=network.readings,
         marks=network.state.mark_table,
         limits=progress.limits,
         idle=progress.idle,
         first_options=np.cumsum([0, *sizes])[:-1],
         ranges=np.array(config.neighbour_ranges),
-        sight=worlds.floor.packed.record.sight,
+        sight=0.0 if site is None else site.packed.record.sight,
         longest=worlds.floor.ground.longest,
         station_range=config.station_range,
         full_crowd=config.full_crowd,

@@ -17,7 +17,7 @@ from clean_swarm_env.physics.cells import (
     nearest_of_kind,
     nearest_point,
 )
-from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from selforg.arrays import Ints
 from selforg.compiler.decorators import kernel, part
 from selforg.compiler.records import Words

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
+from clean_swarm_env.tasks.cleaning.task import cleaning_of
 from selforg.arrays import Floats, Ints
 from selforg.space import Torus
 
@@ -23,11 +24,12 @@ class YardsTerm(Term):
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the flags."""
         worlds = self.observed.worlds
-        space, kinds = Torus(*worlds.extent.tolist()), worlds.floor.packed.record.kinds
+        task = cleaning_of(worlds.task)
+        space, kinds = Torus(*worlds.extent.tolist()), task.site.kinds
         apart = np.zeros((worlds.worlds, 2), dtype=np.bool_)
         for kind in range(2):
-            places = worlds.stations[:, kinds == kind]  # (W, K, 2)
+            places = task.stations[:, kinds == kind]  # (W, K, 2)
             offsets = space.offsets(np.broadcast_to(places[:, :1], places.shape), places)
             apart[:, kind] = ((offsets**2).sum(axis=2) > self.together**2).any(axis=1)
-        several = apart[rows // worlds.robots, worlds.garbage.recycled[rows]]
+        several = apart[rows // worlds.robots, task.garbage.recycled[rows]]
         out[0, rows], out[1, rows] = ~several, several

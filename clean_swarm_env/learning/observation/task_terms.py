@@ -5,7 +5,7 @@ from __future__ import annotations
 from clean_swarm_env.learning.observation.around import Around, copy_way, write_way
 from clean_swarm_env.learning.observation.term import compiled_term
 from clean_swarm_env.learning.phases import PHASES
-from clean_swarm_env.world.cleaning.garbage import NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from selforg.arrays import Floats
 
 

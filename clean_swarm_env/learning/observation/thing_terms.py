@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.ground import Ground
-from clean_swarm_env.world.task_parts import Things
+from clean_swarm_env.world.task_parts import kinds_of
 from selforg.arrays import Flags, Floats, Ints
 from selforg.elementary import unit_vectors
 
@@ -93,14 +93,6 @@ class TaskTerm(Term):
 def component_names(name: str, values: Floats) -> Sequence[str]:
     """Return the names of the components of values (R,) or (R, K), which are numbered from 0."""
     return (name,) if values.ndim == 1 else [f"{name}_{k}" for k in range(values.shape[1])]
-
-
-def kinds_of(things: Sequence[Things]) -> Sequence[str]:
-    """Return the names of kinds of things: their channels, with `_repulsive` where one is there twice."""
-    names: list[str] = []
-    for thing in things:
-        names.append(f"{thing.channel}_repulsive" if thing.channel in names else thing.channel)
-    return names
 
 
 def in_own_frame(vectors: Floats, headings: Floats) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from clean_swarm_env.learning.observation.around import Around, write_way
 from clean_swarm_env.learning.observation.team_terms import CrowdTerm
 from clean_swarm_env.learning.observation.term import TERMS, compiled_term
-from clean_swarm_env.world.cleaning.garbage import NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined
 from selforg.elementary import sine_cosine

@@ -14,7 +14,7 @@ from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorE
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from tests.clean_swarm_env.courses import long_course, mission
 
 SHORT = mission(garbage={"count": 2}, time_limit=50.0)

@@ -7,7 +7,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING
 from clean_swarm_env.drawing.canvases import canvas_of
-from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.world.mission import Course, MissionRun
 from tests.clean_swarm_env.courses import mission, worlds_at_start
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
@@ -21,13 +21,13 @@ def test_the_picture_shows_robots_items_cargo_and_the_trail_of_its_own_world():
         for world in range(2):
             rows = worlds.rows_of(world)
             for row, load in zip(rows, canvas_of(worlds, world).cargo, strict=True):
-                carries, recycled = worlds.garbage.cargo[row] != NOTHING, worlds.garbage.recycled[row]
+                carries, recycled = worlds.task.garbage.cargo[row] != NOTHING, worlds.task.garbage.recycled[row]
                 assert load == ((LEFTOVERS if recycled else GARBAGE) if carries else SEARCHING)
                 loads.add(int(load))
     assert loads == {SEARCHING, GARBAGE, LEFTOVERS}
     canvas = canvas_of(worlds, 1)
     assert np.array_equal(canvas.positions, worlds.physics.positions[5:])
-    assert len(canvas.garbage) == (worlds.garbage.stage[1] == LYING).sum()
+    assert len(canvas.garbage) == (worlds.task.garbage.stage[1] == LYING).sum()
     assert len(canvas.pheromones) > 50
     assert canvas.pheromone_diffusions.max() == 1.0
     assert 0.3 < canvas.pheromone_diffusions.min() < 0.95  # evaporated once at least, and not yet gone

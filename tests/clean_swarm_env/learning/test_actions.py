@@ -7,8 +7,8 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.phases import PHASES
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
-from clean_swarm_env.world.cleaning.garbage import NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import NOTHING
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
@@ -30,7 +30,7 @@ def test_masks_follow_the_phase_and_options_that_cannot_serve_give_way():
     for _ in range(150):
         phases = [PHASES[phase] for phase in batch.observer.phases]
         met |= set(phases)
-        carrying = batch.worlds.garbage.cargo != NOTHING
+        carrying = batch.worlds.task.garbage.cargo != NOTHING
         assert carrying.tolist() == [phase.startswith("to_") for phase in phases]
         masks, options = batch.masks(), rng.integers(0, 3, 10)
         assert masks.tolist() == [TABLE[phase] for phase in phases]

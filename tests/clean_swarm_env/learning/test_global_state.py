@@ -23,10 +23,10 @@ def test_the_state_says_where_everything_is():
         pair = [state[f"robot_{row}_heading_{name}"] for name in ("cos", "sin")]
         assert np.allclose(pair, [np.cos(heading), np.sin(heading)])
         assert [state[f"robot_{row}_holds_{option}"] for option in OPTIONS] == [1, 0, 0]
-    assert np.allclose(state["dump_x"], worlds.stations[0, 1, 0] / worlds.extent[0] * 2 - 1)
+    assert np.allclose(state["dump_x"], worlds.task.stations[0, 1, 0] / worlds.extent[0] * 2 - 1)
     for _ in range(40):
         env.step(dict.fromkeys(env.agents, 2))
-    state, garbage = named(env), worlds.garbage
+    state, garbage = named(env), worlds.task.garbage
     assert [state[f"robot_{row}_carrying"] for row in range(5)] == (garbage.cargo >= 0).tolist()
     assert [state[f"item_{k}_done"] for k in range(10)] == (garbage.stage[0] == 2).tolist()
     assert [state[f"robot_{row}_holds_{OPTIONS[2]}"] for row in range(5)] == [1] * 5

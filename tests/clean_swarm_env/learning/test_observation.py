@@ -11,7 +11,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.learning.phases import PHASES
-from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
 RANGES = (1.0, 1.5, 2.5)
@@ -31,7 +31,7 @@ def _way(worlds, row, other, scale):
 
 
 def _task(batch, row):
-    worlds, garbage = batch.worlds, batch.worlds.garbage
+    worlds, garbage = batch.worlds, batch.worlds.task.garbage
     world, stations = row // worlds.robots, worlds.mission.stations
     place, diagonal = worlds.physics.positions[row], hypot(*worlds.extent) / 2
     carrying, recycled = garbage.cargo[row] != NOTHING, garbage.recycled[row] == 1
@@ -56,7 +56,7 @@ def _task(batch, row):
 
 def _others(batch, row):
     worlds, physics = batch.worlds, batch.worlds.physics
-    loaded = worlds.garbage.cargo != NOTHING
+    loaded = worlds.task.garbage.cargo != NOTHING
     others = [other for other in worlds.rows_of(row // worlds.robots) if other != row]
     offsets = {other: _offset(worlds, physics.positions[row], physics.positions[other]) for other in others}
     near = sorted((hypot(*offset), other) for other, offset in offsets.items() if hypot(*offset) <= RANGES[-1])
@@ -101,7 +101,7 @@ def _heard(batch, row, spread):
 
 
 def _expected(batch, row, idle, spread):
-    worlds, config, garbage = batch.worlds, batch.mission, batch.worlds.garbage
+    worlds, config, garbage = batch.worlds, batch.mission, batch.worlds.task.garbage
     world, network = row // worlds.robots, worlds.network
     length = network.readings[row, network.model.sensor_index["rep_len"]]
     avoiding = network.executing[row, network.model.behaviour_index["AvoidCollision"]]

@@ -7,7 +7,7 @@ import yaml
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import AVOIDINGS, PICKINGS
 from clean_swarm_env.learning.reward import RewardConfig
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from tests.clean_swarm_env.courses import mission
 from tests.paths import ROOT
 
@@ -75,11 +75,11 @@ def test_an_item_is_paid_for_once_whoever_picks_it_again():
     batch.reset([1])
     off = np.full(batch.rows, batch.options[GOAL].index("Off"))
     paid = picked = 0
-    carried = batch.worlds.garbage.cargo >= 0
+    carried = batch.worlds.task.garbage.cargo >= 0
     while not batch.finished:
         for worlds in batch.ticks(off):
-            picked += int((worlds.garbage.cargo[~carried] >= 0).sum())
-            carried = worlds.garbage.cargo >= 0
+            picked += int((worlds.task.garbage.cargo[~carried] >= 0).sum())
+            carried = worlds.task.garbage.cargo >= 0
         paid += int(batch.progress.events[PICKINGS].sum())
         batch.end_period()
     assert picked > 2 * 16  # robots collide, and what they lose is picked again

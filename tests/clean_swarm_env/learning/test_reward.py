@@ -20,7 +20,8 @@ from clean_swarm_env.learning.progress import (
     Period,
 )
 from clean_swarm_env.learning.reward import RewardConfig, Rewards
-from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, cost_terms
+from clean_swarm_env.tasks.cleaning.cost import cost_terms
+from clean_swarm_env.world.mission_end import COMPLETED, RUNNING
 from tests.clean_swarm_env.courses import long_course
 
 

@@ -147,10 +147,10 @@ def test_yards_tell_whether_stations_of_the_kind_wanted_next_stand_together():
     nothing = mission(stations=stations, garbage={"count": 1}, robots={"count": 2})
     batch = Batch(nothing, observation=ObservationConfig(terms=["yards"]))
     batch.reset([1])
-    batch.worlds.garbage.recycled[1] = 1
+    batch.worlds.task.garbage.recycled[1] = 1
     seen = np.zeros((2, 2), dtype=np.float32)
     batch.observer.observe(seen)
     assert seen.tolist() == [[1.0, 0.0], [0.0, 1.0]]
-    batch.worlds.stations[0, 1] = 8.0, 7.8
+    batch.worlds.task.stations[0, 1] = 8.0, 7.8
     batch.observer.observe(seen)
     assert seen.tolist() == [[1.0, 0.0], [1.0, 0.0]]

@@ -9,8 +9,8 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.progress import PICKINGS, RECYCLINGS, MissionProgress
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
-from clean_swarm_env.world.cleaning.cleaning_robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN, coordinators_of
-from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN, coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
@@ -61,15 +61,15 @@ class Followed:
         self.put_down = 0
 
     def tick(self):
-        worlds, garbage, floor = self.worlds, self.worlds.garbage, self.worlds.floor
+        worlds, task, garbage = self.worlds, self.worlds.task, self.worlds.task.garbage
         places, items = worlds.physics.positions.copy(), garbage.positions[0].copy()
         lying = items[garbage.stage[0] == LYING]
         cargo, recycled = garbage.cargo.copy(), garbage.recycled.copy()
-        standing = floor.consequences.standing > 1
+        standing = task.consequences.standing > 1
         left = np.where(recycled, ways(places, DUMP)[:, 0], ways(places, RECYCLING)[:, 0])
         worlds.tick()
 
-        seen = (ways(places, lying) <= floor.packed.record.sight).any(axis=1) & (self.blind == 0)
+        seen = (ways(places, lying) <= task.site.packed.record.sight).any(axis=1) & (self.blind == 0)
         readings = worlds.network.readings
         assert np.array_equal(readings[:, GARBAGE_SEEN], seen)
         assert np.array_equal(readings[:, GARBAGE_FOUND], seen | (cargo != NOTHING))
@@ -95,7 +95,8 @@ class Followed:
 
     def dumped(self, cargo):
         """Return where the cargo (R,) before a tick was dumped in it."""
-        return (cargo != NOTHING) & (self.worlds.garbage.stage[0, cargo] != LYING) & (self.worlds.garbage.cargo < 0)
+        garbage = self.worlds.task.garbage
+        return (cargo != NOTHING) & (garbage.stage[0, cargo] != LYING) & (garbage.cargo < 0)
 
 
 def test_robots_put_down_what_has_gained_its_span_and_see_nothing_for_a_time():
@@ -106,7 +107,7 @@ def test_robots_put_down_what_has_gained_its_span_and_see_nothing_for_a_time():
     for handed in ([1, 1, 1, 0], [1, 1, 1, 1]):  # on its way to the dump
         for _ in range(45):
             followed.tick()
-        assert worlds.garbage.paid[0].tolist() == handed
+        assert worlds.task.garbage.paid[0].tolist() == handed
 
 
 @long_course
@@ -126,31 +127,31 @@ def test_who_has_put_cargo_down_picks_it_again_after_the_time_and_is_paid_for_it
     progress = MissionProgress(worlds)
     progress.reset(0)
     progress.begin_period()
-    while not worlds.garbage.blind[0]:
+    while not worlds.task.garbage.blind[0]:
         progress.note(worlds.tick())
     worlds.drive(np.zeros((1, 2)))  # it stays beside the item
     blind = 0
-    while worlds.garbage.cargo[0] == NOTHING:
+    while worlds.task.garbage.cargo[0] == NOTHING:
         progress.note(worlds.tick())
         blind += 1
     assert blind == BLIND + 1
     assert worlds.physics.positions[0, 0] < 5.4
     worlds.drive(None)
-    while worlds.garbage.cargo[0] != NOTHING:  # it brings what is near to the station, and puts down leftovers
+    while worlds.task.garbage.cargo[0] != NOTHING:  # it brings what is near to the station, and puts down leftovers
         progress.note(worlds.tick())
-    assert worlds.garbage.leftover[0, 0] == 1
+    assert worlds.task.garbage.leftover[0, 0] == 1
     assert progress.events[[PICKINGS, RECYCLINGS], 0].tolist() == [1, 1]
 
 
 def test_a_robot_that_stands_after_a_collision_keeps_its_cargo():
     worlds = one_robot((1.0, 10.0))
-    while worlds.garbage.cargo[0] == NOTHING:
+    while worlds.task.garbage.cargo[0] == NOTHING:
         worlds.tick()
-    worlds.floor.consequences.standing[0] = 10  # in a mission without consequences it drives on
+    worlds.task.consequences.standing[0] = 10  # in a mission without consequences it drives on
     for _ in range(40):
         worlds.tick()
     assert ways(worlds.physics.positions, RECYCLING)[0, 0] < 4.5
-    assert worlds.garbage.cargo[0] == 0
+    assert worlds.task.garbage.cargo[0] == 0
 
 
 def test_worlds_go_on_alike_alone_in_a_batch_and_from_a_state():
@@ -182,10 +183,10 @@ def test_a_recording_holds_what_was_put_down_and_where(tmp_path):
     recorder = MissionRecorder(worlds, RecordSettings(tmp_path))
     path = recorder.open(0, {})
     frames = []
-    while not frames or not worlds.garbage.recycled[0]:
+    while not frames or not worlds.task.garbage.recycled[0]:
         worlds.tick()
         recorder.record()
-        frames.append((worlds.garbage.stage[0, 0], *worlds.garbage.positions[0, 0]))
+        frames.append((worlds.task.garbage.stage[0, 0], *worlds.task.garbage.positions[0, 0]))
     recorder.close()
     recorded = RecordedMission(path)
     stages, *places = np.array(frames).T
@@ -196,7 +197,7 @@ def test_a_recording_holds_what_was_put_down_and_where(tmp_path):
 
 def whole(worlds, world):
     """Return the arrays of a world with what a chain remembers."""
-    garbage, rows = worlds.garbage, worlds.rows_of(world)
+    garbage, rows = worlds.task.garbage, worlds.rows_of(world)
     own = {"leg": garbage.leg[rows], "blind": garbage.blind[rows], "paid": garbage.paid[world]}
     return snapshot(worlds, world) | {**own, "items": garbage.positions[world]}
 

@@ -5,8 +5,8 @@ import pytest
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import Course, MissionRun, run_mission
+from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError

@@ -6,7 +6,7 @@ import pytest
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance
-from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
+from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge

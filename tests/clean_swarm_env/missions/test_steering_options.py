@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL, coordinators_of
+from clean_swarm_env.tasks.cleaning.robot import GOAL, coordinators_of
 from clean_swarm_env.world.explaining import _coordinated
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
@@ -33,7 +33,7 @@ def test_robots_that_steer_do_what_their_other_behaviours_decide_and_take_no_tur
     for _ in range(100):
         worlds.tick()
         assert not worlds.network.executing[:, index].any()
-    assert worlds.garbage.done[0] > 0
+    assert worlds.task.garbage.done[0] > 0
     worlds.hold(np.zeros(worlds.rows, dtype=np.int64))  # a repulsion again
     for _ in range(50):
         worlds.tick()

@@ -12,8 +12,8 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance, random_start
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.physics.cells import nearest_of_kind
-from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
-from clean_swarm_env.world.cleaning.garbage import DONE
+from clean_swarm_env.tasks.cleaning.garbage import DONE
+from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
@@ -77,11 +77,11 @@ def test_a_mission_with_three_stations_of_a_kind_uses_all_of_them_and_no_other_p
     assert kinds.tolist() == [RECYCLING, DUMP, RECYCLING, RECYCLING, DUMP, DUMP]
     worlds.hold(np.tile([0, 0, worlds.coordinators[2].model.options.index("ORCA")], (worlds.rows, 1)))
     while not worlds.done[0] and worlds.ticks[0] < 5 * 300:
-        recycled, done = worlds.garbage.recycled.copy(), worlds.garbage.stage[0] == DONE
-        cargo, standing = worlds.garbage.cargo.copy(), worlds.physics.positions.copy()
+        recycled, done = worlds.task.garbage.recycled.copy(), worlds.task.garbage.stage[0] == DONE
+        cargo, standing = worlds.task.garbage.cargo.copy(), worlds.physics.positions.copy()
         worlds.tick()
-        dumped = np.flatnonzero((worlds.garbage.stage[0] == DONE) & ~done)
-        rows = {RECYCLING: (recycled == 0) & (worlds.garbage.recycled == 1), DUMP: np.isin(cargo, dumped)}
+        dumped = np.flatnonzero((worlds.task.garbage.stage[0] == DONE) & ~done)
+        rows = {RECYCLING: (recycled == 0) & (worlds.task.garbage.recycled == 1), DUMP: np.isin(cargo, dumped)}
         for kind, chosen in rows.items():
             for place in standing[chosen]:
                 away = [nearest_distance(place, station[None], worlds.extent) for station in places]
@@ -111,7 +111,7 @@ def test_the_first_stations_of_a_mission_may_move_and_robots_that_choose_know_it
     moved = {"at": 2.0, "do": "move_stations", "recycling": [1.0, 1.0], "dump": [6.0, 1.0]}
     worlds = carrying("Nearest", ((5.0, 5.0, 0.0),), events=[moved])
     run(worlds, 3.0)
-    assert worlds.stations[0].tolist() == [[1.0, 1.0], [6.0, 1.0], [9.0, 10.0]]
+    assert worlds.task.stations[0].tolist() == [[1.0, 1.0], [6.0, 1.0], [9.0, 10.0]]
     pairs = Queries(worlds.minds.buffers["stations"]).gather(worlds.now, [0]).pairs
     known = (worlds.minds.poses.positions[0] + pairs[:, :2]) % worlds.extent
     assert sorted(known.round(1).tolist()) == [[1.0, 1.0], [6.0, 1.0], [9.0, 10.0]]
@@ -148,11 +148,11 @@ def test_who_queues_waits_before_a_station_and_goes_on_when_it_is_free():
         worlds.minds.poses.silence(np.array([1]), False)
         run(worlds, 10.0)
         distances[option] = nearest_distance(worlds.physics.positions[0], np.array([[3.0, 10.0]]), worlds.extent)
-        assert bool(worlds.garbage.recycled[0]) is (option == "Nearest")
+        assert bool(worlds.task.garbage.recycled[0]) is (option == "Nearest")
     assert 2.8 < distances["Queue"] < 2.91  # it was nearer than 4 m at the start
     worlds.minds.poses.silence(np.array([1]))
     run(worlds, 4.0)
-    assert worlds.garbage.recycled[0]
+    assert worlds.task.garbage.recycled[0]
 
 
 def test_transport_steers_no_robot_that_avoids_another():
@@ -163,7 +163,7 @@ def test_transport_steers_no_robot_that_avoids_another():
     for _ in range(30):
         worlds.tick()
         vector = worlds.minds.commands.vectors[0]
-        if network.executing[0, index["AvoidCollision"]] and worlds.garbage.cargo[0] >= 0:
+        if network.executing[0, index["AvoidCollision"]] and worlds.task.garbage.cargo[0] >= 0:
             avoided = worlds.coordinators[2].contents[0].mechanisms["avoidance"].move(worlds.now - 0.2)[0][0]
             seen.append(np.allclose(vector, avoided))
     assert len(seen) > 3
@@ -181,7 +181,7 @@ def test_one_robot_that_takes_the_nearest_station_moves_as_without_the_choice():
         for _ in range(600):
             worlds.tick()
             places.append(worlds.physics.positions[0].copy())
-        assert worlds.garbage.done[0] > 0
+        assert worlds.task.garbage.done[0] > 0
         courses.append(np.array(places))
     np.testing.assert_allclose(*courses, atol=1e-6)
 
@@ -192,7 +192,7 @@ def test_worlds_of_one_batch_may_have_their_stations_at_different_places():
     worlds = Worlds(base, coordinators_of(base, load_knowledge(base.knowledge), Library()), 2)
     for world, mission in enumerate((base, other)):
         worlds.reset(world, random_start(mission, 2, 0), 3, mission)
-    assert worlds.stations[:, 2].tolist() == [[9.0, 10.0], [9.0, 3.0]]
+    assert worlds.task.stations[:, 2].tolist() == [[9.0, 10.0], [9.0, 3.0]]
     fewer = base.model_copy(update={"stations": base.stations.model_copy(update={"further_recycling": ()})})
     with pytest.raises(ValueError, match="stations: expected"):
         worlds.reset(0, random_start(fewer, 2, 0), 3, fewer)
@@ -204,9 +204,9 @@ def test_damaged_robots_are_mended_at_every_station():
         mission = mission_of(1, 0, consequences=consequences)
         worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
         worlds.reset(0, StartConfiguration(id="own", robots=((*place, 0.0),), items=()), 3)
-        worlds.floor.consequences.collisions[0] = 1
+        worlds.task.consequences.collisions[0] = 1
         worlds.tick()
-        assert bool(worlds.floor.consequences.damaged[0]) is (place == (15.0, 15.0))
+        assert bool(worlds.task.consequences.damaged[0]) is (place == (15.0, 15.0))
 
 
 def test_an_environment_has_actions_for_all_goals_and_a_state_with_all_stations():
@@ -220,6 +220,6 @@ def test_an_environment_has_actions_for_all_goals_and_a_state_with_all_stations(
     np.testing.assert_allclose(env.state()[[env.state_names.index(name) for name in kinds]], stations, atol=1e-6)
     world = env.unwrapped._batch.worlds
     own = world.physics.positions[0]
-    away = min(nearest_distance(own, np.array([p]), world.extent) for p in world.stations[0, [0, 2, 3]])
+    away = min(nearest_distance(own, np.array([p]), world.extent) for p in world.task.stations[0, [0, 2, 3]])
     seen = observations["robot_0"][env.observation_names.index("recycling_distance")]
     assert seen == pytest.approx(away / (10.0 * np.sqrt(2.0)), abs=1e-6)

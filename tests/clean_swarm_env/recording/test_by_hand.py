@@ -6,7 +6,7 @@ from pydantic import TypeAdapter
 
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.by_hand import ByHand, Change
-from clean_swarm_env.world.cleaning.garbage import ABSENT, CARRIED, LYING
+from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, LYING
 from clean_swarm_env.world.mission import Course, MissionRun
 from tests.clean_swarm_env.courses import mission
 
@@ -66,22 +66,22 @@ def test_items_come_move_and_go_and_are_seen_where_they_lie(worlds):
         return bool(worlds.network.readings[robot, 0])  # garbage_seen
 
     for item in range(4):
-        if worlds.garbage.stage[0, item] == LYING:
+        if worlds.task.garbage.stage[0, item] == LYING:
             made(worlds, do="remove_item", item=item)
-    arrived = int(worlds.garbage.arrived[0])
+    arrived = int(worlds.task.garbage.arrived[0])
     assert not seen(0)
     x, y = worlds.physics.positions[0].tolist()
     made(worlds, do="add_item", x=x + 1.5, y=y)
-    item = int(np.flatnonzero(worlds.garbage.stage[0] == LYING)[0])
-    assert worlds.garbage.arrived[0] == arrived + 1
+    item = int(np.flatnonzero(worlds.task.garbage.stage[0] == LYING)[0])
+    assert worlds.task.garbage.arrived[0] == arrived + 1
     assert seen(0)
     far = free_place(worlds)
     made(worlds, do="put_item", item=item, x=far[0], y=far[1])
-    assert worlds.garbage.positions[0, item] == pytest.approx(far)
+    assert worlds.task.garbage.positions[0, item] == pytest.approx(far)
     assert not seen(0)
     made(worlds, do="remove_item", item=item)
-    assert worlds.garbage.stage[0, item] == ABSENT
-    assert worlds.garbage.arrived[0] == arrived
+    assert worlds.task.garbage.stage[0, item] == ABSENT
+    assert worlds.task.garbage.arrived[0] == arrived
 
 
 def test_messages_get_lost(worlds):
@@ -128,7 +128,7 @@ def test_what_is_impossible_changes_nothing(worlds):
     made(worlds, do="add_robot", x=x, y=y)
     with pytest.raises(ValueError, match="expected at most 4 robots"):
         made(worlds, do="add_robot", x=x, y=y + 1.0)
-    room = int((worlds.garbage.stage[0] == ABSENT).sum())
+    room = int((worlds.task.garbage.stage[0] == ABSENT).sum())
     for _ in range(room):
         made(worlds, do="add_item", x=1.0, y=1.0)
     with pytest.raises(ValueError, match="an item more: expected at most 5 lying or carried"):
@@ -148,8 +148,8 @@ def test_events_of_the_mission_pass_over_robots_that_a_person_took_away():
 
 
 def test_a_carried_item_is_not_moved_by_hand(worlds):
-    while not (worlds.garbage.stage[0] == CARRIED).any():
+    while not (worlds.task.garbage.stage[0] == CARRIED).any():
         worlds.tick()
-    item = int(np.flatnonzero(worlds.garbage.stage[0] == CARRIED)[0])
+    item = int(np.flatnonzero(worlds.task.garbage.stage[0] == CARRIED)[0])
     with pytest.raises(ValueError, match=f"item {item}: expected an item that lies"):
         made(worlds, do="put_item", item=item, x=1.0, y=1.0)

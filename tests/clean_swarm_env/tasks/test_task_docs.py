@@ -6,9 +6,8 @@ import pytest
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.config import TASK_TERMS
 from clean_swarm_env.learning.observation.term import TERMS
-from clean_swarm_env.tasks import TASKS
+from clean_swarm_env.tasks import TASKS, Task
 from clean_swarm_env.world.task_parts import key_of
 from tests.clean_swarm_env.courses import long_course
 from tests.paths import ROOT
@@ -53,7 +52,7 @@ def test_the_tasks_on_the_page_are_those_of_the_code():
 
 def test_the_terms_on_the_page_are_those_of_the_code():
     expected = []
-    for name in TASK_TERMS:
+    for name in Task.terms:
         seen = Batch("Foraging", observation={"terms": [name]}).observer.names if name != "task" else ()
         components = ", ".join(f"`{component}`" for component in seen) or "none"
         expected.append(f"| `{name}` | {TERMS.find(name).meaning()} | {components} |")
@@ -65,4 +64,4 @@ def test_the_infos_on_the_page_are_those_of_the_code():
     env.reset(seed=1)
     infos = env.step(dict.fromkeys(env.agents, 0))[-1]["robot_0"]
     listed = re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.*?) \|", PAGE.partition("## Infos")[2], re.MULTILINE)))
-    assert set(infos) - {"items_brought_per_minute"} == set(listed) - set(TASK_TERMS)
+    assert set(infos) - {"items_brought_per_minute"} == set(listed) - set(Task.terms)

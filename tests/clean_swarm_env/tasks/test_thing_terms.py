@@ -6,7 +6,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.figures import team_columns
-from clean_swarm_env.learning.observation.config import TASK_TERMS
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState
 
@@ -33,14 +32,14 @@ def eastward():
 
 
 def seen(mission, *terms, seed=5, steps=0, **settings):
-    batch = Batch(mission, observation={"terms": list(terms) or list(TASK_TERMS)}, **settings)
+    batch = Batch(mission, observation={"terms": list(terms) or list(Task.terms)}, **settings)
     observations = batch.reset([seed])
     for _ in range(steps):
         observations = batch.step(np.tile(batch.choices.default, (batch.rows, 1))).observations
     return batch, observations.astype(np.float64)
 
 
-@pytest.mark.parametrize("name", TASK_TERMS)
+@pytest.mark.parametrize("name", Task.terms)
 def test_every_term_says_what_it_means(name):
     assert TERMS.find(name).meaning()
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from clean_swarm_env.world.cleaning.cleaning_robot import OWN_SENSORS
-from clean_swarm_env.world.records import FloorRecord, MindsRecord
+from clean_swarm_env.tasks.cleaning.records import FloorRecord, MindsRecord
+from clean_swarm_env.tasks.cleaning.robot import OWN_SENSORS
 from selforg.network.state import MARK_LAYERS
 
 

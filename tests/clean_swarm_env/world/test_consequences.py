@@ -10,7 +10,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import DUMPINGS
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.mission import MissionRun
 from tests.clean_swarm_env.courses import CROWD, course, difference, mission, worlds_at_start
 from tests.train.commands import run
@@ -49,7 +49,7 @@ def test_two_robots_that_collide_stand_for_the_time_and_then_go_on():
         moved = np.abs(worlds.physics.positions - stopped).max(axis=1)
         assert moved[:2].max() < 0.03  # the solver moves discs that overlap apart
         assert moved[2] > 0.05
-    assert (worlds.floor.consequences.standing > 0).tolist() == [True, True, False]
+    assert (worlds.task.consequences.standing > 0).tolist() == [True, True, False]
     worlds.drive(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]))
     for _ in range(20):
         worlds.tick()
@@ -61,7 +61,7 @@ def test_robots_that_back_off_part_after_they_have_stood():
     while not worlds.tick().any():
         pass
     for _ in range(20):  # 1 s and 3 s
-        held = worlds.floor.consequences.standing.copy()
+        held = worlds.task.consequences.standing.copy()
         worlds.tick()
     assert held.tolist() == [2, 2, 0]
     first, second = worlds.physics.positions[:2]
@@ -70,10 +70,10 @@ def test_robots_that_back_off_part_after_they_have_stood():
 
 def test_who_stands_decides_nothing_and_handles_nothing():
     worlds = worlds_at_start(crowd(stop=STOP), [5, 6])
-    network, garbage, stood = worlds.network, worlds.garbage, 0
+    network, garbage, stood = worlds.network, worlds.task.garbage, 0
     for _ in range(200):
         before, cargo = network.state.value_table.copy(), garbage.cargo.copy()
-        held = worlds.floor.consequences.standing > 1
+        held = worlds.task.consequences.standing > 1
         worlds.tick()
         stood += int(held.sum())
         assert np.array_equal(network.state.value_table[held], before[held])
@@ -84,7 +84,7 @@ def test_who_stands_decides_nothing_and_handles_nothing():
 def test_cargo_that_is_lost_lies_where_the_robot_is_and_is_not_dumped():
     batch = Batch(mission(robots={"count": 10}, consequences={"stop": STOP, "drop": True}), 2)
     batch.reset([5, 6])
-    worlds, garbage, lost = batch.worlds, batch.worlds.garbage, 0
+    worlds, garbage, lost = batch.worlds, batch.worlds.task.garbage, 0
     cargo = garbage.cargo.copy()
     for _ in range(200):
         for _ in batch.ticks(np.ones(batch.rows, dtype=np.int64)):
@@ -107,7 +107,7 @@ def test_a_damaged_robot_is_slow_until_it_is_mended_at_a_station():
     stations = {"recycling": [5.5, 3.0], "dump": [9.0, 9.0]}
     config = open_mission(stations=stations, consequences={"damage_after": 1, "damaged_speed": 0.4, "mending": 2.0})
     worlds, consequences = driven(config), None
-    consequences = worlds.floor.consequences
+    consequences = worlds.task.consequences
     while not worlds.tick().any():
         pass
     assert consequences.damaged.tolist() == [True, True, False]
@@ -130,7 +130,7 @@ def test_a_world_with_consequences_goes_on_from_its_state_in_another_batch():
     worlds, others = worlds_at_start(config, [5, 6, 7]), worlds_at_start(config, [8, 9])
     for _ in range(57):
         worlds.tick()
-    assert worlds.floor.consequences.standing.any()
+    assert worlds.task.consequences.standing.any()
     others.tick()
     others.set_state(worlds.get_state(1), 0)
     assert difference(course(worlds, 1, 60), course(others, 0, 60)) == ""

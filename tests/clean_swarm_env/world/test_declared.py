@@ -42,9 +42,9 @@ def test_an_array_that_nobody_declares_is_named_before_a_state_is_made():
 
 def test_indices_out_of_bounds_are_refused_whoever_made_the_state():
     worlds, others = worlds_at_start(CROWD, [1]), worlds_at_start(CROWD, [1])
-    worlds.garbage.cargo[0] = 99
+    worlds.task.garbage.cargo[0] = 99
     before = others.get_state()
-    with pytest.raises(ValueError, match=r"^state: garbage.cargo: expected indices from -1 to \d+, got -1 to 99$"):
+    with pytest.raises(ValueError, match=r"^state: task.garbage.cargo: expected indices from -1 to \d+, got -1 to 99$"):
         others.set_state(worlds.get_state())
     assert others.get_state() == before
 

@@ -61,7 +61,7 @@ def test_garbage_keeps_coming_at_its_rate_whatever_robots_do():
         for _ in range(1500):
             worlds.tick()
         assert not worlds.done[0]
-        arrived.append(int(worlds.garbage.arrived[0]))
+        arrived.append(int(worlds.task.garbage.arrived[0]))
     assert arrived[0] == arrived[1]
     assert arrived[0] - 2 == pytest.approx(150, abs=3 * 150**0.5)
 
@@ -71,8 +71,8 @@ def test_items_without_room_are_lost():
     worlds = worlds_at_start(config, [1])
     for _ in range(60):
         worlds.tick()
-    assert (worlds.garbage.stage[0] < 2).sum() == 5
-    assert worlds.minds.buffers["items"].count(0, "garbage") == (worlds.garbage.stage[0] == 0).sum()
+    assert (worlds.task.garbage.stage[0] < 2).sum() == 5
+    assert worlds.minds.buffers["items"].count(0, "garbage") == (worlds.task.garbage.stage[0] == 0).sum()
 
 
 def test_a_mission_waits_for_garbage_that_is_still_to_land():
@@ -89,7 +89,7 @@ def test_the_highest_score_is_the_option_held():
     start = random_start(config, 1, 0)
     for option, name in enumerate(OPTIONS):
         worlds = worlds_at_start(config, [1], option)
-        while worlds.garbage.done[0] < 10:
+        while worlds.task.garbage.done[0] < 10:
             worlds.tick()
         assert run_mission(config, start, run_seed(1, "test"), _forced(name)) == result_of(worlds, 0)
 

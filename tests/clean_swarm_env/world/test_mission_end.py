@@ -11,8 +11,8 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.world import ConsequencesConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.tasks.cleaning.cost import cost_terms, mission_cost, unavoidable_cost
 from clean_swarm_env.world.mission import run_mission
-from clean_swarm_env.world.mission_end import cost_terms, mission_cost, unavoidable_cost
 from tests.clean_swarm_env.courses import long_course, mission
 from tests.paths import ROOT
 from train.deciders.named import decider_named

@@ -65,7 +65,7 @@ def test_losses_have_the_given_probability():
 def test_pheromones_reach_robots_within_range_and_the_one_that_left_them():
     worlds = _still({"reach": 2.5})
     _spread(worlds)
-    worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
+    worlds.task.movers.mechanisms["Patrol"].deposit(worlds.now, np.array([0]))
     trail = Filter(("pheromone",), moving=False, view_distance=np.inf)
     known = [len(Queries(worlds.minds.buffers["pheromones"]).gradients(row, worlds.now, trail)) for row in range(3)]
     assert known == [1, 1, 0]
@@ -76,15 +76,15 @@ def test_pheromones_reach_robots_within_range_and_the_one_that_left_them():
 def test_robots_that_no_longer_work_hold_no_pheromones_and_receive_none(way, delay):
     worlds = _still({"reach": 2.5, "delay": delay})
     _spread(worlds)
-    worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
+    worlds.task.movers.mechanisms["Patrol"].deposit(worlds.now, np.array([0]))
     _spread(worlds, 2)
     assert worlds.minds.buffers["pheromones"].count(0, "pheromone") == 2
-    worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
+    worlds.task.movers.mechanisms["Patrol"].deposit(worlds.now, np.array([0]))
     getattr(worlds.team, way)(np.array([1]))  # with a delay its message is under way
     for _ in range(2):
         _spread(worlds, 2)
         assert worlds.minds.buffers["pheromones"].count(0, "pheromone") == 1
-        worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
+        worlds.task.movers.mechanisms["Patrol"].deposit(worlds.now, np.array([0]))
 
 
 def test_messages_arrive_after_their_delay():
@@ -97,7 +97,7 @@ def test_messages_arrive_after_their_delay():
         poses = Queries(worlds.minds.buffers["gradients"]).gradients(1, worlds.now, everything)
         seen.append(sorted(pose.position[0] for pose in poses))
     assert seen == [[1.0, 6.0]] * 3 + [[1.5, 6.0]]
-    worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
+    worlds.task.movers.mechanisms["Patrol"].deposit(worlds.now, np.array([0]))
     trails = []
     for _ in range(4):
         trails.append(worlds.minds.buffers["pheromones"].count(0, "pheromone"))

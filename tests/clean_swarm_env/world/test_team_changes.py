@@ -6,7 +6,7 @@ import pytest
 from clean_swarm_env.config.load import with_changes
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.cleaning.garbage import CARRIED, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING, NOTHING
 from clean_swarm_env.world.mission import run_mission
 from selector.strategies.registry import StrategySpec
 from selforg.gradients.queries import Filter, Queries
@@ -172,23 +172,23 @@ def test_robots_cannot_drive_through_a_failed_one_but_through_where_one_was_take
 @pytest.mark.parametrize("recycled", [0, 1])
 def test_cargo_lies_where_its_robot_is_lost_and_is_picked_up_as_it_was(way, recycled):
     worlds = worlds_at_start(mission(), [1])
-    while not (worlds.garbage.cargo != NOTHING).any() or worlds.garbage.recycled.max() < recycled:
+    while not (worlds.task.garbage.cargo != NOTHING).any() or worlds.task.garbage.recycled.max() < recycled:
         worlds.tick()
-    row = int(np.flatnonzero((worlds.garbage.cargo != NOTHING) & (worlds.garbage.recycled == recycled))[0])
-    item, place = int(worlds.garbage.cargo[row]), worlds.physics.positions[row].copy()
+    row = int(np.flatnonzero((worlds.task.garbage.cargo != NOTHING) & (worlds.task.garbage.recycled == recycled))[0])
+    item, place = int(worlds.task.garbage.cargo[row]), worlds.physics.positions[row].copy()
     lying = worlds.minds.buffers["items"].count(0, "garbage")
     getattr(worlds.team, way)(np.array([row]))
-    assert worlds.garbage.stage[0, item] == LYING
-    assert (worlds.garbage.positions[0, item] == place).all()
+    assert worlds.task.garbage.stage[0, item] == LYING
+    assert (worlds.task.garbage.positions[0, item] == place).all()
     assert worlds.minds.buffers["items"].count(0, "garbage") == lying + 1
-    assert (worlds.garbage.cargo[row], worlds.garbage.recycled[row]) == (NOTHING, 0)
+    assert (worlds.task.garbage.cargo[row], worlds.task.garbage.recycled[row]) == (NOTHING, 0)
     for _ in range(3000):
         worlds.tick()
-        if worlds.garbage.stage[0, item] == CARRIED:
+        if worlds.task.garbage.stage[0, item] == CARRIED:
             break
-    assert worlds.garbage.stage[0, item] == CARRIED
-    carrier = int(np.flatnonzero(worlds.garbage.cargo == item)[0])
-    assert worlds.garbage.recycled[carrier] == recycled
+    assert worlds.task.garbage.stage[0, item] == CARRIED
+    carrier = int(np.flatnonzero(worlds.task.garbage.cargo == item)[0])
+    assert worlds.task.garbage.recycled[carrier] == recycled
 
 
 @long_course
@@ -211,9 +211,9 @@ def test_a_robot_that_joins_works_like_the_others():
     assert np.hypot(*(worlds.physics.positions[1] - [1.0, 2.0])) <= 0.2 + 1e-9
     dumped = 0
     for _ in range(800):
-        before = worlds.garbage.cargo[1]
+        before = worlds.task.garbage.cargo[1]
         worlds.tick()
-        dumped += before != NOTHING and worlds.garbage.cargo[1] == NOTHING
+        dumped += before != NOTHING and worlds.task.garbage.cargo[1] == NOTHING
     assert 0 < dumped < 10
 
 
@@ -236,7 +236,7 @@ def test_a_robot_joins_only_where_and_when_there_is_room():
 def test_robots_join_at_random_places_without_touching_anybody():
     config = mission(robots={"count": 1}, events=[{"at": 0.0, "do": "join", "robots": 30}])
     worlds = worlds_at_start(config, [3, 4])
-    worlds._agendas.apply_due()
+    worlds.task.agendas.apply_due()
     for world in range(2):
         places = worlds.physics.positions[worlds.rows_of(world)]
         offsets = np.abs(places[:, None] - places[None])
@@ -282,15 +282,15 @@ def test_garbage_comes_about_spots_wherever_these_move():
     came = []
     for _ in range(300):
         worlds.tick()
-        came.append(int(worlds.garbage.arrived[0]))
-    places = worlds.garbage.positions[0, : came[-1]]
+        came.append(int(worlds.task.garbage.arrived[0]))
+    places = worlds.task.garbage.positions[0, : came[-1]]
 
     def near(first, last, *spots):
         own = places[first:last]
         assert len(own) > 5
         return np.hypot(*(own[:, None] - np.array(spots)).transpose(2, 0, 1)).min(axis=1).max() <= 0.5
 
-    lying = worlds.garbage.stage[0, : came[-1]] == LYING
+    lying = worlds.task.garbage.stage[0, : came[-1]] == LYING
     assert lying.sum() > 0.9 * len(lying)
     assert near(0, came[99], (3.0, 3.0))
     assert near(came[100], came[199], (8.0, 3.0), (8.0, 8.0))
@@ -303,5 +303,5 @@ def test_snapshots_of_changing_worlds_stay_finite():
     for _ in range(320):
         worlds.tick()
     assert all(np.isfinite(part).all() for part in snapshot(worlds, 0).values())
-    assert worlds.stations[0].tolist() == [[1.0, 1.0], [6.0, 1.0]]
+    assert worlds.task.stations[0].tolist() == [[1.0, 1.0], [6.0, 1.0]]
     assert with_changes({}, CHANGING)["events"][0]["do"] == "fail"

@@ -9,8 +9,8 @@ import pytest
 
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
-from clean_swarm_env.world.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from tests.clean_swarm_env.courses import (
     CROWD,
     begin,
@@ -85,7 +85,7 @@ def test_every_item_is_found_then_carried_then_recycled_then_dumped(name):
     stations = worlds.mission.stations
     before = snapshot(worlds, 0)
     picked = recycled = dumped = 0
-    while worlds.garbage.done[0] < 10:
+    while worlds.task.garbage.done[0] < 10:
         worlds.tick()
         now = snapshot(worlds, 0)
         assert ((now["stage"] - before["stage"] >= 0) & (now["stage"] - before["stage"] <= 1)).all()
@@ -97,7 +97,7 @@ def test_every_item_is_found_then_carried_then_recycled_then_dumped(name):
             place, had, has = before["positions"][robot], before["cargo"][robot], now["cargo"][robot]
             if had == NOTHING and has != NOTHING:
                 picked += 1
-                assert _apart(place, worlds.garbage.positions[0, has], worlds) <= 0.6
+                assert _apart(place, worlds.task.garbage.positions[0, has], worlds) <= 0.6
             if now["recycled"][robot] > before["recycled"][robot]:
                 recycled += 1
                 assert _apart(place, stations.recycling, worlds) <= 0.5
@@ -106,7 +106,7 @@ def test_every_item_is_found_then_carried_then_recycled_then_dumped(name):
                 assert before["recycled"][robot]
                 assert now["stage"][had] == DONE
                 assert _apart(place, stations.dump, worlds) <= 0.5
-        assert (now["stage"] == DONE).sum() == worlds.garbage.done[0] == dumped
+        assert (now["stage"] == DONE).sum() == worlds.task.garbage.done[0] == dumped
         assert worlds.minds.buffers["items"].count(0, "garbage") == (now["stage"] == LYING).sum()
         before = now
     assert picked == recycled == dumped == 10
@@ -124,8 +124,8 @@ def test_of_two_robots_at_one_item_one_gets_it():
     worlds.reset(0, start, 1)
     for _ in range(150):
         worlds.tick()
-        assert (worlds.garbage.cargo != NOTHING).sum() <= 1
-    assert worlds.garbage.stage[0, 0] != LYING
+        assert (worlds.task.garbage.cargo != NOTHING).sum() <= 1
+    assert worlds.task.garbage.stage[0, 0] != LYING
 
 
 @long_course

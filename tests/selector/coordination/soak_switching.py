@@ -16,7 +16,7 @@ import numpy as np
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
+from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge

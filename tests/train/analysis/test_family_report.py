@@ -9,7 +9,7 @@ from PIL import Image
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.load import load_mission
-from clean_swarm_env.world.mission_end import mission_cost
+from clean_swarm_env.tasks.cleaning.cost import mission_cost
 from tests.train.records import record
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.reports.family_tables import family_tables

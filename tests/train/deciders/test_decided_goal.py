@@ -5,6 +5,7 @@ import pytest
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from train.deciders.decided_goal import DecidedGoal, named_goal, option_named
@@ -97,5 +98,5 @@ def test_what_is_thought_of_combinations_is_recorded_for_each_goal(batch, monkey
 
 def test_off_and_random_stand_beside_combinations():
     options = [f"{a}+{e}" for a in ("ORCA", "Off") for e in ("Patrol", "LevyWalk")]
-    labels = [entrant.label for entrant in with_baselines([], options)]
+    labels = [entrant.label for entrant in with_baselines([], options, MissionConfig())]
     assert labels == ["fixed:Off", "Random"]

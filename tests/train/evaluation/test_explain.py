@@ -8,7 +8,7 @@ import pytest
 
 from clean_swarm_env.config.starts import run_seed
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.world.cleaning.cleaning_robot import GOAL
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, run_mission
 from tests.clean_swarm_env.courses import difference, snapshot
 from tests.train.commands import run

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.mission import MissionConfig
 from selector.knowledge import load_knowledge
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
@@ -69,10 +70,11 @@ def test_options_that_a_strategy_was_trained_without_are_named():
 
 
 def test_off_and_random_come_beside_once():
-    labels = [e.label for e in with_baselines(entrants_of(["fixed", "fsm:rule"], ("A", "Off")), ("A", "Off"))]
+    entrants, mission = entrants_of(["fixed", "fsm:rule"], ("A", "Off")), MissionConfig()
+    labels = [e.label for e in with_baselines(entrants, ("A", "Off"), mission)]
     assert labels == ["fixed:A", "fixed:Off", "fsm:rule", "Random"]
-    assert [e.label for e in with_baselines(entrants_of(["Random"], ("A",)), ("A",))] == ["Random"]
-    assert [e.label for e in with_baselines([], ("A", "Off"))] == ["fixed:Off", "Random"]
+    assert [e.label for e in with_baselines(entrants_of(["Random"], ("A",)), ("A",), mission)] == ["Random"]
+    assert [e.label for e in with_baselines([], ("A", "Off"), mission)] == ["fixed:Off", "Random"]
 
 
 def test_a_training_learns_the_options_of_the_knowledge_that_its_task_names():

@@ -73,7 +73,7 @@ def drag(page, begin: tuple[float, float], end: tuple[float, float]) -> None:
 def free_place(session) -> tuple[float, float]:
     """A place far from all robots and items."""
     things = np.concatenate(
-        [session.worlds.physics.positions[session.worlds.physics.present], session.worlds.garbage.positions[0]]
+        [session.worlds.physics.positions[session.worlds.physics.present], session.worlds.task.garbage.positions[0]]
     )
     places = [(x + 0.5, y + 0.5) for x in range(1, 10) for y in range(1, 10)]
     return max(places, key=lambda place: np.hypot(*(things - place).T).min())
@@ -110,21 +110,21 @@ def test_a_robot_that_is_dragged_is_there_and_the_world_goes_on(session, opened)
 def test_items_are_dragged_added_and_taken_away(session, opened):
     with served(session) as server:
         page = opened(server)
-        item = session.worlds.garbage.positions[0, 0].tolist()
+        item = session.worlds.task.garbage.positions[0, 0].tolist()
         place = free_place(session)
         drag(page, item, place)
         until(page, "() => !replay.page.taken")
         step(page)
-        assert session.worlds.garbage.positions[0, 0] == pytest.approx(place, abs=0.05)
+        assert session.worlds.task.garbage.positions[0, 0] == pytest.approx(place, abs=0.05)
         page.select_option("#tool", "add_item")
         other = free_place(session)
         page.mouse.click(*on_screen(page, *other))
         step(page)
-        assert session.worlds.garbage.positions[0, 8] == pytest.approx(other, abs=0.05)
+        assert session.worlds.task.garbage.positions[0, 8] == pytest.approx(other, abs=0.05)
         page.select_option("#tool", "remove_item")
         page.mouse.click(*on_screen(page, *other))
         step(page)
-        assert session.worlds.garbage.stage[0, 8] == 3
+        assert session.worlds.task.garbage.stage[0, 8] == 3
 
 
 def test_robots_are_added_fail_and_go(session, opened):

@@ -18,7 +18,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from clean_swarm_env.recording.by_hand import Change, FollowStrategy
 from clean_swarm_env.recording.file import blocks_in
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, frames_from
-from clean_swarm_env.world.cleaning.garbage import CARRIED, LYING
+from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING
 from tests.train.live.sessions import SMALL, asked, ordered, play_of, served
 from train.live.chosen import again, chosen
 from train.live.session import Session
@@ -100,7 +100,7 @@ class Orders(RuleBasedStateMachine):
     @invariant()
     def it_is_a_world(self):
         self.give({"do": "pause"})  # nothing moves from now on
-        worlds, garbage = self.session.worlds, self.session.worlds.garbage
+        worlds, garbage = self.session.worlds, self.session.worlds.task.garbage
         present, working = worlds.physics.present, worlds.team.working
         assert working.any()
         assert (present | ~working).all()

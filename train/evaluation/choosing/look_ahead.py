@@ -28,6 +28,7 @@ from clean_swarm_env.config.families import FamilyConfig, place_of
 from clean_swarm_env.config.types import ConfigurationError, Seconds
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission import MissionResult
+from clean_swarm_env.world.task import task_class
 from selector.documents.fields import Closed
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
@@ -87,7 +88,7 @@ class LookingTeam:
         self.alternatives = (*options, looking.base) if follows else options
         self._base = self.alternatives.index(looking.base)
         worlds = len(self.alternatives) * looking.copies
-        costs = {"cost": -1.0} if task.first.mission.cleans else None  # other tasks pay what their measures gain
+        costs = {"cost": -1.0} if task_class(task.first.mission).priced else None  # else: what the measures gain
         self._ahead = task.team(worlds=worlds, begin_anew=False, reward=costs)[0]
         self._copies, period = looking.copies, self._batch.decision_period
         self._hold, self._horizon = (max(round(length / period), 1) for length in (looking.hold, looking.horizon))

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.network import NetworkConfig
-from clean_swarm_env.config.tasks import find_task
-from selector.configurations.library import Library
-from selector.coordination.model import CoordinatorModel, coordinator_models
-from selector.coordination.robot_document import coordinated_goals, load_network
+from selector.coordination.model import CoordinatorModel
+from selector.coordination.robot_document import load_network
 from selector.coordination.robot_network import RobotNetwork
 from selector.documents.errors import DocumentError, shown
 from selector.documents.find import find_file
-from selector.knowledge import Knowledge
 from selforg.arrays import Floats, Ints
 from selforg.components.memory import RobotMemory
 from selforg.network.model.behaviours import Sensor
@@ -52,21 +48,6 @@ OWN_SENSORS = (
 
 BEHAVIOURS = ("MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump")
 """Behaviours that the world carries out; a document may add others, and may coordinate `Patrol`."""
-
-
-def goals_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> tuple[str, ...]:
-    """Return the goals that robots coordinate: those of the robot's document, or the goal of another task."""
-    if not mission.cleans:
-        kind: Any = find_task(mission.task.name)
-        return (kind.goal or mission.task.name,)
-    return coordinated_goals(find_file("robots", mission.network.robot, directories, "mission.network.robot: "))
-
-
-def coordinators_of(
-    mission: MissionConfig, knowledge: Knowledge, library: Library, directories: Sequence[Path] = ()
-) -> tuple[CoordinatorModel, ...]:
-    """Return the models of the goals that robots coordinate, in their order."""
-    return coordinator_models(goals_of(mission, directories), knowledge, library)
 
 
 def robot_network(

@@ -11,7 +11,7 @@ from selforg.compiler.records import Recording
 
 
 class FloorRecord(NamedTuple):
-    """Bodies, items and stations on the floor; owned by `Floor`."""
+    """Bodies, items and stations on the floor; owned by `Site`."""
 
     robots: Annotated[Floats, "R 2", READ]  # positions [m]
     extent: Annotated[Floats, "2", READ]  # of the torus [m]
@@ -38,7 +38,7 @@ class FloorRecord(NamedTuple):
 
 
 class MindsRecord(NamedTuple):
-    """What robots read and decide, and which behaviours move them; owned by `Minds`."""
+    """What robots read and decide, and which behaviours move them; owned by `Movers`."""
 
     readings: Annotated[Floats, "R S", KEPT]  # of the network
     marks: Annotated[Ints, "R LAYERS B", READ]  # of the network

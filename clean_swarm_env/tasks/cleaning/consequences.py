@@ -12,8 +12,9 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import distance
-from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
-from clean_swarm_env.world.records import FloorRecord, open_floor
+from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
+from clean_swarm_env.world.task_parts import Recorded
 from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
@@ -79,6 +80,15 @@ class Consequences:
         """Which robots (R,) are damaged."""
         damaged: Flags = (self._damage_after > 0) & (self.collisions >= self._damage_after)
         return damaged
+
+    def recorded(self) -> tuple[Recorded, ...]:
+        """Return what recordings keep of robots; nothing where collisions have no consequences."""
+        if not self.active:
+            return ()
+        return (
+            Recorded("standing", "robot", self.standing, "frames for which a collision stops the robot, this one too"),
+            Recorded("collisions", "robot", self.collisions, "collisions of the robot since it was as new"),
+        )
 
     def reset(self, rows: Ints) -> None:
         """Reset `rows` (K,)."""

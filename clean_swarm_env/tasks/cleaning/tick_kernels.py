@@ -1,6 +1,6 @@
 """The stages of a tick that concern the floor and the minds: own sensors, cargo, and ways to the stations (compiled).
 
-Shapes: see `clean_swarm_env.world.records`.
+Shapes: see `clean_swarm_env.tasks.cleaning.records`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,9 @@ import numpy as np
 
 from clean_swarm_env.config.cleaning import DUMP, RECYCLING
 from clean_swarm_env.physics.cells import distance, fill_cells, nearest_of_kind, nearest_point
-from clean_swarm_env.world.cleaning.cleaning_robot import (
+from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.records import FloorRecord, MindsRecord, open_floor, open_minds
+from clean_swarm_env.tasks.cleaning.robot import (
     AT_DUMP,
     AT_RECYCLING,
     CARRYING,
@@ -20,8 +22,6 @@ from clean_swarm_env.world.cleaning.cleaning_robot import (
     GARBAGE_SEEN,
     RECYCLED,
 )
-from clean_swarm_env.world.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
-from clean_swarm_env.world.records import FloorRecord, MindsRecord, open_floor, open_minds
 from selforg.arrays import Flags
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part

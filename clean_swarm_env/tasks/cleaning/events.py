@@ -1,4 +1,4 @@
-"""Events of the worlds: those of their missions, and the items that arrive.
+"""Events of cleaning missions, and the items that arrive.
 
 Both depend only on the seed of the world, not on what robots do: all options that are compared get the same.
 """
@@ -6,40 +6,23 @@ Both depend only on the seed of the world, not on what robots do: all options th
 from __future__ import annotations
 
 from math import ceil
-from typing import Annotated, Final, NamedTuple
+from typing import Annotated, Final
 
 import numpy as np
 
 from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveSpots, MoveStations, Remove, Respawn, in_order
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import Places
-from clean_swarm_env.physics.clock import Clock
-from clean_swarm_env.world.cleaning.garbage import NO_TICK, Arrivals
-from clean_swarm_env.world.floor import Floor
-from clean_swarm_env.world.minds import Minds
+from clean_swarm_env.tasks.cleaning.garbage import NO_TICK, Arrivals
+from clean_swarm_env.tasks.cleaning.site import Site
 from clean_swarm_env.world.team_changes import Place, Team
-from selforg.arrays import KEPT, Flags, Floats, Ints, derived
+from clean_swarm_env.world.view import World
+from selforg.arrays import KEPT, Flags, Ints, derived
 
 OWN_STREAMS: Final = 0xFFFFFFFF
 """Spawn key of the streams of a world; the keys of its robots' streams are their numbers."""
 TOLERANCE: Final = 1e-9
 """Share of a tick by which times of events may be rounded."""
-
-
-class Affected(NamedTuple):
-    """The parts of the worlds that events change."""
-
-    floor: Floor
-    minds: Minds
-    team: Team
-    clock: Clock
-
-    def land(self, world: int, positions: Floats) -> int:
-        """Put items at `positions` (M, 2) [m]; they are lost if there is no room for more. Return their number."""
-        for position in positions:
-            if self.floor.garbage.arrive(world, position):
-                self.minds.show_items(world, position[None], self.clock.now)
-        return len(positions)
 
 
 class Agenda:
@@ -68,15 +51,13 @@ class Agenda:
         self._ends = not mission.continuous
         self._find_due(0)
 
-    def run(self, world: int, affected: Affected) -> None:
-        """Apply the events due in `world`."""
-        tick = int(affected.clock.ticks[world])
+    def run(self, number: int, world: World, site: Site) -> None:
+        """Apply the events due in the world of a `number`."""
+        tick = int(world.ticks[number])
         for places in self._arrivals.until(tick, self._garbage):
-            self.came += affected.land(world, places)
-        while (
-            (not self._joining or self._let_join(world, affected.team)) and self._events and self._events[0][0] <= tick
-        ):
-            self._apply(self._events.pop(0)[1], world, affected)
+            self.came += site.land(number, places)
+        while (not self._joining or self._let_join(number, world.team)) and self._events and self._events[0][0] <= tick:
+            self._apply(self._events.pop(0)[1], number, world, site)
         self._find_due(tick)
 
     @property
@@ -98,9 +79,8 @@ class Agenda:
             team.add(world, place)
         return True
 
-    def _apply(self, event: Event, world: int, affected: Affected) -> None:
-        floor, minds, team, clock = affected
-        tick, first = int(clock.ticks[world]), world * floor.robots
+    def _apply(self, event: Event, number: int, world: World, site: Site) -> None:
+        team, first = world.team, number * world.robots
         if isinstance(event, Join):
             self._joining += [*event.places, *[None] * (event.robots - len(event.places))]
         elif isinstance(event, Remove | Fail):
@@ -109,17 +89,16 @@ class Agenda:
             if len(rows):
                 (team.remove if isinstance(event, Remove) else team.fail)(rows)
         elif isinstance(event, Land):
-            self.came += affected.land(world, self._garbage.draw(event.items, self._landings))
+            self.came += site.land(number, self._garbage.draw(event.items, self._landings))
             self._landing -= event.items
         elif isinstance(event, Respawn):
-            self._arrivals.set_rate(event.rate, tick)
+            self._arrivals.set_rate(event.rate, int(world.ticks[number]))
         elif isinstance(event, MoveSpots):
             self._garbage = self._garbage.at(event.spots)
         elif isinstance(event, MoveStations):
-            floor.stations[world, :2] = event.recycling, event.dump
-            minds.show_stations(world, floor.stations[world], clock.now)
+            site.put_stations(number, np.array([event.recycling, event.dump]))
         else:
-            minds.reception.set(world, event.reach, event.loss)
+            world.minds.reception.set(number, event.reach, event.loss)
 
 
 class Agendas:
@@ -134,32 +113,33 @@ class Agendas:
     _agendas: Annotated[list[Agenda | None], "W", KEPT]
     _due: Annotated[Ints, "1", derived(0)]  # tick of the batch at which something happens next in any world
 
-    def __init__(self, affected: Affected) -> None:
-        self._affected = affected
-        self._agendas = [None] * affected.floor.worlds
+    def __init__(self, world: World, site: Site) -> None:
+        self._world, self._site = world, site
+        self._agendas = [None] * world.worlds
         self._due = np.array([NO_TICK])
-        self.over = np.zeros(affected.floor.worlds, dtype=np.bool_)
+        self.over = np.zeros(world.worlds, dtype=np.bool_)
 
-    def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
-        """Reset a world; its agenda depends on `mission` and `seed` only."""
-        agenda = self._agendas[world] = Agenda(mission, seed)
-        self.over[world] = agenda.over
+    def reset(self, number: int, seed: np.random.SeedSequence) -> None:
+        """Begin a world anew; its agenda depends on its mission and `seed` only."""
+        agenda = self._agendas[number] = Agenda(self._world.missions[number], seed)
+        self.over[number] = agenda.over
         self._due[0] = 0
 
-    def of(self, world: int) -> Agenda | None:
-        """Return the agenda of a world, None before its first reset."""
-        return self._agendas[world]
+    def came(self, number: int) -> int:
+        """Return how many items have come into a world, those without room included: whatever robots do."""
+        agenda = self._agendas[number]
+        return agenda.came if agenda is not None else 0
 
     def apply_due(self) -> None:
         """Apply the events that are due at this tick in any world."""
-        clock = self._affected.clock
-        if clock.tick < self._due[0]:
+        world = self._world
+        if world.tick < self._due[0]:
             return
-        due = NO_TICK
-        for world, agenda in enumerate(self._agendas):
+        due, ticks = NO_TICK, world.ticks
+        for number, agenda in enumerate(self._agendas):
             if agenda is not None:
-                if agenda.due <= clock.ticks[world]:
-                    agenda.run(world, self._affected)
-                    self.over[world] = agenda.over
-                due = min(due, clock.tick + agenda.due - int(clock.ticks[world]))
+                if agenda.due <= ticks[number]:
+                    agenda.run(number, world, self._site)
+                    self.over[number] = agenda.over
+                due = min(due, world.tick + agenda.due - int(ticks[number]))
         self._due[0] = due

@@ -1,0 +1,306 @@
+"""Cleaning: robots find garbage, carry it to a recycling station, then what is left to a dump.
+
+Items and stations are in `site`; behaviours carry out what compiled stages of the tick do with them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.config.events import MoveSpots, MoveStations
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import TASKS, TaskSettings
+from clean_swarm_env.tasks.cleaning.consequences import Consequences
+from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
+from clean_swarm_env.tasks.cleaning.events import Agendas
+from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING, Garbage
+from clean_swarm_env.tasks.cleaning.movers import Movers
+from clean_swarm_env.tasks.cleaning.robot import CargoMemory, robot_network
+from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
+from clean_swarm_env.tasks.cleaning.tick_kernels import (
+    begin_commands,
+    handle_cargo_as_decided,
+    handle_cargo_in_reach,
+    read_sensors,
+)
+from clean_swarm_env.world.reception import Reception
+from clean_swarm_env.world.task import Task, trail_settings
+from clean_swarm_env.world.task_parts import Recorded, TaskState, WorldStart
+from clean_swarm_env.world.view import World
+from selector.coordination.model import CoordinatorModel
+from selector.coordination.robot_document import coordinated_goals
+from selector.coordination.robot_network import RobotNetwork
+from selector.documents.errors import impossible
+from selector.documents.find import find_file
+from selforg.arrays import Flags, Floats, Ints
+from selforg.commands import Commands
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.settings import BufferSettings
+
+
+@TASKS.register
+class Cleaning(Task[TaskSettings, TaskState]):
+    """All garbage has to be recycled and dumped; see `docs/cost.md` for what a mission costs.
+
+    Attributes:
+        site: items and stations; its `garbage` and `stations` are attributes here, too.
+        consequences: what collisions have done to the robots.
+        agendas: the events to come.
+        movers: mechanisms that move robots by themselves.
+        cargo_memory: what configurations know of the robots' cargo, and ask for.
+
+    """
+
+    story = "robots find garbage, carry it to the recycling station and what is left to the dump, and keep clear"
+    baseline = ""
+    mission = {"name": "cleaning", "knowledge": "cleaning", "garbage": {"count": 10}}
+    begins_as_given = changes = priced = True
+    best_score = 1.0  # the share of the time limit that is left
+    terms = (
+        "garbage", "cargo", "phase", "situation", "recycling", "dump", "nearness", "target", "neighbour", "encounter",
+        "crowd", "avoidance", "movement", "time", "idle", "holds",
+    )  # fmt: skip
+    counted = (
+        "dumped", "garbage_done", "own_picked", "own_recycled", "own_dumped", "own_collisions", "own_contact_s",
+        "own_avoiding_s",
+    )  # fmt: skip
+    beside = ("fixed:Off", "Random")  # never to avoid, and any option in each decision period
+    thinks_when_driven = always_acts = False
+
+    def __init__(self, world: World) -> None:
+        super().__init__(world)
+        self.consequences = Consequences(world.mission, world.rows)
+        self.site = Site(world, self.consequences)
+        self.garbage, self.stations = self.site.garbage, self.site.stations
+        self.agendas, self.movers = Agendas(world, self.site), Movers(world)
+        self.cargo_memory = CargoMemory(world.memory)
+
+    @classmethod
+    def check(cls, mission: MissionConfig) -> None:
+        """Raise the error of the first place that is not on the torus."""
+        world, stations = mission.world, mission.stations
+        if world.ground != "torus":
+            raise impossible("world.ground", "a torus with the task Cleaning", world.ground)
+        places = {"stations.recycling": stations.recycling, "stations.dump": stations.dump}
+        for key in ("further_recycling", "further_dumps"):
+            places |= {f"stations.{key}.{k}": place for k, place in enumerate(getattr(stations, key))}
+        places |= {f"garbage.spots.{k}": spot for k, spot in enumerate(mission.garbage.spots)}
+        for k, event in enumerate(mission.events):
+            if isinstance(event, MoveSpots):
+                places |= {f"events.{k}.spots.{n}": spot for n, spot in enumerate(event.spots)}
+            elif isinstance(event, MoveStations):
+                places |= {f"events.{k}.recycling": event.recycling, f"events.{k}.dump": event.dump}
+        for key, (x, y) in places.items():
+            if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
+                expected = f"a point on the torus {world.width:g} m x {world.height:g} m"
+                raise impossible(key, expected, f"[{x:g}, {y:g}]")
+
+    @classmethod
+    def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
+        """Return the goals that the robot's document coordinates."""
+        return coordinated_goals(find_file("robots", mission.network.robot, directories, "mission.network.robot: "))
+
+    @classmethod
+    def robot(
+        cls, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
+    ) -> RobotNetwork:
+        """Return the network of the robot's document."""
+        return robot_network(mission.network, models, directories)
+
+    @classmethod
+    def buffers(cls, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:
+        """Return the buffers of garbage, of traces of the patrol, of stations, and of everything else."""
+        space = poses.space
+        newest = BufferSettings(mission.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0)
+        items = SoBuffer(newest, space, poses)
+        pheromones = SoBuffer(trail_settings(mission.patrol), space, poses, reception.delivery())
+        return {
+            "gradients": SoBuffer(BufferSettings(), space, poses),
+            "items": items,
+            "pheromones": pheromones,
+            "stations": SoBuffer(replace(newest, view_distance=np.inf), space, poses),
+        }
+
+    def place(self, start: WorldStart) -> None:
+        """Put the items where the start has them, as it has the robots."""
+        self.garbage.place(start.world, start.items % self.world.ground.extent)
+        self.agendas.reset(start.world, start.seed)
+
+    def reset(self, world: int, rows: slice) -> None:
+        """Show items and stations of a world."""
+        self.site.show(world)
+
+    def lose(self, rows: Ints) -> None:
+        """Let the cargo of robots in `rows` (K,) lie where they are."""
+        self.site.drop(rows)
+
+    def renew(self, rows: Ints) -> None:
+        """Mend the robots in `rows` (K,)."""
+        self.consequences.reset(rows)
+
+    def begin_tick(self) -> Ints | None:
+        """Apply the events that are due; return the rows (K,) that decide, None for all."""
+        self.agendas.apply_due()
+        return self.consequences.start_tick(self.world.team.at_work)
+
+    def sense(self) -> None:
+        """Write the robots' own sensors into the readings."""
+        read_sensors(self.site.packed.words, self.movers.packed.words)
+        self.cargo_memory.tell(self.garbage.recycled, self.garbage.leg, self.world.minds.network.readings)
+
+    def after_deciding(self) -> None:
+        """Pick, recycle and dump where these behaviours have just started."""
+        self.site.hide_picked(handle_cargo_as_decided(self.site.packed.words, self.movers.packed.words))
+
+    def follow(self, vectors: Floats, working: Flags) -> None:
+        """Drive robots by vectors (R, 2) [m/s]; those `working` (R,) pick, recycle and dump wherever they can."""
+        read_sensors(self.site.packed.words, self.movers.packed.words)
+        self.site.hide_picked(handle_cargo_in_reach(self.site.packed.words, self.movers.packed.words, working))
+
+    def command(self, commands: Commands) -> None:
+        """Command the ways to the nearest stations, and the vectors of mechanisms that run by themselves."""
+        begin_commands(self.site.packed.words, self.movers.packed.words, commands.packed.words)
+        self.movers.move(self.world.now, commands)
+
+    def after_acting(self, commands: Commands) -> None:
+        """Leave the pheromones of the patrol; all vectors are known."""
+        self.movers.deposit(self.world.now)
+
+    def after_leaving(self) -> None:
+        """Put down the cargo for which options have asked, unless the robot stands after a collision."""
+        asked = self.cargo_memory.handed
+        if asked is None:
+            return
+        positions = self.world.floor.physics.positions
+        for row in np.flatnonzero(asked).tolist():
+            blind = max(round(asked[row] / self.world.period), 1)
+            if not self.consequences.standing[row] and self.garbage.hand_over(row, positions[row], blind):
+                self.site.show_items(row // self.world.robots, positions[row][None])
+        asked[:] = 0.0
+
+    def before_moving(self, commands: Commands) -> None:
+        """Hold back robots that stand after a collision, and damaged ones."""
+        self.consequences.hold_back(commands.packed)
+
+    def after_moving(self) -> None:
+        """Let the collisions of the tick have their consequences."""
+        floor, team = self.world.floor, self.world.team
+        lost = self.consequences.apply(
+            floor.collisions.entered_in_tick, team.working, floor.physics.present, self.site.packed
+        )
+        if len(lost):
+            self.site.show_items(lost // self.world.robots, floor.physics.positions[lost])
+
+    def done(self) -> Flags:
+        """Return where all garbage that has come is dumped, and no more will come."""
+        done: Flags = self.agendas.over & (self.garbage.done == self.garbage.arrived)
+        return done
+
+    def result(self) -> dict[str, Floats]:
+        """Return nothing: cost and items dumped are the figures of cleaning."""
+        return {}
+
+    def completed(self, values: Mapping[str, Floats]) -> Flags:
+        """Return where all garbage has come and is dumped."""
+        return self.done()
+
+    def costs(self, values: Mapping[str, Floats]) -> Floats:
+        """Return what the missions (W,) cost [s]; see `docs/cost.md`."""
+        counts, durations = self.world.floor.collisions, self.durations().tolist()
+        events, samples, done = counts.events[:, 0].tolist(), counts.samples[:, 0].tolist(), self.garbage.done.tolist()
+        each = zip(self.world.missions, durations, events, samples, done, strict=True)
+        return np.array([mission_cost(*figures) for figures in each])
+
+    def unavoidable(self) -> Floats:
+        """Return the part of the costs (W,) that nobody could avoid [s], because garbage comes when it comes."""
+        return np.array([unavoidable_cost(m, self.agendas.came(k)) for k, m in enumerate(self.world.missions)])
+
+    def items_done(self) -> Ints:
+        """Return how many items are dumped in each world (W,)."""
+        return self.garbage.done
+
+    def hindered(self, row: int) -> tuple[float, bool]:
+        """Return how long a collision still stops the robot of a row [s], and whether it is damaged."""
+        stopped = round(int(self.consequences.standing[row]) * self.world.period, 9)
+        return stopped, bool(self.consequences.damaged[row])
+
+    def headline(self, world: int) -> str:
+        """Return how many items are dumped."""
+        garbage = self.garbage
+        return f"{garbage.done[world]} of {garbage.arrived[world]} items dumped"
+
+    def cargo(self) -> Ints:
+        """Return the item that each robot (R,) carries."""
+        return self.garbage.cargo
+
+    def recorded(self) -> tuple[Recorded, ...]:
+        """Return cargo, items and stations."""
+        garbage = self.garbage
+        return (
+            *self.consequences.recorded(),
+            Recorded("cargo", "robot", garbage.cargo, "the item that the robot carries, -1 for none"),
+            Recorded("recycled", "robot", garbage.recycled, "1 where the cargo has been recycled"),
+            Recorded("item_stage", "item", garbage.stage, "0 lying, 1 carried, 2 dumped, 3 absent"),
+            Recorded("item_leftover", "item", garbage.leftover, "1 where what lies has been recycled already"),
+            Recorded("item", "item", garbage.positions, "where the item lies or was picked"),
+            Recorded("station", "station", self.stations, "recycling, dump, further recycling, further dumps"),
+        )
+
+    def drawn(self, world: int, rows: Ints) -> dict[str, Any]:
+        """Return cargo, items that lie, and stations."""
+        garbage, stations = self.garbage, self.world.missions[world].stations
+        lying = garbage.stage[world] == LYING
+        return {
+            "cargo": np.where(garbage.cargo[rows] == NOTHING, 0, np.where(garbage.recycled[rows] == 1, 2, 1)),
+            "garbage": garbage.positions[world][lying],
+            "leftover": garbage.leftover[world][lying] == 1,
+            "stations": self.stations[world].copy(),
+            "station_kinds": stations.kinds,
+            "station_radius": stations.reach,
+        }
+
+    def facts_of_robots(self) -> dict[str, Floats]:
+        """Return whether robots carry something, and whether that has been recycled."""
+        carrying = self.garbage.cargo != NOTHING
+        return {"carrying": carrying.astype(float), "recycled": (carrying & (self.garbage.recycled == 1)).astype(float)}
+
+    def facts_of_worlds(self) -> dict[str, Floats]:
+        """Return the share of the items that are dumped."""
+        return {"garbage_done": self.garbage.done / np.maximum(self.garbage.arrived, 1)}
+
+    def thing_names(self) -> list[str]:
+        """Return the names of what is known of items and stations, which are numbered from the second of a kind on."""
+        items = range(self.garbage.stage.shape[1])
+        names = [f"item_{k}_{name}" for k in items for name in ("lying", "carried", "done", "x", "y")]
+        config = self.world.mission.stations
+        for kind, earlier in zip(config.kinds, config.earlier, strict=True):
+            station = STATION_CHANNELS[kind] + (f"_{earlier + 1}" if earlier else "")
+            names += [f"{station}_x", f"{station}_y"]
+        return names
+
+    def thing_values(self, scaled: Callable[[Floats], Floats]) -> Floats:
+        """Return the stages of items, where they lie or were picked, and where stations are."""
+        garbage, worlds = self.garbage, self.world.worlds
+        stages = [(garbage.stage == stage)[..., None] for stage in (LYING, CARRIED, DONE)]
+        items = np.concatenate((*stages, scaled(garbage.positions)), axis=2, dtype=np.float64)
+        items[garbage.stage == ABSENT] = 0.0
+        return np.concatenate((items.reshape(worlds, -1), scaled(self.stations).reshape(worlds, -1)), axis=1)
+
+
+def cleaning_of(task: Task[Any, Any]) -> Cleaning:
+    """Return the task as one of cleaning; ValueError for any other."""
+    if not isinstance(task, Cleaning):
+        raise ValueError(f"expected the task Cleaning, got {task.name}")
+    return task
+
+
+def garbage_of(task: Task[Any, Any]) -> Garbage:
+    """Return the items of a task; none with tasks other than cleaning."""
+    world = task.world
+    return task.garbage if isinstance(task, Cleaning) else Garbage(world.worlds, 0, world.robots)
