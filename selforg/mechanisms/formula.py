@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from functools import cache
-from typing import ClassVar, Unpack
+from typing import Annotated, ClassVar, Unpack
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Packed, Words
 from selforg.gradients.buffer import SoBuffer
@@ -77,6 +77,7 @@ class FormulaMechanism(MovementMechanism):
     max_speed = 1.0
     angle_xy = np.inf
     angle_yz = np.inf
+    parameters: Annotated[Floats, "PARAMETER", READ]  # of the formula; each mechanism numbers its own
 
     @staticmethod
     def formula(pair: Pair) -> float:
@@ -101,7 +102,7 @@ class FormulaMechanism(MovementMechanism):
         super().__init__(buffer, **options)
         self.max_speed = at_least(self, "max_speed", self.max_speed if max_speed is None else max_speed, 0.0)
         self.min_speed = at_least(self, "min_speed", self.min_speed if min_speed is None else min_speed, 0.0)
-        self.parameters: Floats = np.zeros(0)
+        self.parameters = np.zeros(0)
         self._room = PairRoom(self.buffer)
         self._rule: Packed[Rule] | None = None
 
