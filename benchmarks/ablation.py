@@ -21,7 +21,7 @@ from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import run_mission
 from selforg.arrays import Floats
-from train.analysis.spread import Ratio
+from train.analysis.intervals import Ratio
 from train.analysis.statistics import summarise
 
 OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")

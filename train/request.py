@@ -15,7 +15,7 @@ from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.plain import short
 from train.cluster.bits import WorkerBits
 from train.cluster.dask_engine import DaskEngine
-from train.knowledge_store import NO_STORE, StoreRequest
+from train.memory import NO_STORE, StoreRequest
 from train.running.engine import Engine, WorkerLost
 from train.running.exit_codes import FAILED, INTERRUPTED
 from train.running.needs import ALONE, Machine

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.tasks.cleaning import tick_kernels
+from clean_swarm_env.tasks.cleaning import cargo
 from selforg.compiler.cache import cache_directory, folder_for
 from selforg.compiler.switches import COMPILED
 
@@ -23,7 +23,7 @@ except ImportError:  # Windows: processes that start side by side each compile
 
 WARM_UP_PERIODS = 300
 """Decision periods within which a mission has called every kernel that missions call."""
-EVERY_MISSION = Path(tick_kernels.__file__)
+EVERY_MISSION = Path(cargo.__file__)
 """File of kernels that every mission calls and nothing else does: checking a configuration does not compile them."""
 COMPILING = "compiling for this machine, once: about a minute"
 SILENCED = "CLEAN_SWARM_QUIET"

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from selforg.arrays import Floats
-from train.analysis.spread import TAIL, Interval, Ratio
+from train.analysis.intervals import TAIL, Interval, Ratio
 
 ANY_RATIO = (0.0, float("inf"))
 """The interval of a ratio of which nothing is known."""

@@ -20,7 +20,7 @@ from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
-from train.analysis.spread import Ratio
+from train.analysis.intervals import Ratio
 from train.analysis.statistics import Summary, summarise
 from train.analysis.strategy_comparison import BestFixed, StrategyComparison, compare_strategies
 from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies

@@ -17,7 +17,7 @@ from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
 from clean_swarm_env.world.task import task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Flags, Floats
-from train.analysis.spread import Interval, Ratio
+from train.analysis.intervals import Interval, Ratio
 from train.analysis.statistics import (
     COST,
     METRICS,

@@ -11,7 +11,7 @@ import scipy.stats
 
 from clean_swarm_env.config.families import RobustnessConfig
 from clean_swarm_env.world.mission import MissionResult
-from train.analysis.spread import TAIL, Interval
+from train.analysis.intervals import TAIL, Interval
 from train.analysis.strategy_comparison import Estimate
 from train.running.runs import RunKey, under
 

@@ -1,7 +1,7 @@
 """Means, spreads and ratios of the figures of an experiment, with their 95 % intervals.
 
 Shapes: C conditions, K scenarios. `std` is the population's (as in the paper's Table 1). `ci95` of a mean is Student's
-interval. Ratios of means have theirs by the same distribution (`train.analysis.spread`).
+interval. Ratios of means have theirs by the same distribution (`train.analysis.intervals`).
 """
 
 import re
@@ -13,7 +13,7 @@ import numpy as np
 import scipy.stats
 
 from selforg.arrays import Flags, Floats
-from train.analysis.spread import Interval, MeanError
+from train.analysis.intervals import Interval, MeanError
 from train.running.runs import RunRecord
 
 METRICS = ("duration_s", "collision_samples_per_s", "collision_events_per_s")

@@ -10,7 +10,7 @@ than that on which it is judged. It needs two world seeds or more
 The share of the gap between the yardsticks that a strategy closes is (best fixed - strategy) / (best fixed - oracle) of
 means; above 1 the strategy is better than every choice of one option for each scenario. There is a gap where its
 interval excludes 0. Ratios are of means. Intervals are by the number of scenarios, and of training seeds if there are
-several (`train.analysis.spread`).
+several (`train.analysis.intervals`).
 
 Shapes: S training seeds, K scenarios, V world seeds of each, O fixed options.
 """
@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from train.analysis.spread import Interval, MeanError, Ratio
+from train.analysis.intervals import Interval, MeanError, Ratio
 
 ORACLE = "oracle"
 

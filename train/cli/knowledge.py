@@ -30,7 +30,7 @@ GoalOption = Annotated[str | None, typer.Option(help="Only this goal.")]
 @app.command("list")
 def list_goals(store: StoreOption = None) -> None:
     """List the goals of a store: options, contexts, updates, sources."""
-    from train.knowledge_store import opened
+    from train.memory import opened
     from train.reports import knowledge_tables
 
     with closing(opened(store, create=False)) as kept:
@@ -40,7 +40,7 @@ def list_goals(store: StoreOption = None) -> None:
 @app.command("show")
 def show_goal(goal: Annotated[str, typer.Argument(help="A goal of the store.")], store: StoreOption = None) -> None:
     """Show what is known of a goal: per option, context and source its count, mean and standard deviation."""
-    from train.knowledge_store import opened
+    from train.memory import opened
     from train.reports import knowledge_tables
 
     with closing(opened(store, create=False)) as kept:
@@ -57,7 +57,7 @@ def import_file(
     configs: Configs = None,
 ) -> None:
     """Add a file, or the expert knowledge of a name, to a store; the store is made if there is none."""
-    from train.knowledge_store import amount, contents_named, opened
+    from train.memory import amount, contents_named, opened
 
     contents = contents_named(given, source, configs or ())
     with closing(opened(store, create=True)) as kept:
@@ -76,7 +76,7 @@ def export_file(
 ) -> None:
     """Write all that a store holds to a file, or expert knowledge for a mission to name; one that exists is refused."""
     from selector.store import document
-    from train.knowledge_store import amount, opened
+    from train.memory import amount, opened
 
     if str(output) != "-" and output.suffix not in (".yaml", ".yml", ".json"):
         raise ConfigurationError(f"{output}: expected a name that ends in .yaml or .json")
@@ -103,7 +103,7 @@ def merge_stores(
     store: StoreOption = None,
 ) -> None:
     """Add all that other stores hold to a store, exactly; what it holds already counts once."""
-    from train.knowledge_store import amount, opened
+    from train.memory import amount, opened
 
     sources = [opened(other, create=False) for other in others]  # a missing one is an error before any is added
     with closing(opened(store, create=True)) as kept:
@@ -129,7 +129,7 @@ def reset_store(
     chosen = {what: value for what, value in given.items() if value is not None}
     if expert and context is not None:
         raise ConfigurationError("--expert: expert options have no context; leave out --context")
-    from train.knowledge_store import counted, opened
+    from train.memory import counted, opened
 
     with closing(opened(store, create=False)) as kept:
         what = ", ".join(f"{name} {value!r}" for name, value in chosen.items()) or "everything"

@@ -99,7 +99,7 @@ def gather_command(
     from train.cluster.bits import WorkerBits
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.gathering import first_share, held_evaluation
-    from train.knowledge_store import StoreRequest
+    from train.memory import StoreRequest
     from train.request import Request
     from train.running.needs import Machine
 

@@ -144,7 +144,7 @@ class GivenOptions:
         """Return the request for an experiment, a family, a training or a study, with `more` of its fields."""
         from clean_swarm_env.recording.recorder import RecordSettings  # these import SQLAlchemy and Numba
         from train.cluster.bits import WorkerBits
-        from train.knowledge_store import StoreRequest
+        from train.memory import StoreRequest
         from train.request import Request, RunShare, without_secrets
         from train.running.needs import Machine
         from train.running.runs import usable_cpus

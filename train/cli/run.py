@@ -50,7 +50,7 @@ def run_command(
         raise ConfigurationError(f"--arena: expected {' or '.join(ARENAS)}, got {arena!r}")
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation.task_run import TaskRun, as_page, outcome_grid, run_task, tasks_to_run  # imports Numba
-    from train.knowledge_store import StoreRequest
+    from train.memory import StoreRequest
     from train.reports.knowledge_tables import learned_scores
     from train.reports.text_table import on_terminal
 

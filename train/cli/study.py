@@ -133,7 +133,7 @@ def score_command(
         raise ConfigurationError(f"--output: expected one name, got {len(names)}")
     from train.evaluation import pipeline  # these import SciPy, Numba and Matplotlib
     from train.evaluation.scoring import scored_missions
-    from train.knowledge_store import StoreRequest, store_url
+    from train.memory import StoreRequest, store_url
 
     console, kept = wide_console(), StoreRequest(store_url(store), learn=True)
     for name in names:

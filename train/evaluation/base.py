@@ -11,7 +11,7 @@ from pydantic import Field
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.fields import Closed, Flag
 from selector.strategies.strategy import DecisionStrategy
-from train.knowledge_store import Memory, as_plain
+from train.memory import Memory, as_plain
 from train.reports.write_report import Publication
 from train.request import Request
 from train.running.provenance import fingerprints, versions

@@ -19,7 +19,7 @@ from train.evaluation.choosing.periods import PeriodsEvaluation
 from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.family import FamilyEvaluation, RobustnessEvaluation
 from train.evaluation.identity import Identity
-from train.knowledge_store import NO_STORE, StoreRequest
+from train.memory import NO_STORE, StoreRequest
 from train.request import ALL, Request, RunShare
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import ASKED, COMMAND, MANIFEST, SHARE_FOLDERS, WORKERS, Json, RunFolder, read_manifest

@@ -21,7 +21,7 @@ from selector.store.exact_sums import REWARD_LIMIT
 from train.cluster.bits import noted_bits, noting, own_bits
 from train.evaluation.base import Evaluation
 from train.evaluation.gathering import gathered
-from train.knowledge_store import Memory
+from train.memory import Memory
 from train.reports.knowledge_tables import learned_scores
 from train.reports.text_table import on_terminal
 from train.reports.write_report import publish

@@ -29,7 +29,7 @@ from train.deciders.named import FIXED
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.pipeline import mission_score
 from train.evaluation.trial_task import TrialTask
-from train.knowledge_store import as_plain
+from train.memory import as_plain
 from train.reports.task_tables import MEASURE_HEADS, measure_cells
 from train.reports.text_table import Grid
 from train.request import Request

@@ -16,9 +16,9 @@ from clean_swarm_env.learning.batch import compile_missions
 from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
 from train.cluster.bits import noted_bits, noting
-from train.knowledge_store import Memory, as_plain
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
+from train.memory import Memory, as_plain
 from train.request import Request
 from train.running.engine import WorkerLost
 from train.running.exit_codes import FINISHED

@@ -29,9 +29,9 @@ from selector.documents.fields import Closed, Number
 from selector.knowledge import Knowledge, load_knowledge
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import DeciderMaker
-from train.knowledge_store import Memory
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
+from train.memory import Memory
 from train.running.engine import Round, in_turn
 from train.running.run_folder import RunFolder
 from train.running.trials import TrialSettings, run_trials

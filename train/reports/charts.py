@@ -19,7 +19,7 @@ from matplotlib.ticker import LogFormatter
 
 from clean_swarm_env.drawing.look import OPTION_COLOURS
 from selforg.arrays import Flags, Floats
-from train.analysis.spread import Interval
+from train.analysis.intervals import Interval
 from train.analysis.statistics import by_scenario, summarise
 
 COLOURS = tuple(colour for colour in OPTION_COLOURS if colour != "#F0E442")

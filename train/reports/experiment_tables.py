@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from selforg.arrays import Floats
+from train.analysis.intervals import Interval, too_few
 from train.analysis.report import Report
-from train.analysis.spread import Interval, too_few
 from train.analysis.statistics import COST, distance_metrics, share_cell
 from train.reports.task_tables import measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid

@@ -5,8 +5,8 @@ Of strategies under disturbances there is a table for each strategy, with a row 
 
 from clean_swarm_env.tasks.cleaning.cost import LEFT_LIMITS
 from train.analysis.family_report import LIMITS, PRICES, FamilyReport, Front
+from train.analysis.intervals import too_few
 from train.analysis.robustness_report import RobustnessReport
-from train.analysis.spread import too_few
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
 from train.reports.task_tables import measures_grids

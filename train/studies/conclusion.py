@@ -16,10 +16,10 @@ from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
 from selector.knowledge import knowledge_from
 from selforg.arrays import Floats
-from train.analysis.spread import Ratio
+from train.analysis.intervals import Ratio
 from train.analysis.statistics import Summary, summarise
 from train.evaluation.pipeline import mission_score
-from train.knowledge_store import StoreRequest
+from train.memory import StoreRequest
 from train.studies.config import RANDOM, StudyConfig
 from train.studies.missions import COST, FIGURES, LAST_RACE, STATEMENT, Candidate, MissionField
 from train.studies.search import Arm, CandidateSearch

@@ -17,7 +17,7 @@ from optuna.importance import get_param_importances
 from optuna.trial import create_trial
 
 from selforg.arrays import Floats
-from train.analysis.spread import too_few
+from train.analysis.intervals import too_few
 from train.analysis.statistics import share_cell
 from train.learning.racing import front
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell

@@ -14,9 +14,9 @@ from typing import Annotated, Self
 from pydantic import BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from clean_swarm_env.config.types import Count
+from clean_swarm_env.learning.observation import cleaning_terms as cleaning_terms
 from clean_swarm_env.learning.observation import find_terms as find_terms
 from clean_swarm_env.learning.observation import own_terms as own_terms
-from clean_swarm_env.learning.observation import task_terms as task_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation import thing_terms as thing_terms
 from clean_swarm_env.learning.observation import true_terms as true_terms

@@ -15,6 +15,12 @@ import numpy as np
 from clean_swarm_env.config.events import MoveSpots, MoveStations
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
+from clean_swarm_env.tasks.cleaning.cargo import (
+    begin_commands,
+    handle_cargo_as_decided,
+    handle_cargo_in_reach,
+    read_sensors,
+)
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.events import Agendas
@@ -22,12 +28,6 @@ from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING,
 from clean_swarm_env.tasks.cleaning.movers import Movers
 from clean_swarm_env.tasks.cleaning.robot import CargoMemory, robot_network
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
-from clean_swarm_env.tasks.cleaning.tick_kernels import (
-    begin_commands,
-    handle_cargo_as_decided,
-    handle_cargo_in_reach,
-    read_sensors,
-)
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.task import Task, trail_settings
 from clean_swarm_env.world.task_parts import Recorded, TaskState, WorldStart

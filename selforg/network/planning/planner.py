@@ -13,9 +13,9 @@ import numpy as np
 
 from selforg.arrays import Floats, Ints
 from selforg.network.model.model import NetworkModel
-from selforg.network.planning.engine import EngineSearch, check_engine
 from selforg.network.planning.guards import FactTest, NumberTest, all_tests, guarded_action, make_guard
 from selforg.network.planning.memory import PlanMemory
+from selforg.network.planning.pddl import EngineSearch, check_engine
 from selforg.network.planning.problem import AllOf, PlanningProblem
 from selforg.network.planning.search import ForwardSearch, Plan, Search
 from selforg.network.planning.spending import SpendingSearch, spent_numbers

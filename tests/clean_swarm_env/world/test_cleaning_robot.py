@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.tasks.cleaning.cargo import read_sensors
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING, NOTHING, Garbage
 from clean_swarm_env.tasks.cleaning.records import FLOOR, MINDS
 from clean_swarm_env.tasks.cleaning.robot import OWN_SENSORS, robot_network
-from clean_swarm_env.tasks.cleaning.tick_kernels import read_sensors
 from tests.clean_swarm_env.courses import avoidance
 from tests.clean_swarm_env.world.records import floor_record, minds_record
 

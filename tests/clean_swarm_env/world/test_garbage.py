@@ -5,9 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clean_swarm_env.physics.cells import cells_along
+from clean_swarm_env.tasks.cleaning.cargo import handle_cargo_as_decided
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING, Garbage
 from clean_swarm_env.tasks.cleaning.records import FLOOR, MINDS
-from clean_swarm_env.tasks.cleaning.tick_kernels import handle_cargo_as_decided
 from selforg.network.state import STARTED
 from tests.clean_swarm_env.world.records import floor_record, minds_record
 

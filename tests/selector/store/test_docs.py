@@ -8,7 +8,7 @@ import pytest
 
 from tests.paths import ROOT
 from train import cli
-from train import knowledge_store as stores
+from train import memory as stores
 
 PAGE = (ROOT / "docs" / "knowledge.md").read_text(encoding="utf-8")
 

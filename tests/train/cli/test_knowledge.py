@@ -10,7 +10,7 @@ import pytest
 
 from selector.store import KnowledgeStore, RewardSums, StoredKnowledge
 from train import cli
-from train import knowledge_store as stores
+from train import memory as stores
 
 
 @pytest.fixture

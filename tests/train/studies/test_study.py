@@ -15,7 +15,7 @@ from selector.store import KnowledgeStore
 from tests.train.commands import run
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.cluster.bits import WorkerBits
-from train.knowledge_store import StoreRequest
+from train.memory import StoreRequest
 from train.request import Request
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.needs import Machine

@@ -10,7 +10,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from selforg.registry import unknown
 from train.analysis.claims import Claim, claims_of
 from train.analysis.family_report import FamilyRuns, excesses_of, unfinished_of
-from train.analysis.spread import too_few
+from train.analysis.intervals import too_few
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
 from train.evaluation.identity import Identity

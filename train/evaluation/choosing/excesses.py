@@ -15,7 +15,7 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.world.mission import MissionResult
 from selforg.arrays import Floats
 from train.analysis.family_report import unfinished
-from train.analysis.spread import Ratio, too_few
+from train.analysis.intervals import Ratio, too_few
 from train.analysis.statistics import share_cell
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 from train.reports.write_report import Publication

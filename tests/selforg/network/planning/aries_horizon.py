@@ -6,7 +6,7 @@ next task, or stop", is one, and holds exactly the plans up to its length.
 
 from unified_planning.model.htn import HierarchicalProblem, Method
 
-from selforg.network.planning.engine import environment, to_unified
+from selforg.network.planning.pddl import environment, to_unified
 
 
 def best_plan(search, facts, numbers, goals, horizon):

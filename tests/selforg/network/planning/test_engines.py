@@ -91,7 +91,7 @@ def test_the_robot_model_goes_to_pddl():
     pytest.importorskip("unified_planning")
     from unified_planning.io import PDDLReader
 
-    from selforg.network.planning.engine import environment, write_pddl
+    from selforg.network.planning.pddl import environment, write_pddl
 
     texts = write_pddl(robot_problem(), *robot_state("garbage_seen", avoidance=0.123456789), (0, 1, 2))
     again = PDDLReader(environment()).parse_problem_string(*texts)
@@ -103,7 +103,7 @@ def test_the_robot_model_goes_to_pddl():
 
 def test_an_engine_takes_the_place_of_the_built_in_search():
     pytest.importorskip("up_aries")
-    from selforg.network.planning.engine import EngineSearch
+    from selforg.network.planning.pddl import EngineSearch
     from selforg.network.planning.search import plan_by_priority
 
     problem = robot_problem()
@@ -117,7 +117,7 @@ def test_an_engine_takes_the_place_of_the_built_in_search():
 
 def test_an_engine_without_an_answer_in_time_says_so():
     pytest.importorskip("up_aries")
-    from selforg.network.planning.engine import EngineSearch
+    from selforg.network.planning.pddl import EngineSearch
 
     problem = PlanningProblem(
         ("a",), ("x",), (PlanningAction("up", (), (ChangeNumber(0, 1.0),)),), (PlanningGoal("a", FactIs(0)),)
@@ -128,7 +128,7 @@ def test_an_engine_without_an_answer_in_time_says_so():
 
 def test_unknown_engines_list_the_installed():
     pytest.importorskip("unified_planning")
-    from selforg.network.planning.engine import EngineSearch
+    from selforg.network.planning.pddl import EngineSearch
 
     with pytest.raises(ValueError, match=r"unknown planning engine 'ares' \(installed: .*sequential_simulator"):
         EngineSearch(robot_problem(), "ares")

@@ -7,7 +7,7 @@ import pytest
 
 from selforg.network import plan_state as ps
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.engine import EngineSearch, environment
+from selforg.network.planning.pddl import EngineSearch, environment
 from selforg.network.planning.planner import BuiltInPlanner, check_planner, planner_named
 from selforg.network.planning.search import ForwardSearch
 from tests.selforg.network.cleaning import cleaning_model, wandering

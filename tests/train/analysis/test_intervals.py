@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from train.analysis.spread import FEWEST, TOLD, Ratio, too_few
+from train.analysis.intervals import FEWEST, TOLD, Ratio, too_few
 
 
 def pairs(rng, scenarios, ratio=1.0):
