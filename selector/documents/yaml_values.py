@@ -72,9 +72,10 @@ class _Builder:
         if self.nodes > MOST_NODES:
             self.refuse(event, keys, f"expected at most {MOST_NODES} values, with those of aliases, got more")
         if isinstance(event, yaml.AliasEvent):
-            meant = self.meant.setdefault(index, self.anchors.get(event.anchor))
+            anchor = str(event.anchor)
+            meant = self.meant.setdefault(index, self.anchors.get(anchor))
             if meant is None:
-                self.refuse(event, keys, f"expected an alias of a whole value above, got *{event.anchor[:40]}")
+                self.refuse(event, keys, f"expected an alias of a whole value above, got *{anchor[:40]}")
             return self.value(meant, keys)[0], index + 1
         if event.tag:
             self.refuse(event, keys, f"expected a value without a tag, got {event.tag[:40]}")
