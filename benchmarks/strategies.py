@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from selector.strategies.problem import Problem
-from selector.strategies.registry import create, registered
+from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
 from tests.selector.strategies.policies import exported
 
@@ -49,7 +49,7 @@ def main() -> int:
     with TemporaryDirectory() as directory:
         exported(Path(directory), problem.goal, problem.options, features, hidden=(64, 64))
         needed = {"Fixed": {"option": "two"}}
-        for name in registered():
+        for name in STRATEGIES.names():
             costs = [seconds_a_row(name, needed.get(name, {}), problem, own) for own in (False, True)]
             late = max(sum(cost) for cost in costs) > LIMIT
             missed |= late

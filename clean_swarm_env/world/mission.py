@@ -45,7 +45,7 @@ class MissionResult:
     items_per_min: float
     """Items dumped per minute [1/min]."""
     cost_s: float
-    """See `Task.costs` [s]."""
+    """See `Task.cost` [s]."""
     unavoidable_s: float
     """The part of the cost that nobody could avoid [s]."""
     measures: Mapping[str, float] = field(default_factory=dict)
@@ -194,14 +194,14 @@ def result_of(worlds: Worlds, world: int) -> MissionResult:
     events, samples = worlds.collisions.events[world], worlds.collisions.samples[world]
     return MissionResult(
         completed=bool(task.completed(values)[world]),
-        duration_s=round(float(task.durations()[world]), 9),
+        duration_s=round(task.duration(world), 9),
         collision_samples_per_s=tuple((samples / time).tolist()),
         collision_events_per_s=tuple((events / time).tolist()),
         garbage_done=done,
         robots=int(worlds.team.joined[world]),
         ticks=ticks,
         items_per_min=60.0 * done / time,
-        cost_s=float(task.costs(values)[world]),
-        unavoidable_s=float(task.unavoidable()[world]),
+        cost_s=task.cost(world, values),
+        unavoidable_s=task.unavoidable(world),
         measures={name: float(own[world]) for name, own in values.items()},
     )

@@ -19,6 +19,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.config.world import ConsequencesConfig
+from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.task_parts import Measure, Recorded, TaskState, Things, WorldStart, kinds_of
 from clean_swarm_env.world.view import CARRYING, World
@@ -273,27 +274,28 @@ class Task(ABC, Generic[S, T]):
             met &= np.array([measure.met(value) for value in values[measure.name].tolist()])
         return met
 
-    def costs(self, values: Mapping[str, Floats]) -> Floats:
-        """Return what the missions (W,) cost [s]: their time limits times their worst measures by the targets.
+    def cost(self, world: int, values: Mapping[str, Floats]) -> float:
+        """Return what the mission of a world costs [s]: its time limit times its worst measure by the targets.
 
         A guard counts where it misses its target only. 1 time limit: the target is just met. `values`: of `result`.
         """
-        worst: Floats = np.max([measure.ratio(values[measure.name]) for measure in self.measures], axis=0)
-        return worst * self.world.limits * self.world.period
+        worst = max(measure.ratio(float(values[measure.name][world])) for measure in self.measures)
+        return worst * tick_limit(self.world.missions[world]) * self.world.period
 
-    def unavoidable(self) -> Floats:
-        """Return the part of the costs (W,) that nobody could avoid [s]."""
-        return np.zeros(self.world.worlds)
+    def unavoidable(self, world: int) -> float:
+        """Return the part of the cost of a world that no team could avoid [s]."""
+        return 0.0
 
     def items_done(self) -> Ints:
         """Return how many items are dumped in each world (W,)."""
         return np.zeros(self.world.worlds, dtype=np.int64)
 
-    def durations(self) -> Floats:
-        """Return how long the missions (W,) have lasted if they are done, else their time limits [s]."""
-        world = self.world
-        ticks = np.maximum(world.ticks - 1, 0)  # what was done last was done at the beginning of its control period
-        return np.where(self.done(), ticks * world.period, [mission.time_limit for mission in world.missions])
+    def duration(self, world: int) -> float:
+        """Return how long the mission of a world has lasted if it is done, else its time limit [s]."""
+        if not self.done()[world]:
+            return self.world.missions[world].time_limit
+        ticks = max(int(self.world.ticks[world]) - 1, 0)  # the last thing was done at the beginning of its period
+        return ticks * self.world.period
 
     # ---- what pictures, recordings and learners show of the task
 

@@ -49,12 +49,13 @@ class Measure:
         """Return whether a value reaches the target."""
         return value <= self.target if self.better == "lower" else value >= self.target
 
-    def ratio(self, values: Floats) -> Floats:
-        """Return values by the target, 1 where it is just met and less where they are better, from 0.01 to 100."""
-        target, least = abs(self.target) or 1.0, 1.0 if self.guard else 1.0 / MOST_RATIO
-        better = values / target if self.better == "lower" else target / np.maximum(values, target / MOST_RATIO)
-        ratio: Floats = np.clip(better, least, MOST_RATIO)
-        return np.where(ratio > 1.0, ratio, 1.0 / MOST_RATIO) if self.guard else ratio
+    def ratio(self, value: float) -> float:
+        """Return a value by the target, 1 where it is just met and less where it is better, from 0.01 to 100."""
+        target, least = abs(self.target) or 1.0, 1.0 / MOST_RATIO
+        by_target = value / target if self.better == "lower" else target / max(value, target / MOST_RATIO)
+        if self.guard and by_target <= 1.0:
+            return least
+        return min(max(by_target, least), MOST_RATIO)
 
 
 def key_of(measure: str) -> str:

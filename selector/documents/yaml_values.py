@@ -17,8 +17,8 @@ from selector.documents.plain import short
 
 MOST_NODES = 100_000
 """Values of a YAML document, those of an alias counted wherever it stands; the largest shipped one has a thousand."""
-MOST_EVENTS = 2 * MOST_NODES + 3
-"""Events of the parser for that number of values: two for each, and those of a stream and a document."""
+MOST_EVENTS = 2 * MOST_NODES + 4
+"""Events of the parser for that number of values: two for each, two of the stream, two of the document."""
 MOST_DEPTH = 50
 """Values around a value; the shipped documents need 10."""
 MOST_DIGITS = 40
@@ -58,7 +58,9 @@ class _Builder:
     events: list[yaml.Event]
     where: str
     anchors: dict[str, int] = field(default_factory=dict)
-    """Anchor -> index of the first event of its value, once that is complete."""
+    """Anchor -> index of the first event of its latest value, once that is complete."""
+    meant: dict[int, int | None] = field(default_factory=dict)
+    """Index of an alias -> that of the first event of its value; a later value may have the same anchor."""
     complete: int = 0
     """Number of events that belong to complete values."""
     nodes: int = 0
@@ -71,15 +73,20 @@ class _Builder:
             self.refuse(event, keys, f"expected at most {MOST_NODES} values, with those of aliases, got more")
         if isinstance(event, yaml.AliasEvent):
             anchor = str(event.anchor)
-            if anchor not in self.anchors:
+            meant = self.meant.setdefault(index, self.anchors.get(anchor))
+            if meant is None:
                 self.refuse(event, keys, f"expected an alias of a whole value above, got *{anchor[:40]}")
-            return self.value(self.anchors[anchor], keys)[0], index + 1
+            return self.value(meant, keys)[0], index + 1
         if event.tag:
             self.refuse(event, keys, f"expected a value without a tag, got {event.tag[:40]}")
+        if index >= self.complete:  # not again within an alias
+            self.anchors.pop(event.anchor, None)
         scalar = isinstance(event, yaml.ScalarEvent)
         value, end = (self._scalar(event, keys), index + 1) if scalar else self._collection(index, keys)
-        if end > self.complete:  # not again within an alias
-            self.complete, self.anchors[str(event.anchor)] = end, index
+        if end > self.complete:
+            self.complete = end
+            if event.anchor:
+                self.anchors[event.anchor] = index
         return value, end
 
     def _collection(self, index: int, keys: tuple[str, ...]) -> tuple[Any, int]:

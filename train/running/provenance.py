@@ -15,17 +15,17 @@ FINGERPRINTED = ("knowledge", "mechanisms", "robots")
 """Kinds of files on which a run depends, besides its configuration."""
 
 
-def versions(more: Sequence[str] = (), needed_by: str = "", extra: str = "") -> dict[str, str]:
+def versions(more: Sequence[str] = (), needed_by: str = "results need", extra: str = "") -> dict[str, str]:
     """Return the versions of Python, of the packages that every result depends on, and of `more` packages.
 
     Raises:
-        DocumentError: a package of `extra` is not installed; `needed_by` begins the text.
+        DocumentError: a package is not installed, which the `extra` has if there is one; `needed_by` begins the text.
 
     """
     try:
         return {"python": platform.python_version(), **{name: version(name) for name in (*PACKAGES, *more)}}
     except PackageNotFoundError as error:
-        install = f"pip install -c constraints.txt '.[{extra}]'"
+        install = "pip install -c constraints.txt " + (f"'.[{extra}]'" if extra else ".")
         raise DocumentError(f"{needed_by} {error.name}, which is not installed: {install}") from error
 
 

@@ -157,7 +157,8 @@ class CandidateTasks:
     def mistake(self, record: RunRecord) -> str:
         """Return why a mission that is kept is none of this study; empty if it is."""
         seed = stage_seeds(self.seed).get(record.condition.partition(" - ")[0])
-        if seed is None or not record.counts.get(DECISIONS) or AVOIDED not in record.counts:
+        decisions = record.counts.get(DECISIONS, 0)
+        if seed is None or not decisions or not 0 <= record.counts.get(AVOIDED, -1) <= decisions:
             return f"expected a mission of a stage, {', '.join(STAGES)}, with the counts {DECISIONS} and {AVOIDED}"
         return record.mistake(self.family.name, seed, self.family.largest)
 

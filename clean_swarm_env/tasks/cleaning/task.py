@@ -210,16 +210,15 @@ class Cleaning(Task[TaskSettings, TaskState]):
         """Return where all garbage has come and is dumped."""
         return self.done()
 
-    def costs(self, values: Mapping[str, Floats]) -> Floats:
-        """Return what the missions (W,) cost [s]; see `docs/cost.md`."""
-        counts, durations = self.world.floor.collisions, self.durations().tolist()
-        events, samples, done = counts.events[:, 0].tolist(), counts.samples[:, 0].tolist(), self.garbage.done.tolist()
-        each = zip(self.world.missions, durations, events, samples, done, strict=True)
-        return np.array([mission_cost(*figures) for figures in each])
+    def cost(self, world: int, values: Mapping[str, Floats]) -> float:
+        """Return what the mission of a world costs [s]; see `docs/cost.md`."""
+        counts, done = self.world.floor.collisions, int(self.garbage.done[world])
+        events, samples = int(counts.events[world, 0]), int(counts.samples[world, 0])
+        return mission_cost(self.world.missions[world], self.duration(world), events, samples, done)
 
-    def unavoidable(self) -> Floats:
-        """Return the part of the costs (W,) that nobody could avoid [s], because garbage comes when it comes."""
-        return np.array([unavoidable_cost(m, self.agendas.came(k)) for k, m in enumerate(self.world.missions)])
+    def unavoidable(self, world: int) -> float:
+        """Return the part of the cost that no team could avoid [s], because garbage comes when it comes."""
+        return unavoidable_cost(self.world.missions[world], self.agendas.came(world))
 
     def items_done(self) -> Ints:
         """Return how many items are dumped in each world (W,)."""

@@ -10,7 +10,8 @@ from clean_swarm_env.learning.progress import PICKINGS, RECYCLINGS, MissionProgr
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
-from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN, coordinators_of
+from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN
+from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
@@ -170,7 +171,7 @@ def test_worlds_go_on_alike_alone_in_a_batch_and_from_a_state():
                 worlds.tick()
         for world in range(2):
             assert difference([whole(batch, world)], [whole(alone[world], 0)]) == ""
-            seen += int((batch.garbage.blind[batch.rows_of(world)] > 0).sum())
+            seen += int((batch.task.garbage.blind[batch.rows_of(world)] > 0).sum())
             state = alone[world].get_state()
             alone[world] = worlds_of(mission)
             alone[world].reset(0, random_start(mission, 9, 9), 9)

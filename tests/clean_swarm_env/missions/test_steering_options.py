@@ -5,8 +5,9 @@ import pytest
 import yaml
 
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.tasks.cleaning.robot import GOAL, coordinators_of
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.explaining import _coordinated
+from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import coordinator_models

@@ -36,6 +36,9 @@ def test_plain_values_are_read_by_the_core_schema(text):
         ("a: " + "[" * 3000 + "]" * 3000, f"line 1: a.*: expected values in at most {MOST_DEPTH} others"),
         ("a: &b [*b]", r"line 1: a\.0: expected an alias of a whole value above, got \*b"),
         ("a: *b", r"line 1: a: expected an alias of a whole value above, got \*b"),
+        ("a: [1, *None]", r"line 1: a\.1: expected an alias of a whole value above, got \*None"),
+        ("a: &b 1\nc: &b [*b]", r"line 2: c\.0: expected an alias of a whole value above, got \*b"),
+        ("[" + "[]," * (MOST_NODES - 1) + "]", "expected a mapping of keys, got list"),
         ("a: 1\nb:\n  c: 1\n  c: 2", "line 4: b: key 'c' twice"),
         ("a: 1\n---\nb: 2", "line 2: expected one document"),
         ("a: [" + ",".join(["1"] * MOST_NODES) + "]", f"line 1: a.*: expected at most {MOST_NODES} values"),
@@ -49,11 +52,12 @@ def test_what_cannot_be_used_is_named_by_file_line_and_key(tmp_path, text, expec
         read_mapping(tmp_path / "x.yaml")
 
 
-def test_aliases_count_wherever_they_stand_and_may_be_used(tmp_path):
+def test_aliases_count_wherever_they_stand_and_mean_the_last_value_before_them(tmp_path):
     lines = ["a0: &a0 [1,1,1,1,1,1,1,1,1,1]"]
     lines += [f"a{k}: &a{k} [{','.join([f'*a{k - 1}'] * 10)}]" for k in range(1, 6)]
     (tmp_path / "few.yaml").write_text("\n".join(lines[:4]))
     assert sum(read_mapping(tmp_path / "few.yaml")["a1"][3]) == 10
+    assert read_value("[&a [&b 1, *b], &b 2, *a, *b]") == [[1, 1], 2, [1, 1], 2]
     (tmp_path / "many.yaml").write_text("\n".join(lines))
     with pytest.raises(
         DocumentError, match=r"many\.yaml: line \d: a4\.\d[.\d]*: expected at most 100000 values, with those"

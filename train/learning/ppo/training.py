@@ -34,7 +34,17 @@ from train.learning.ppo.worlds import OneGoalEnv, TeamEnv
 from train.learning.training import Checkpoint, Training, TrainingJob
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
-DAMAGE = (RuntimeError, ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, pickle.UnpicklingError)
+DAMAGE = (
+    RuntimeError,
+    ValueError,
+    OverflowError,
+    KeyError,
+    TypeError,
+    AttributeError,
+    EOFError,
+    OSError,
+    pickle.UnpicklingError,
+)
 """What torch raises for a checkpoint that is damaged or of another shape; it depends on the damaged part."""
 LAST_RATE = 0.1
 """Share of the learning rate that is left at the end."""
