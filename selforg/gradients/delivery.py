@@ -76,6 +76,8 @@ class Mail:
 
     def collect(self, now: float) -> list[Post]:
         """Remove and return the messages that have arrived by `now` [s], in the order of arrival, then of posting."""
+        if not self.posts:
+            return []
         due = sorted((post for post in self.posts if post[0] <= now), key=itemgetter(0))
         self.posts = [post for post in self.posts if post[0] > now]
         return due
