@@ -161,8 +161,7 @@ class Minds:
 
     def act(self, now: float) -> None:
         """Write a movement vector for every robot in which a behaviour that moves runs, and bend those there are."""
-        commands = self.commands
-        self.robots.act(now, commands)
+        self.robots.act(now, self.commands)
 
     def leave(self, now: float) -> None:
         """Deposit and spread what others perceive from the next tick on: pheromones and gradients."""

@@ -105,7 +105,8 @@ def selection_over_time(recordings: Sequence[RecordedMission], goal: str) -> str
     shares = counts[there] / counts[there].sum(axis=1, keepdims=True)
     middles = ((edges[:-1] + edges[1:]) / 2.0)[there]
     with panels(1, 1, (WIDTH, _height(2.6, used))) as (figure, ((axes,),)):
-        axes.stackplot(middles, shares[:, used].T, colors=[_colour_of_option(k) for k in used])
+        if used:
+            axes.stackplot(middles, shares[:, used].T, colors=[_colour_of_option(k) for k in used])
         axes.set(xlim=(0.0, end or 1.0), ylim=(0.0, 1.0), xlabel="time [s]", ylabel="share of robots")
         _add_key(axes, [options[k] for k in used])
         return svg(figure)
