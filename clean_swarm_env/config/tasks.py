@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from traceback import extract_tb
 from typing import Any, Final, Protocol
 
 from selector.documents.errors import DocumentError
@@ -66,7 +67,7 @@ def find_task(name: str) -> type[TaskKind]:
     try:
         return _registered().find(name)
     except UnknownNameError as error:
-        raise DocumentError(str(error)) from error
+        raise DocumentError(f"{error}; a task of your own: --import FILE.py, in Python imports=") from error
 
 
 def task_stories() -> dict[str, str]:
@@ -119,17 +120,18 @@ def import_tasks(files: Iterable[str | os.PathLike[str]]) -> None:
     """Register the tasks in Python files of the user's own, in this process and in its workers.
 
     Raises:
-        DocumentError: there is no such file, or it does not end with `.py`.
+        DocumentError: there is no such file, it does not end with `.py`, or its code fails.
 
     """
-    given = [os.path.abspath(file) for file in files]
+    given = [os.path.abspath(file) for file in ([files] if isinstance(files, str) else files)]
     for file in given:
         if not (file.endswith(".py") and Path(file).is_file()):
             raise DocumentError(f"{file}: expected a file of Python code with a task")
-    known = own_files()
     if given:
-        os.environ[OWN_FILES] = os.pathsep.join(dict.fromkeys((*known, *given)))
         _registered()
+        for file in given:
+            _execute(file)
+        os.environ[OWN_FILES] = os.pathsep.join(dict.fromkeys((*own_files(), *given)))  # none that fails
 
 
 def own_files() -> tuple[str, ...]:
@@ -141,8 +143,20 @@ def _registered() -> Registry[TaskKind]:
     """Return the tasks, once all files with tasks are imported."""
     import_module("clean_swarm_env.tasks")  # which registers ours
     for file in own_files():
-        module_of_file(Path(file))
+        _execute(file)
     return TASKS
+
+
+def _execute(file: str) -> None:
+    """Execute a file of the user's own once; what goes wrong becomes one line with its place in the file."""
+    try:
+        module_of_file(Path(file))
+    except (Exception, SystemExit) as error:
+        lines = [frame.lineno for frame in extract_tb(error.__traceback__) if frame.filename == file]
+        if isinstance(error, SyntaxError) and error.filename == file:
+            lines.append(error.lineno)
+        where = ":".join(map(str, (file, *lines[-1:])))
+        raise DocumentError(f"{where}: {type(error).__name__}: {' '.join(str(error).split())}") from error
 
 
 def settings_from(given: object) -> object:

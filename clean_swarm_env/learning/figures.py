@@ -30,7 +30,7 @@ OWN = {
 
 def team_columns(worlds: Worlds, progress: MissionProgress) -> FigureColumns:
     """Return the values of each world; `dumped`: items in the period, `garbage_done`: in the mission so far."""
-    task, values = worlds.task, worlds.task.result()
+    task, values = worlds.task, worlds.task.measured()
     times = [ticks * worlds.period for ticks in progress.elapsed.tolist()]
     completed = task.completed(values) if task.measures else progress.outcome == COMPLETED
     columns: FigureColumns = {

@@ -181,7 +181,7 @@ class MeasureRewards:
 
     def _measured(self) -> Floats:
         """Return the present measures (K, W)."""
-        values = self._worlds.task.result()
+        values = self._worlds.task.measured()
         return np.stack([values[measure.name] for measure in self._worlds.task.measures])
 
 

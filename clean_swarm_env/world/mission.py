@@ -188,7 +188,7 @@ class Course:
 
 def result_of(worlds: Worlds, world: int) -> MissionResult:
     """Return the result of a world up to now."""
-    task, values = worlds.task, worlds.task.result()
+    task, values = worlds.task, worlds.task.measured()
     ticks, done = int(worlds.ticks[world]), int(task.items_done()[world])
     time = max(ticks, 1) * worlds.period
     events, samples = worlds.collisions.events[world], worlds.collisions.samples[world]

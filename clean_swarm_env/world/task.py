@@ -21,7 +21,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.config.world import ConsequencesConfig
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.task_parts import Measure, Recorded, TaskState, Things, WorldStart, kinds_of
+from clean_swarm_env.world.task_parts import Measure, Recorded, TaskState, Things, WorldStart, check_numbers, kinds_of
 from clean_swarm_env.world.view import CARRYING, World
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
@@ -46,7 +46,7 @@ T = TypeVar("T", bound=TaskState)
 
 
 class Task(ABC, Generic[S, T]):
-    """What there is to do in W worlds at once. Register a subclass with `TASKS.register`; implement `result`.
+    """What there is to do in W worlds at once. Register a subclass with `TASKS.register`; give `measures` and `result`.
 
     A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
     recordings, states, training and tuning then take it as they take cleaning. Everything else has a default: robots
@@ -126,12 +126,16 @@ class Task(ABC, Generic[S, T]):
         if mission.robots.count < self.fewest:
             expected = f"at least {self.fewest} with the task {mission.task.name}"
             raise ConfigurationError(f"robots.count: expected {expected}, got {mission.robots.count}")
+        if not (self.measures or self.priced):
+            raise ConfigurationError(f"task {self.name}: measures: expected one or more, got none")
         self.settings = mission.task  # type: ignore[assignment]  # of the model `Settings`, which read it
         numbers = {name: value for name, value in mission.task if isinstance(value, int)}
         sizes = {"W": world.worlds, "N": world.robots, "R": world.rows, **numbers, **self.sizes()}
         self.state = self.State(sizes)  # type: ignore[assignment]
         self.asked, self._walk = np.zeros((world.rows, 2)), np.zeros((world.rows, 2))
         self.around = self.things()
+        for thing in self.around:
+            check_numbers(thing.places, (world.worlds, thing.count, 2), f"task {self.name}: things: {thing.channel}")
 
     # ---- what a task says; only `result` is required
 
@@ -186,6 +190,15 @@ class Task(ABC, Generic[S, T]):
         commands.commanded[:] = True
 
     # ---- what the worlds call
+
+    def measured(self) -> Mapping[str, Floats]:
+        """Return `result`; ConfigurationError unless it has finite values (W,) of all measures."""
+        values = self.result()
+        for name in dict.fromkeys((*(measure.name for measure in self.measures), *values)):
+            if name not in values:
+                raise ConfigurationError(f"task {self.name}: result: expected the measure {name!r}, got {[*values]}")
+            check_numbers(values[name], (self.world.worlds,), f"task {self.name}: result: {name}")
+        return values
 
     @classmethod
     def check(cls, mission: MissionConfig) -> None:
@@ -305,7 +318,7 @@ class Task(ABC, Generic[S, T]):
 
     def headline(self, world: int) -> str:
         """Return what there is to say of a world in one line: its measures."""
-        return ", ".join(f"{name} {values[world]:.3g}" for name, values in self.result().items())
+        return ", ".join(f"{name} {values[world]:.3g}" for name, values in self.measured().items())
 
     def cargo(self) -> Ints:
         """Return the thing that each robot (R,) carries, -1 for none; 0 where all that is known is that it carries."""

@@ -185,7 +185,7 @@ def _imports(words: list[str]) -> tuple[list[str], list[str]]:
         elif word != READ_TASKS:
             rest.append(word)
         following = word == READ_TASKS and not following
-    return rest, files
+    return rest, [*files, ""] if following else files  # no file is none that can be read
 
 
 def _version(wanted: bool) -> None:

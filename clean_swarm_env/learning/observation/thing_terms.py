@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.ground import Ground
-from clean_swarm_env.world.task_parts import kinds_of
+from clean_swarm_env.world.task_parts import check_numbers, kinds_of
 from selforg.arrays import Flags, Floats, Ints
 from selforg.elementary import unit_vectors
 
@@ -87,7 +87,9 @@ class TaskTerm(Term):
     def write(self, rows: Ints, out: Floats) -> None:
         shown = [values.reshape(len(values), -1) for values in self.observed.worlds.task.observe().values()]
         if shown:
-            out[:] = np.clip(np.concatenate(shown, axis=1).T, -1.0, 1.0)
+            values = np.concatenate(shown, axis=1).T
+            check_numbers(values, out.shape, f"task {self.observed.worlds.task.name}: observe")
+            out[:] = np.clip(values, -1.0, 1.0)
 
 
 def component_names(name: str, values: Floats) -> Sequence[str]:

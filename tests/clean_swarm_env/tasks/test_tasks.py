@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.tasks import find_task, task_names, task_stories
 from clean_swarm_env.config.types import ConfigurationError
@@ -183,6 +184,29 @@ def test_cleaning_has_no_baseline_to_lead():
     decided = DecidedGoal(batch)
     with pytest.raises(ConfigurationError, match="baseline: the task Cleaning has none"):
         decided.check(BaselineDecider(decided.problem, np.zeros(1)))
+
+
+@pytest.mark.parametrize(
+    ("part", "returned", "said"),
+    [
+        ("result", {}, "result: expected the measure 'distance to the middle'"),
+        ("result", {"distance to the middle": np.array([np.nan])}, "result: distance to the middle: expected finite"),
+        ("result", {"distance to the middle": np.zeros(3)}, r"expected shape \(1,\), got \(3,\)"),
+        ("observe", {"near": np.full(4, np.nan)}, "observe: expected finite"),
+        ("observe", {"near": np.zeros(3)}, r"observe: expected shape \(1, 4\), got \(1, 3\)"),
+        ("things", (Things("goal", np.zeros((2, 2))),), r"things: goal: expected shape \(1, 2, 2\)"),
+    ],
+)
+def test_what_a_task_returns_is_checked(monkeypatch, part, returned, said):
+    monkeypatch.setattr(Gathering, part, lambda _: returned)
+    with pytest.raises(ConfigurationError, match=said):
+        clean_swarm_v0.parallel_env("Gathering").reset(seed=1)
+
+
+def test_robots_are_put_at_places(monkeypatch):
+    monkeypatch.setattr(Gathering, "place", lambda _, start: start.put_robots(np.full((4, 2), np.inf)))
+    with pytest.raises(ConfigurationError, match="put_robots: places: expected finite numbers"):
+        clean_swarm_v0.parallel_env("Gathering").reset(seed=1)
 
 
 def test_a_task_has_one_class():

@@ -229,3 +229,14 @@ def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_pa
     assert "unknown family or task 'Shepherding'" in done.stderr
     done = own("list", "--import", "no.py", cwd=tmp_path)
     assert "expected a file of Python code with a task" in done.stderr
+    example = (ROOT / "examples" / "own_task.py").read_text()
+    for code, said in (
+        ("def broken(:", "own.py:1: SyntaxError"),
+        ("\nraise ValueError('two\\nlines')", "own.py:2: ValueError: two lines"),
+        ("import sys\nsys.exit(3)", "own.py:2: SystemExit: 3"),
+        (example.replace("class Shepherding", "class Foraging"), "'Foraging' is registered already"),
+    ):
+        (tmp_path / "own.py").write_text(code)
+        done = own("run", "Foraging", "--import", "own.py", cwd=tmp_path)
+        assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done.stderr
+        assert said in done.stderr
