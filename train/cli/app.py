@@ -208,7 +208,7 @@ def _common(
         ),
     ] = None,
 ) -> None:
-    """Compare and learn the selection of self-organisation mechanisms by robots that clean a torus."""
+    """Compare and learn the selection of self-organisation mechanisms by teams of robots."""
 
 
 @app.command("list", short_help="all names: missions, families, policies, ... (seconds)", rich_help_panel="run")
