@@ -1,9 +1,13 @@
 """The race keeps the better candidate and saves missions; the noise is that of missions."""
 
 import numpy as np
+import pytest
+
+from train.learning.racing import RaceConfig, front, race, worse_than_best
+
+pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 
 from tests.train.studies.synthetic import NOISE
-from train.learning.racing import RaceConfig, front, race, worse_than_best
 from train.studies.missions import Candidate
 
 RULES = RaceConfig(block=10, blocks=10)

@@ -8,7 +8,6 @@ import pytest
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
-from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.learning.racing import front
 from train.running.engine import in_turn
 from train.running.finished_runs import Results
@@ -18,6 +17,7 @@ from train.studies.config import Method, load_study
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
+from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.studies.missions import DURATION, EVENT_COUNT, LAST_RACE, Candidate, MissionField
 from train.studies.search import CandidateSearch
 from train.studies.space import StudySpace

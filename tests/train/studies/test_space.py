@@ -7,6 +7,9 @@ from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from train.studies.config import StudyConfig, load_study
+
+pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
+
 from train.studies.configured import configured_study
 from train.studies.space import StudySpace
 
