@@ -1,4 +1,4 @@
-"""Cleaning: robots find garbage, carry it to a recycling station, then what is left to a dump.
+"""Cleaning: robots find garbage, carry it to a recycling station, then the leftovers to a dump.
 
 Items and stations are in `site`; behaviours carry out what compiled stages of the tick do with them.
 """
@@ -57,7 +57,7 @@ class Cleaning(Task[TaskSettings, TaskState]):
 
     """
 
-    story = "robots find garbage, carry it to the recycling station and what is left to the dump, and keep clear"
+    story = "robots find garbage, carry it to the recycling station and the leftovers to the dump, and keep clear"
     baseline = ""
     mission = {"name": "cleaning", "knowledge": "cleaning", "garbage": {"count": 10}}
     begins_as_given = changes = priced = True
