@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 
 from benchmarks.shared.pymunk_space import PymunkSpace, find_copies, push_bodies, wrap_bodies
 from clean_swarm_env.physics.collisions import CollisionCounter
+from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.motion import COPY_OFFSETS
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
+from selforg.commands import Commands
 
 SUBSTEPS = 4  # a tick
 WARM_UP = 20  # ticks before the measurement: spaces are built, robots have met
@@ -101,36 +103,31 @@ def lattice(settings: PhysicsSettings, rng: np.random.Generator) -> NDArray[np.f
     return np.concatenate([spots + rng.uniform(0.0, shake, spots.shape) for _ in range(settings.worlds)])
 
 
-def physics_seconds_per_tick(
-    worlds: int, robots: int, width: float, ticks: int, counting: bool, seed: int = 0
-) -> float:
-    """Return the CPU seconds of our physics for the same, with headings, and with collision counts if asked."""
-    physics = Physics(PhysicsSettings(worlds, robots, width, width))
-    counter = CollisionCounter(worlds, robots, width, width)
+def physics_seconds_per_tick(worlds: int, robots: int, width: float, ticks: int, seed: int = 0) -> float:
+    """Return the CPU seconds of our physics for the same, with headings, drives and collision counts."""
+    physics, drive = Physics(PhysicsSettings(worlds, robots, width, width)), DifferentialDrive(worlds * robots)
+    counter, commands = CollisionCounter(worlds, robots, width, width), Commands.none(worlds * robots, 2)
     rng = np.random.default_rng(seed)
     places, headings = lattice(physics.settings, rng), np.zeros(robots)
     for world in range(worlds):
         physics.place(world, places[world * robots : (world + 1) * robots], headings)
-    speed = np.ones(worlds * robots)
+    drive.speed[:] = 1.0
     turn_rates = rng.uniform(-2.0, 2.0, (WARM_UP + ticks, worlds * robots))  # 0.4 rad in a tick, as the floor's walk
     for tick in range(WARM_UP + ticks):
         if tick == WARM_UP:
             begin = process_time()
-        for _ in range(SUBSTEPS):
-            physics.substep(speed, turn_rates[tick])
-            if counting:
-                counter.count(physics.positions)
+        drive.turn_rate[:] = turn_rates[tick]
+        physics.tick(0.0, SUBSTEPS, commands.packed, drive, counter)
     return (process_time() - begin) / ticks
 
 
 def measure(worlds: int, robots: int, width: float) -> list[float]:
-    """Return the median CPU seconds per tick of the four contestants, in alternating repeats."""
+    """Return the median CPU seconds per tick of the three contestants, in alternating repeats."""
     ticks = max(20, 10_000 // (worlds * robots))
     contestants: list[Callable[[int], float]] = [
         lambda ticks: floor_seconds_per_tick(worlds, robots, width, ticks),
         lambda ticks: floor_seconds_per_tick(worlds, robots, width, ticks, everywhere=True),
-        lambda ticks: physics_seconds_per_tick(worlds, robots, width, ticks, counting=False),
-        lambda ticks: physics_seconds_per_tick(worlds, robots, width, ticks, counting=True),
+        lambda ticks: physics_seconds_per_tick(worlds, robots, width, ticks),
     ]
     for contestant in contestants:
         contestant(2)  # compiled code is loaded before anything is measured
@@ -141,10 +138,10 @@ def measure(worlds: int, robots: int, width: float) -> list[float]:
 def main() -> None:
     """Print CPU microseconds per tick and world."""
     print(f"CPU time of a tick (0.2 s, {SUBSTEPS} substeps) per world [us], median of {REPEATS} alternating repeats")
-    print("worlds x robots   floor   all copies   our physics   with counts   physics / floor")
+    print("worlds x robots   floor   all copies   our physics   physics / floor")
     for worlds, robots, width in SIZES:
         times = [1e6 * seconds / worlds for seconds in measure(worlds, robots, width)]
-        cells = "".join(f"{time:{column}.1f}" for time, column in zip(times, (9, 13, 14, 14), strict=True))
+        cells = "".join(f"{time:{column}.1f}" for time, column in zip(times, (9, 13, 14), strict=True))
         print(f"{worlds:6d} x {robots:<6d}{cells}{times[2] / times[0]:18.2f}")
 
 

@@ -59,12 +59,10 @@ class CollisionCounter:
 
     >>> counter = CollisionCounter(worlds=1, robots=2, width=11.0, height=11.0)
     >>> for x in (0.3, 0.2, 0.2):
-    ...     counter.count(np.array([[x, 5.0], [10.75, 5.0]]))
+    ...     count_world(0, np.array([[x, 5.0], [10.75, 5.0]]), np.ones(2, np.bool_), counter.packed.words)
     >>> counter.samples.tolist(), counter.events.tolist()
     ([[2, 3]], [[1, 1]])
     """
-
-    _everybody: Annotated[Flags, "R", READ]
 
     def __init__(
         self, worlds: int, robots: int, width: float, height: float, distances: tuple[float, ...] = (0.5, 1.0)
@@ -77,7 +75,6 @@ class CollisionCounter:
         self.entered: Ints = np.zeros(rows, np.int64)
         self.entered_in_tick: Ints = np.zeros(rows, np.int64)
         self._robots = robots
-        self._everybody = np.ones(rows, np.bool_)
         # Cells are at least two reaches wide. So pairs up to two reaches apart are listed, and the list is valid until
         # a robot has moved by half a reach.
         shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * max(distances), extent)
@@ -114,10 +111,6 @@ class CollisionCounter:
         self.entered[rows] = 0
         self.packed.record.counted[rows] = False
         self.packed.record.listed[world] = UNLISTED
-
-    def count(self, positions: Floats, present: Flags | None = None) -> None:
-        """Count all worlds once: the robots `present` (R,) or all; positions (R, 2) [m] in [0, width) x [0, height)."""
-        count_worlds(positions, self._everybody if present is None else present, self.packed.words)
 
 
 @inlined
@@ -184,7 +177,7 @@ def count_pair(world: int, row: int, other: int, positions: Floats, c: Counts) -
 
 @lean_kernel
 def count_world(world: int, positions: Floats, present: Flags, counts: Written[Counts]) -> None:
-    """Count one world and remember its positions; see CollisionCounter."""
+    """Count the robots `present` (R,) of one world, whose positions (R, 2) [m] are in [0, width) x [0, height)."""
     c = open_counts(counts)
     robots = positions.shape[0] // c.samples.shape[0]
     first, end = world * robots, (world + 1) * robots
@@ -205,10 +198,4 @@ def count_world(world: int, positions: Floats, present: Flags, counts: Written[C
         c.before[row, 0] = positions[row, 0]
         c.before[row, 1] = positions[row, 1]
         c.counted[row] = present[row]
-
-
-@lean_kernel
-def count_worlds(positions: Floats, present: Flags, counts: Written[Counts]) -> None:
-    """Count every world once; see `count_world`."""
-    for world in range(open_counts(counts).samples.shape[0]):
-        count_world(world, positions, present, counts)
+        c.entered_in_tick[row] += c.entered[row]

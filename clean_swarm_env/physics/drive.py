@@ -1,34 +1,17 @@
 """Differential drive: a movement vector becomes a speed along the heading and a turn rate towards the vector."""
 
-from dataclasses import astuple, dataclass
-from math import isfinite, pi
+from math import pi
 from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 
 from clean_swarm_env.physics.motion import wrapped_angle
-from selforg.arrays import CLOCKED, KEPT, READ, Flags, Floats, Ints
+from selforg.arrays import CLOCKED, KEPT, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed, Recording, Written
 from selforg.elementary import direction, length_of
 
 TIMEOUT_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
-
-
-@dataclass(frozen=True)
-class DriveSettings:
-    """Limits and gain of the drive; impossible values raise ValueError."""
-
-    max_speed: float = 1.0  # [m/s]
-    max_turn_rate: float = 2.0  # [rad/s]
-    turn_gain: float = 2.0  # [1/s], turn rate per heading error
-    turn_in_place_beyond: float = pi / 3.0  # [rad] of heading error from which on the robot only turns
-    command_timeout: float = 1.0  # [s] without a command after which a robot stops
-
-    def __post_init__(self) -> None:
-        for name in ("max_speed", "max_turn_rate", "turn_gain", "turn_in_place_beyond", "command_timeout"):
-            if not (getattr(self, name) > 0.0 and isfinite(getattr(self, name))):
-                raise ValueError(f"{name}: expected a positive number, got {getattr(self, name)}")
 
 
 class DriveState(NamedTuple):
@@ -37,11 +20,11 @@ class DriveState(NamedTuple):
     speed: Annotated[Floats, "R", KEPT]  # along the heading [m/s]
     turn_rate: Annotated[Floats, "R", KEPT]  # [rad/s]
     commanded_at: Annotated[Floats, "R", CLOCKED]  # time of the last command [s]; undefined for a robot at rest
-    max_speed: float  # from here on: fields of DriveSettings
-    max_turn_rate: float
-    turn_gain: float
-    turn_in_place_beyond: float
-    command_timeout: float
+    max_speed: float  # [m/s]
+    max_turn_rate: float  # [rad/s]
+    turn_gain: float  # turn rate per heading error [1/s]
+    turn_in_place_beyond: float  # heading error from which on the robot only turns [rad]
+    command_timeout: float  # time without a command after which a robot stops [s]
 
 
 DRIVE = Recording(DriveState)
@@ -51,43 +34,34 @@ open_drive = DRIVE.open
 class DifferentialDrive:
     """Drives of R robots; a command is valid until the next one, or until `command_timeout` has passed.
 
-    speed: (R,) float64 [m/s] along the heading; the same array all the time, as Physics.substep takes it.
+    speed: (R,) float64 [m/s] along the heading; the same array all the time.
     turn_rate: (R,) float64 [rad/s]; the same array all the time.
-    packed: the record that compiled code takes.
-
-    Raises ValueError for less than one row.
+    packed: the record that compiled code takes; its settings are the arguments.
 
     >>> drive = DifferentialDrive(rows=2)
-    >>> drive.command(np.array([[0.5, 0.0], [0.0, 2.0]]), np.array([True, True]), headings=np.zeros(2), now=0.0)
+    >>> vectors, commanded, in_place = np.array([[0.5, 0.0], [0.0, 2.0]]), np.ones(2, np.bool_), np.zeros(2, np.bool_)
+    >>> update_drives(vectors, commanded, in_place, headings=np.zeros(2), now=0.0, drive=drive.packed.words)
     >>> drive.speed.tolist(), drive.turn_rate.tolist()
     ([0.5, 0.0], [0.0, 2.0])
     """
 
-    _nowhere: Annotated[Flags, "R", READ]
-
-    def __init__(self, rows: int, settings: DriveSettings | None = None) -> None:
-        if rows < 1:
-            raise ValueError(f"rows: expected at least 1, got {rows}")
-        self.settings = settings or DriveSettings()
+    def __init__(
+        self,
+        rows: int,
+        *,
+        max_speed: float = 1.0,
+        max_turn_rate: float = 2.0,
+        turn_gain: float = 2.0,
+        turn_in_place_beyond: float = pi / 3.0,
+        command_timeout: float = 1.0,
+    ) -> None:
         self.speed: Floats = np.zeros(rows)
         self.turn_rate: Floats = np.zeros(rows)
         self._commanded_at: Floats = np.zeros(rows)
-        self._nowhere = np.zeros(rows, np.bool_)
+        limits = max_speed, max_turn_rate, turn_gain, turn_in_place_beyond, command_timeout
         self.packed: Packed[DriveState] = DRIVE.pack(
-            DriveState(self.speed, self.turn_rate, self._commanded_at, *astuple(self.settings))
+            DriveState(self.speed, self.turn_rate, self._commanded_at, *limits)
         )
-
-    def command(
-        self, vectors: Floats, has_command: Flags, headings: Floats, now: float, in_place: Flags | None = None
-    ) -> None:
-        """Take the commands of this instant and update `speed` and `turn_rate`.
-
-        vectors (R, 2) [m/s] counts where has_command (R,) is set; headings (R,) [rad] in (-pi, pi]; now [s].
-        A zero vector is a command to stand still. A robot whose last command is `command_timeout` old stops. Where
-        `in_place` (R,) is set, a robot turns without driving.
-        """
-        turning = self._nowhere if in_place is None else in_place
-        update_drives(vectors, has_command, turning, headings, now, self.packed.words)
 
     def reset(self, rows: Ints | slice) -> None:
         """Stop the robots in `rows`, as at the beginning."""
@@ -100,7 +74,12 @@ class DifferentialDrive:
 def update_drives(
     vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Written[DriveState]
 ) -> None:
-    """Update what the drives do; see `DifferentialDrive.command`."""
+    """Take the commands of this instant and update speeds and turn rates.
+
+    vectors (R, 2) [m/s] counts where commanded (R,) is set; headings (R,) [rad] in (-pi, pi]; now [s].
+    A zero vector is a command to stand still. A robot whose last command is `command_timeout` old stops. Where
+    `in_place` (R,) is set, a robot turns without driving.
+    """
     d = open_drive(drive)
     for row in range(d.speed.shape[0]):
         if commanded[row]:

@@ -14,8 +14,7 @@ seams. Copies meet originals only, so each pair meets exactly once. Pymunk's bod
 """
 
 from dataclasses import dataclass
-from math import isfinite, pi, sqrt
-from typing import Annotated, Final, Literal, get_args
+from typing import Annotated, Final, Literal
 
 import numpy as np
 
@@ -31,22 +30,20 @@ from clean_swarm_env.physics.motion import (
     SEARCH_PAIRS,
     SKIN,
     RobotMotion,
-    land,
     wrapped_angle,
 )
-from clean_swarm_env.physics.tick import begin_tick, land_and_go_on, substep_worlds
+from clean_swarm_env.physics.tick import begin_tick, land_and_go_on
 from selforg.arrays import KEPT, Flags, Floats
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
 
 Contacts = Literal["solid", "pass_through"]
-DENSEST_PACKING: Final = pi / sqrt(12.0)  # share of the plane that equal discs can cover
 
 
 @dataclass(frozen=True)
 class PhysicsSettings:
-    """Sizes of the worlds and their robots; impossible ones raise ValueError."""
+    """Sizes of the worlds and their robots, which a mission has checked."""
 
     worlds: int  # W
     robots: int  # N, in each world
@@ -55,28 +52,6 @@ class PhysicsSettings:
     radius: float = 0.25  # [m] of a robot's disc
     contacts: Contacts = "solid"  # "pass_through": robots drive through each other
     timestep: float = 0.05  # [s] of a substep
-
-    def __post_init__(self) -> None:
-        for name in ("worlds", "robots"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name}: expected at least 1, got {getattr(self, name)}")
-        for name in ("width", "height", "radius", "timestep"):
-            if not (getattr(self, name) > 0.0 and isfinite(getattr(self, name))):
-                raise ValueError(f"{name}: expected a positive number, got {getattr(self, name)}")
-        if self.contacts not in get_args(Contacts):
-            raise ValueError(f"contacts: expected one of {get_args(Contacts)}, got {self.contacts!r}")
-        for name in ("width", "height"):
-            if getattr(self, name) < 4.0 * self.radius:
-                raise ValueError(
-                    f"{name}: expected at least 4 * radius = {4.0 * self.radius} m, so that a robot fits beside another"
-                    f" both ways round, got {getattr(self, name)} m"
-                )
-        room = DENSEST_PACKING * self.width * self.height / (pi * self.radius**2)
-        if self.robots > room:
-            raise ValueError(
-                f"robots: at most {int(room)} discs of radius {self.radius} m fit on"
-                f" {self.width} m x {self.height} m, got {self.robots}"
-            )
 
 
 FUNCTIONS: Final = chipmunk_functions()
@@ -96,10 +71,14 @@ class Physics:
     present: (R,) bool, read only: absent robots touch none and do not move. `place` makes all robots of a world
         present, `add` and `remove` change one.
 
+    >>> from selforg.commands import Commands
     >>> physics = Physics(PhysicsSettings(worlds=1, robots=2))
     >>> physics.place(0, np.array([[1.0, 5.0], [9.0, 5.0]]), np.zeros(2))
-    >>> for _ in range(20):
-    ...     physics.substep(speed=np.ones(2), turn_rate=np.zeros(2))
+    >>> drive, counter = DifferentialDrive(rows=2), CollisionCounter(worlds=1, robots=2, width=11.0, height=11.0)
+    >>> commands = Commands.none(rows=2, dim=2)
+    >>> commands.vectors[:, 0], commands.commanded[:] = 1.0, True
+    >>> for tick in range(5):
+    ...     physics.tick(0.2 * tick, 4, commands.packed, drive, counter)
     >>> physics.positions.round(6).tolist()
     [[2.0, 5.0], [10.0, 5.0]]
     """
@@ -180,18 +159,6 @@ class Physics:
         self._motion.record.wanted[row] = 0.0
         self.present[row] = False
 
-    def substep(self, speed: Floats, turn_rate: Floats) -> None:
-        """Advance all worlds by one timestep.
-
-        Each robot wants to move at `speed` (R,) [m/s] along the heading it has at the beginning of the substep, and
-        does unless contacts prevent it; then its heading advances by `turn_rate` (R,) [rad/s] * timestep.
-        """
-        motion = self._motion
-        if substep_worlds(speed, turn_rate, motion.words, FUNCTIONS.words):
-            for world in np.flatnonzero(motion.record.left).tolist():
-                ContactSpace(world, motion.record).touch(last=True)
-                land(world, motion.words)
-
     def tick(
         self,
         now: float,
@@ -202,8 +169,9 @@ class Physics:
     ) -> None:
         """Give `drive` its commands at `now` [s], advance all worlds by `substeps` timesteps and count after each.
 
-        This equals `DifferentialDrive.command`, then `substep` and `CollisionCounter.count` in turn, except for robots
-        that touch: within a tick, each substep starts with the impulses of the previous one.
+        In a substep each robot wants to move at the speed of its drive along the heading that it has then, and does
+        unless contacts prevent it. Then its heading advances. Where robots touch, each substep of a tick starts with
+        the impulses of the previous one.
         """
         motion, drives, counts = self._motion, drive.packed, counter.packed
         if not begin_tick(now, substeps, commands.words, drives.words, motion.words, counts.words, FUNCTIONS.words):

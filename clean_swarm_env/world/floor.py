@@ -11,7 +11,7 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings
+from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
 from clean_swarm_env.world.ground import Ground
 from selforg.arrays import READ, Floats, Ints
@@ -54,13 +54,11 @@ class Floor:
         )
         self.drive = DifferentialDrive(
             worlds * mission.rows,
-            DriveSettings(
-                max_speed=robots.max_speed,
-                max_turn_rate=robots.max_turn_rate,
-                turn_gain=robots.turn_gain,
-                turn_in_place_beyond=robots.turn_in_place_beyond,
-                command_timeout=robots.command_timeout,
-            ),
+            max_speed=robots.max_speed,
+            max_turn_rate=robots.max_turn_rate,
+            turn_gain=robots.turn_gain,
+            turn_in_place_beyond=robots.turn_in_place_beyond,
+            command_timeout=robots.command_timeout,
         )
         self.collisions = CollisionCounter(worlds, mission.rows, width, height, mission.collision_distances)
         self._holonomic = robots.drive == "holonomic"

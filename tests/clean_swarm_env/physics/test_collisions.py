@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clean_swarm_env.physics.collisions import CollisionCounter
+from tests.clean_swarm_env.physics.substeps import count
 
 
 def close_pairs(positions, width, height, distance):
@@ -50,7 +51,7 @@ def test_small_worlds_against_the_naive_count(seed, robots, size):
     walk = random_walk(np.random.default_rng(seed), 12, robots, *size)
     counter = CollisionCounter(1, robots, *size)
     for positions in walk:
-        counter.count(positions)
+        count(counter, positions)
     samples, events, contact, entered = naive_counts(walk, *size, (0.5, 1.0))
     assert counter.samples[0].tolist() == samples.tolist()
     assert counter.events[0].tolist() == events.tolist()
@@ -66,7 +67,7 @@ def test_cells_against_the_naive_count(robots, size):
     counter = CollisionCounter(1, robots, *size, distances=(1.0, 0.25, 0.5))
     assert counter.packed.record.cells.size > 1
     for positions in walk:
-        counter.count(positions)
+        count(counter, positions)
     samples, events, contact, entered = naive_counts(walk, *size, (1.0, 0.25, 0.5))
     assert samples.min() > 0
     assert counter.samples[0].tolist() == samples.tolist()
@@ -83,7 +84,7 @@ def test_pairs_listed_before_against_the_naive_count(robots, size):
     counter = CollisionCounter(1, robots, size, size, distances=(0.3, 1.0))
     lists = set()
     for positions in walk:
-        counter.count(positions)
+        count(counter, positions)
         lists.add(int(counter.packed.record.listed[0]))
     assert (lists == {-1}) if size < 7.0 else (1 < len(lists) < len(walk))  # a list holds for some counts
     samples, events, contact, entered = naive_counts(walk, size, size, (0.3, 1.0))
@@ -99,7 +100,7 @@ def test_who_comes_or_goes_is_counted_at_once_in_a_large_world():
     seen = []
     for there in (False, True, True, False, True):
         present[7] = there
-        counter.count(positions, present)
+        count(counter, positions, present)
         seen.append((int(counter.samples[0, 0]), int(counter.events[0, 0])))
     assert seen == [(0, 0), (1, 1), (2, 1), (2, 1), (3, 2)]
 
@@ -110,8 +111,8 @@ def test_worlds_of_a_batch_count_as_they_do_alone(robots):
     walks = np.stack([random_walk(rng, 6, robots, 6.0, 6.0) for _ in range(3)], axis=1)  # (T, W, N, 2)
     batch, alone = CollisionCounter(3, robots, 6.0, 6.0), CollisionCounter(1, robots, 6.0, 6.0)
     for positions in walks:
-        batch.count(positions.reshape(-1, 2))
-        alone.count(positions[1])
+        count(batch, positions.reshape(-1, 2))
+        count(alone, positions[1])
     assert batch.samples[1].tolist() == alone.samples[0].tolist()
     assert batch.events[1].tolist() == alone.events[0].tolist()
     assert batch.in_contact[robots : 2 * robots].tolist() == alone.in_contact.tolist()
@@ -122,7 +123,7 @@ def test_a_meeting_is_one_event_and_as_many_samples_as_counts():
     counter = CollisionCounter(1, 2, 11.0, 11.0, distances=(0.5,))
     seen = []
     for x in (0.3, 0.2, 0.1, 0.3, 0.2):  # the other stands at -0.25, across the seam
-        counter.count(np.array([[x, 5.0], [10.75, 5.0]]))
+        count(counter, np.array([[x, 5.0], [10.75, 5.0]]))
         seen.append((int(counter.samples[0, 0]), int(counter.events[0, 0]), bool(counter.in_contact[1])))
     assert seen == [(0, 0, False), (1, 1, True), (2, 1, True), (2, 1, False), (3, 2, True)]
     assert counter.entered.tolist() == [1, 1]
@@ -130,11 +131,11 @@ def test_a_meeting_is_one_event_and_as_many_samples_as_counts():
 
 def test_a_pair_at_the_distance_itself_is_not_closer():
     counter = CollisionCounter(1, 2, 11.0, 11.0, distances=(0.5, 1.0))
-    counter.count(np.array([[1.0, 1.0], [1.5, 1.0]]))
+    count(counter, np.array([[1.0, 1.0], [1.5, 1.0]]))
     assert (counter.samples.tolist(), counter.events.tolist()) == ([[0, 1]], [[0, 1]])
     assert not counter.in_contact.any()
     assert counter.entered.tolist() == [0, 0]
-    counter.count(np.array([[1.0, 1.0], [1.25, 1.0]]))  # it was not closer before, so this is the event
+    count(counter, np.array([[1.0, 1.0], [1.25, 1.0]]))  # it was not closer before, so this is the event
     assert (counter.samples.tolist(), counter.events.tolist()) == ([[1, 2]], [[1, 1]])
     assert counter.entered.tolist() == [1, 1]
 
@@ -142,11 +143,11 @@ def test_a_pair_at_the_distance_itself_is_not_closer():
 def test_reset_forgets_one_world_only_and_makes_the_next_count_a_first_one():
     counter = CollisionCounter(2, 2, 11.0, 11.0)
     close = np.array([[1.0, 1.0], [1.2, 1.0]] * 2)
-    counter.count(close)
+    count(counter, close)
     counter.reset(0)
     assert not counter.in_contact[:2].any()
     assert counter.in_contact[2:].all()
-    counter.count(close)
+    count(counter, close)
     assert counter.samples.tolist() == [[1, 1], [2, 2]]
     assert counter.events.tolist() == [[1, 1], [1, 1]]
     assert counter.entered.tolist() == [1, 1, 0, 0]
@@ -155,5 +156,5 @@ def test_reset_forgets_one_world_only_and_makes_the_next_count_a_first_one():
 def test_positions_are_not_changed():
     positions = np.random.default_rng(0).uniform(0, 11, (5, 2))
     copy = positions.copy()
-    CollisionCounter(1, 5, 11.0, 11.0).count(positions)
+    count(CollisionCounter(1, 5, 11.0, 11.0), positions)
     assert np.array_equal(positions, copy)

@@ -20,6 +20,7 @@ from tests.clean_swarm_env.courses import (
     snapshot,
     worlds_at_start,
 )
+from tests.clean_swarm_env.physics.substeps import count, substep
 
 GRADIENT = StrategySpec(name="Fixed", parameters={"option": "RepulsionGradient"})
 
@@ -130,7 +131,7 @@ def test_a_robot_taken_away_is_nowhere():
     assert [_poses_seen(worlds, row) for row in (0, 1, 3, 4)] == [3] * 4
     for _ in range(20):
         worlds.physics.positions[:2] = np.add(place, [[0.0, 0.01], [0.1, 3.0]])  # drive through where it was
-        worlds.collisions.count(worlds.physics.positions, worlds.physics.present)
+        count(worlds.collisions, worlds.physics.positions, worlds.physics.present)
         assert not worlds.collisions.in_contact[2]
         worlds.tick()
     assert (worlds.physics.positions[2] == place).all()
@@ -150,7 +151,7 @@ def test_a_failed_robot_is_an_obstacle(pose, seen):
     assert worlds.physics.present.all()
     assert not worlds.network.executing[2].any()
     worlds.physics.positions[0] = worlds.physics.positions[2] + [0.45, 0.0]
-    worlds.collisions.count(worlds.physics.positions, worlds.physics.present)
+    count(worlds.collisions, worlds.physics.positions, worlds.physics.present)
     assert worlds.collisions.in_contact[2]
 
 
@@ -162,7 +163,7 @@ def test_robots_cannot_drive_through_a_failed_one_but_through_where_one_was_take
         worlds.reset(0, start, 1)
         getattr(worlds.team, way)(np.array([1]))
         for _ in range(60):
-            worlds.physics.substep(np.array([1.0, 0.0]), np.zeros(2))
+            substep(worlds.physics, np.array([1.0, 0.0]), np.zeros(2))
         gaps[way] = worlds.physics.positions[1, 0] - worlds.physics.positions[0, 0]
     assert gaps["fail"] == pytest.approx(0.5, abs=0.05)
     assert gaps["remove"] == pytest.approx(0.0, abs=1e-6)
