@@ -10,7 +10,7 @@
 
 An action is the option that serves AvoidCollision in that robot for the next decision period; with several coordinated
 goals it is one option for each. The robot's network decides the rest. With `action={"mode": "velocity"}` an action is a
-movement vector. `learning.observation` describes the observations, `learning.reward` the rewards, `learning.figures`
+movement vector. `learning.observation` describes the observations, `learning.reward` the rewards, `borders.infos`
 the infos, `learning.global_state` the global state. `wrappers` keeps the agents of a changing team the same.
 `parallel_env("Foraging")` is an environment with another task than cleaning: see `clean_swarm_env.tasks`.
 """

@@ -24,7 +24,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from clean_swarm_env.borders.infos import MASK, Info, team_infos
+from clean_swarm_env.borders.infos import MASK, Info, own_infos, team_infos
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
 from clean_swarm_env.borders.spaces import (
     Member,
@@ -36,7 +36,6 @@ from clean_swarm_env.borders.spaces import (
 )
 from clean_swarm_env.borders.views import PICTURE, View
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.figures import own_columns
 from clean_swarm_env.learning.given import seeds_from, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Floats, Ints
@@ -197,7 +196,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     def _infos(self) -> Info:
         """Return the infos as arrays: (E,) for a team's, (E,) or (E, N) for a robot's own, (E, ...) for the mask."""
         infos: Info = {name: np.repeat(values, self._per_world) for name, values in team_infos(self.batch).items()}
-        for name, own in own_columns(self.batch.worlds, self.batch.progress).items():
+        for name, own in own_infos(self.batch).items():
             infos[name] = np.array(own) if self._together == 1 else np.reshape(own, (self.num_envs, -1))
         if self.batch.action.mode != "velocity":
             infos[MASK] = self.batch.masks().astype(np.int8).reshape(self.num_envs, -1)

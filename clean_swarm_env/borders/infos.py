@@ -1,8 +1,15 @@
 """Infos of all borders: one set of keys with one meaning, in every step, so that recorders can keep them.
 
 The values belong to the decision period that has passed and to its mission, at the end of a mission too. Only
-`action_mask` says something of the coming period. `learning.figures` names the keys of missions; those of goals have
-their measures (`clean_swarm_env.tasks`).
+`action_mask` says something of the coming period. Every task has the keys of `OWN` whose names it has in
+`Task.counted`; beside them its teams have
+
+- `time_s`: time since the mission began [s];
+- `mission_collision_events`: times in the mission so far that a pair came closer than the collision distance;
+- `completed`: whether all garbage of the mission is dumped, or all measures of the task meet their targets;
+- `duration_s`: time of the mission so far; at its end when the last item was dumped, or the time limit [s];
+- `dumped` and `garbage_done`, if the task has them: items dumped in the period, and in the mission so far;
+- the measures of the task (`clean_swarm_env.tasks`).
 """
 
 from __future__ import annotations
@@ -11,27 +18,59 @@ from typing import Any
 
 from clean_swarm_env.borders.spaces import masks_of
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.figures import own_columns, team_columns
-from clean_swarm_env.learning.interface import FigureColumns
+from clean_swarm_env.world.mission_end import COMPLETED
+from clean_swarm_env.world.task_parts import key_of
 
 Info = dict[str, Any]
+InfoColumns = dict[str, list[Any]]
+"""Key of an info -> values of all worlds or of all rows."""
 
 MASK = "action_mask"
 """Key of the options that can serve in the coming period, 1 or 0; with options as actions only."""
+OWN = {
+    "own_picked": "Items that the robot picked in the period and nobody had picked before.",
+    "own_recycled": "Items that the robot recycled in the period.",
+    "own_dumped": "Items that the robot dumped in the period.",
+    "own_collisions": "Collision events of the period in which the robot took part.",
+    "own_contact_s": "Time of the period at which somebody was closer than the collision distance [s].",
+    "own_avoiding_s": "Time of the period in which the robot avoided others [s].",
+}
+"""Key -> meaning of values of each robot, in the order of `EVENTS`."""
 
 
-def team_infos(batch: Batch) -> FigureColumns:
+def team_infos(batch: Batch) -> InfoColumns:
     """Return the values of each world that are the same for all its robots."""
-    columns = team_columns(batch.worlds, batch.progress)
+    worlds, progress, task = batch.worlds, batch.progress, batch.worlds.task
+    values = task.measured()
+    times = [ticks * worlds.period for ticks in progress.elapsed.tolist()]
+    completed = task.completed(values) if task.measures else progress.outcome == COMPLETED
+    columns: InfoColumns = {
+        "time_s": times,
+        "mission_collision_events": worlds.collisions.events[:, 0].tolist(),
+        "completed": completed.tolist(),
+        "duration_s": times.copy(),
+    }
+    of_items = {"dumped": progress.dumped, "garbage_done": task.items_done()}
+    columns |= {name: counts.tolist() for name, counts in of_items.items() if name in task.counted}
+    columns |= {key_of(name): own.tolist() for name, own in values.items()}
     for end in batch.finished:  # such a world may have begun anew
         for name, value in end.statistics.items():
             columns[name][end.world] = value
     return columns
 
 
+def own_infos(batch: Batch) -> InfoColumns:
+    """Return the values of `OWN` of each row."""
+    worlds, columns = batch.worlds, InfoColumns()
+    for name, counts in zip(OWN, batch.progress.events.tolist(), strict=True):
+        if name in worlds.task.counted:
+            columns[name] = [ticks * worlds.period for ticks in counts] if name.endswith("_s") else counts
+    return columns
+
+
 def robot_infos(batch: Batch) -> list[Info]:
     """Return the infos of each row: those of its world, its own, and the mask."""
-    team, own = team_infos(batch), own_columns(batch.worlds, batch.progress)
+    team, own = team_infos(batch), own_infos(batch)
     if batch.action.mode != "velocity":
         own[MASK] = list(masks_of(batch))
     rows, infos = zip(*own.values(), strict=True), []

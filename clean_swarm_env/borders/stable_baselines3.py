@@ -7,7 +7,7 @@
 
 Every robot of every world is an environment; the rows of several batches come one after the other. A world whose
 mission is over starts its next episode in the same step. Infos have in every step what
-`clean_swarm_env.learning.figures` names
+`clean_swarm_env.borders.infos` names
 (`VecMonitor` keeps figures of missions by `info_keywords`), and at the end of a mission:
 
 - `terminal_observation` and `TimeLimit.truncated` (the time was over and garbage was left),

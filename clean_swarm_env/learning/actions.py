@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from clean_swarm_env.learning.phases import PHASES, Phase
+from clean_swarm_env.learning.observation.around import PHASES, Phase
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError

@@ -312,7 +312,6 @@ class Batch:
         """Keep the figures and the last observations of the missions that ended with the last tick."""
         ended, worlds = self.progress.ended, self.worlds
         self.observer.observe(self._final, ended)
-        self.rewards.note_ended(ended)
         if self._state is not None:
             self._state.keep(ended)
         for world in ended.tolist():

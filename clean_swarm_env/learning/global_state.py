@@ -82,14 +82,8 @@ class GlobalState:
                 self._places(physics.positions),
                 *unit_vectors(physics.headings),
                 *worlds.task.facts_of_robots().values(),
-                *(_flags(c.held, len(c.model.options)) for c in self._coordinators),
+                *(np.eye(len(c.model.options))[c.held] for c in self._coordinators),
             )
         )
         own[~physics.present] = 0.0
         return np.asarray(own, dtype=np.float64)
-
-
-def _flags(numbers: Ints, count: int) -> Floats:
-    """Return `numbers` (R,) as rows of `count` flags, one of which is set."""
-    flags: Floats = np.eye(count)[numbers]
-    return flags

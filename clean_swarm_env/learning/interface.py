@@ -11,8 +11,6 @@ from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task_parts import key_of
 from selforg.arrays import Flags, Floats
 
-FigureColumns = dict[str, list[Any]]
-"""Key of an info -> values of all worlds or of all rows."""
 NO_JUMPS = "set_state: expected a batch that records nothing, because a recording has no jumps"
 """What `set_state` says in a batch that records."""
 

@@ -24,7 +24,7 @@ from clean_swarm_env.world.task_parts import key_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import Closed, Number, Share
 from selector.documents.imported import imported
-from selforg.arrays import READ, Flags, Floats, Ints
+from selforg.arrays import READ, Floats
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Recording, Words
 
@@ -126,9 +126,6 @@ class Rewards:
     def start_period(self) -> None:
         """Do nothing: the progress counts."""
 
-    def note_ended(self, ended: Ints) -> None:
-        """Do nothing: the progress no longer counts in worlds that have ended."""
-
     def of(self, batch: Any, rewards: Floats) -> None:  # noqa: ANN401  (a Batch, which stands above this module)
         """Fill `rewards` (R,) with those of the last period of a batch; robots that took no part get none."""
         if self._own is not None:
@@ -158,25 +155,20 @@ class MeasureRewards:
         signs = [1.0 if measure.better == "higher" else -1.0 for measure in measures]
         units = [abs(measure.target) or 1.0 for measure in measures]
         self._prices = np.array([self.weights[key] for key in keys]) * signs / units
-        self._before, self._ended = np.zeros((2, len(keys), worlds.worlds))
-        self._over: Flags = np.zeros(worlds.worlds, dtype=np.bool_)
+        self._before: Floats = np.zeros((len(keys), worlds.worlds))
 
     def start_period(self) -> None:
         """Note the measures as they are."""
         self._before = self._measured()
-        self._over[:] = False
-
-    def note_ended(self, ended: Ints) -> None:
-        """Note the measures of worlds (K,) whose missions have just ended."""
-        self._ended[:, ended] = self._measured()[:, ended]
-        self._over[ended] = True
 
     def of(self, batch: Any, rewards: Floats) -> None:  # noqa: ANN401  (a Batch, which stands above this module)
         """Fill `rewards` (R,) with those of the last period of a batch."""
         own = self._worlds.task.reward()
         if own is None:
-            gained = np.where(self._over, self._ended, self._measured()) - self._before
-            own = np.repeat(self._prices @ gained, self._worlds.robots)
+            now = self._measured()
+            for end in batch.finished:  # such a world has gone on until the end of the period
+                now[:, end.world] = list(end.result.measures.values())
+            own = np.repeat(self._prices @ (now - self._before), self._worlds.robots)
         rewards[:] = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
 
     def _measured(self) -> Floats:

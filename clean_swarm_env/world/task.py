@@ -68,7 +68,7 @@ class Task(ABC, Generic[S, T]):
         priced: whether the cost of a mission is counted in each tick, so that learners can be paid for it.
         best_score: score of a mission that costs nothing, from which its cost by the time limit is taken [-].
         terms: terms of an observation unless others are chosen.
-        counted: infos of learners beside times, collisions and the measures; see `learning.figures`.
+        counted: infos of learners beside times, collisions and the measures; see `borders.infos`.
         beside: strategies that every comparison has beside those chosen; the baseline unless given.
         thinks_when_driven: whether networks of robots go on deciding while a learner drives the robots.
         world, settings, state: the worlds, the settings, and the arrays of this task.

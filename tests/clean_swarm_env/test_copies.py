@@ -14,9 +14,9 @@ import pytest
 import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv
+from clean_swarm_env.borders.infos import team_infos
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.figures import team_columns
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
@@ -176,7 +176,7 @@ def test_a_batch_of_any_task_is_copied_with_what_its_task_keeps(task):
 
     def course(batch):
         steps = [batch.step(np.tile(batch.choices.default, (batch.rows, 1))) for _ in range(3)]
-        figures = team_columns(batch.worlds, batch.progress)
+        figures = team_infos(batch)
         return [(step.observations.tobytes(), step.rewards.tobytes()) for step in steps], repr(figures)
 
     course(batch)

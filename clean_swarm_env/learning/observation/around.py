@@ -6,7 +6,7 @@ goals, S sensors, B behaviours of the robots' network.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -15,6 +15,11 @@ from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Recording
 from selforg.elementary import sine_cosine
 from selforg.space import nearest_image
+
+Phase = Literal["patrol", "approach", "to_recycling", "to_dump"]
+PHASES: tuple[Phase, ...] = get_args(Phase)
+"""In the order of their numbers: no item in sight, an item in sight, with cargo, with recycled cargo."""
+PATROL, APPROACH, TO_RECYCLING, TO_DUMP = range(len(PHASES))
 
 
 class Around(NamedTuple):

@@ -1,12 +1,20 @@
-"""Terms about the robot's task: garbage, cargo, phase and stations."""
+"""Terms about the robot's task: garbage, cargo, phase, stations, and where robots picked garbage lately."""
 
 from __future__ import annotations
 
-from clean_swarm_env.learning.observation.around import Around, copy_way, write_way
-from clean_swarm_env.learning.observation.term import compiled_term
-from clean_swarm_env.learning.phases import PHASES
+import numpy as np
+
+from clean_swarm_env.learning.observation.around import PHASES, Around, copy_way, write_way
+from clean_swarm_env.learning.observation.term import TERMS, Observed, Term, compiled_term
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
-from selforg.arrays import Floats
+from clean_swarm_env.tasks.cleaning.task import cleaning_of
+from selforg.arrays import Floats, Ints
+from selforg.gradients.queries import Filter, Queries
+from selforg.gradients.store import columns as c
+from selforg.space import Torus
+
+FINDS = Filter(("find",), moving=False, view_distance=np.inf)
+"""The pheromones that robots of the document `cleaning-patrol` leave where they pick."""
 
 
 @compiled_term("garbage", "garbage_seen", "garbage_distance", "garbage_ahead", "garbage_left")
@@ -63,3 +71,57 @@ def see_target(around: Around, row: int, out: Floats) -> None:
     out[0] = 1.0
     if around.cargo[row] != NOTHING:
         copy_way(around.station_ways[row, 1 if around.recycled[row] == 1 else 0], out)
+
+
+@TERMS.register
+class YardsTerm(Term):
+    """One flag: all stations of the kind that the robot needs next are within `together` [m] of each other, or not."""
+
+    name = "yards"
+    components = ("one_yard", "several_yards")
+
+    def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
+        super().__init__(observed)
+        self.together = together
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Write the flags."""
+        worlds = self.observed.worlds
+        task = cleaning_of(worlds.task)
+        space, kinds = Torus(*worlds.extent.tolist()), task.site.kinds
+        apart = np.zeros((worlds.worlds, 2), dtype=np.bool_)
+        for kind in range(2):
+            places = task.stations[:, kinds == kind]  # (W, K, 2)
+            offsets = space.offsets(np.broadcast_to(places[:, :1], places.shape), places)
+            apart[:, kind] = ((offsets**2).sum(axis=2) > self.together**2).any(axis=1)
+        several = apart[rows // worlds.robots, task.garbage.recycled[rows]]
+        out[0, rows], out[1, rows] = ~several, several
+
+
+@TERMS.register
+class FindsTerm(Term):
+    """One flag: no find is felt; they are apart; or half of them or more lie within `together` [m] of the latest."""
+
+    name = "finds"
+    components = ("finds_none", "finds_apart", "finds_together")
+
+    def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
+        super().__init__(observed)
+        self.together = together
+        self._queries = Queries(observed.worlds.minds.buffers["pheromones"])
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Write the flags."""
+        worlds = self.observed.worlds
+        seen = self._queries.gather(worlds.now, rows, FINDS)
+        count = np.diff(seen.start)
+        robot = np.repeat(np.arange(len(rows)), count)
+        felt = count > 0
+        latest = np.zeros(len(rows), dtype=np.int64)
+        latest[felt] = np.lexsort((seen.pairs[:, c.PAIR_DIFFUSION], robot))[seen.start[1:][felt] - 1]
+        ways = seen.pairs[:, [c.PAIR_DX, c.PAIR_DY]]
+        apart = ways - ways[latest[robot]]
+        apart -= worlds.extent * np.rint(apart / worlds.extent)
+        near = np.bincount(robot[(apart**2).sum(axis=1) <= self.together**2], minlength=len(rows))
+        together = felt & (2 * (near - 1) >= count - 1)
+        out[0, rows], out[1, rows], out[2, rows] = ~felt, felt & ~together, together

@@ -15,7 +15,6 @@ from pydantic import BeforeValidator, ConfigDict, Field, field_validator, model_
 
 from clean_swarm_env.config.types import Count
 from clean_swarm_env.learning.observation import cleaning_terms as cleaning_terms
-from clean_swarm_env.learning.observation import find_terms as find_terms
 from clean_swarm_env.learning.observation import own_terms as own_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation import thing_terms as thing_terms
@@ -97,22 +96,17 @@ class ObservationConfig(Closed):
                     raise ValueError(f"terms: {term.name}: missing setting {name!r}")
         return self
 
-    def driven(self) -> Self:
-        """Return the observation of robots that are driven by vectors: they hold no options."""
-        held = any(term.name == "holds" for term in self.terms)
-        if held and "terms" in self.model_fields_set:
-            raise DocumentError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
-        return self.model_copy(update={"terms": tuple(term for term in self.terms if term.name != "holds")})
-
     def beside(
         self, further: Sequence[str] = (), usual: Sequence[str] = DEFAULT_TERMS, *, driven: bool = False
     ) -> Self:
         """Return the observation with `further` terms behind the `usual` ones, or with the terms that were chosen.
 
-        Robots that are `driven` see no options.
+        Robots that are `driven` by vectors hold no options, and see none.
         """
         if "terms" in self.model_fields_set:
-            return self.driven() if driven else self
+            if driven and any(term.name == "holds" for term in self.terms):
+                raise DocumentError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
+            return self
         seen = [name for name in usual if not (driven and name == "holds")]
         given = {name: getattr(self, name) for name in self.model_fields_set}
         return validated(type(self), {**given, "terms": (*seen, *further)}, "observation", own=True)

@@ -6,8 +6,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from clean_swarm_env.learning.observation.around import Around, open_around, write_way
-from clean_swarm_env.learning.phases import APPROACH, PATROL, TO_DUMP, TO_RECYCLING
+from clean_swarm_env.learning.observation.around import (
+    APPROACH,
+    PATROL,
+    TO_DUMP,
+    TO_RECYCLING,
+    Around,
+    open_around,
+    write_way,
+)
 from clean_swarm_env.physics.cells import (
     NOBODY,
     cell_at,

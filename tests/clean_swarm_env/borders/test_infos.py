@@ -6,8 +6,7 @@ import pytest
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv
-from clean_swarm_env.borders.infos import MASK
-from clean_swarm_env.learning.figures import OWN
+from clean_swarm_env.borders.infos import MASK, OWN
 from tests.clean_swarm_env.courses import mission
 from tests.paths import ROOT
 

@@ -6,7 +6,7 @@ import pytest
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.phases import PHASES
+from clean_swarm_env.learning.observation.around import PHASES
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from selector.documents.errors import DocumentError

@@ -8,9 +8,9 @@ import pytest
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.around import PHASES
 from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS
-from clean_swarm_env.learning.phases import PHASES
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 

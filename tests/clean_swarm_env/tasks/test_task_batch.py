@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.borders.infos import own_infos
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.figures import own_columns
 from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.world.task_parts import key_of
 from tests.clean_swarm_env.courses import long_course
@@ -102,7 +102,7 @@ def test_weights_and_own_functions_pay():
     collided = 0.0
     for _ in range(20):
         step = batch.step(default_of(batch))
-        own = np.array(own_columns(batch.worlds, batch.progress)["own_collisions"])
+        own = np.array(own_infos(batch)["own_collisions"])
         assert np.array_equal(step.rewards, -2.0 * own)
         collided += own.sum()
     assert collided > 0

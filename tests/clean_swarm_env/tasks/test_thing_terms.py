@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from clean_swarm_env.borders.infos import team_infos
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.figures import team_columns
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState
 
@@ -87,4 +87,4 @@ def test_a_task_shows_what_it_wants_to_show(eastward):
     batch, observations = seen(eastward, "task")
     assert batch.observer.names == ("east", "place_0", "place_1")
     assert_allclose(observations[:, 1], 2.0 * observations[:, 0] - 1.0, atol=1e-6)
-    assert team_columns(batch.worlds, batch.progress)["share_in_the_east"][0] == (observations[:, 0] > 0.5).mean()
+    assert team_infos(batch)["share_in_the_east"][0] == (observations[:, 0] > 0.5).mean()
