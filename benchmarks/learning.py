@@ -18,8 +18,8 @@ from stable_baselines3 import PPO
 
 from benchmarks.shared.parts import Stopwatch, borders_of
 from benchmarks.shared.record import record
-from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.sb3 import RobotVecEnv
 
 REQUIRED = 20e6  # robot decisions for each CPU-hour
 WORLDS = 64

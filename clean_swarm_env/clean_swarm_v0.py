@@ -29,7 +29,7 @@ from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from clean_swarm_env.borders.infos import robot_infos
-from clean_swarm_env.borders.settings import EnvSettings, GivenReward, spelled_out
+from clean_swarm_env.borders.settings import GivenReward, spelled_out
 from clean_swarm_env.borders.spaces import (
     CORRECTION,
     OPTION,
@@ -37,10 +37,10 @@ from clean_swarm_env.borders.spaces import (
     check_render_mode,
     observation_space,
     start_of,
-    state_space,
 )
 from clean_swarm_env.borders.views import PICTURE, WINDOW, View
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
 
@@ -108,8 +108,9 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         self._state = self._batch.global_state()
         self.observation_names, self.state_names = self._batch.observer.names, self._state.names
         self._sees_all = state == "global"
-        whole = state_space(self.state_names)
-        self.state_space = whole if self._sees_all else observation_space(self._batch, self._batch.robots)
+        self.state_space = observation_space(self._batch, self._batch.robots)
+        if self._sees_all:
+            self.state_space = gymnasium.spaces.Box(-1.0, 1.0, (len(self.state_names),), np.float32)
         space = action_space(self._batch)
         self._choices = int(space.n) if isinstance(space, gymnasium.spaces.Discrete) else 0
 
@@ -236,15 +237,7 @@ class WholeSettings(EnvSettings, total=False):
     """What `state` returns."""
 
 
-@spelled_out
-def parallel_env(
-    mission: GivenMission | None = None,
-    reward: GivenReward | None = None,
-    render_mode: str | None = None,
-    **settings: Unpack[WholeSettings],
-) -> CleanSwarm:
-    """Return the environment in which all robots act at once; see `CleanSwarm` for the arguments."""
-    return CleanSwarm(mission, reward, render_mode, **settings)
+parallel_env = CleanSwarm
 
 
 @spelled_out

@@ -11,9 +11,10 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
-from clean_swarm_env.borders.settings import EnvSettings, GivenReward, spelled_out
+from clean_swarm_env.borders.settings import GivenReward, spelled_out
 from clean_swarm_env.borders.spaces import check_render_mode, start_of
 from clean_swarm_env.borders.views import PICTURE, PICTURES, WINDOW, View
+from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission, seeds_from
 from clean_swarm_env.learning.observation.observer import Observations
 

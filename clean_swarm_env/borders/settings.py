@@ -6,24 +6,13 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar, get_args, get_type_hints
 
-from clean_swarm_env.learning.actions import ActionConfig
-from clean_swarm_env.learning.episodes import WorldSettings
+from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission
-from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.reward import OwnRewards, RewardConfig
 
 Border = TypeVar("Border", bound=Callable[..., Any])
 GivenReward = RewardConfig | Mapping[str, Any] | OwnRewards | str
 """Weights of the reward's terms, a function of the batch, or `module:function`."""
-
-
-class EnvSettings(WorldSettings, total=False):
-    """Settings of an environment, as keyword arguments of all borders."""
-
-    observation: ObservationConfig | Mapping[str, Any] | None
-    """Terms of the observation; the default ones, and those of the mission, unless given."""
-    action: ActionConfig | Mapping[str, Any] | None
-    """What an action is: an option unless given."""
 
 
 class VectorSettings(EnvSettings, total=False):

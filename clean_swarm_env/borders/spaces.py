@@ -86,11 +86,6 @@ def masks_of(batch: Batch) -> Iterable[Mask]:
     return whole if len(counts) == 1 else zip(*np.split(whole, np.cumsum(counts)[:-1], axis=1), strict=True)
 
 
-def state_space(names: Sequence[str]) -> spaces.Box:
-    """Return the space of the global state with these components."""
-    return spaces.Box(-1.0, 1.0, (len(names),), np.float32)
-
-
 def start_of(options: Mapping[str, Any] | None, known: Sequence[str] = ("start",)) -> StartConfiguration | None:
     """Return the start in the options of a reset, None without one; `known` are the keys that they may have."""
     if options is not None and not isinstance(options, Mapping):

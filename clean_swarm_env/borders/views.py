@@ -56,7 +56,7 @@ class View:
 
     def picture(self, world: int = 0) -> Pixels:
         """Return the picture of a world as it is now."""
-        return self._drawn(self._canvas(world))
+        return self._drawn(canvas_of(self._batch.worlds, world))
 
     def render(self) -> Pixels | list[Pixels] | None:
         """Return the output of the mode: a picture (height, width, 3), pictures, or nothing."""
@@ -77,16 +77,13 @@ class View:
 
         return pixels_of(canvas)
 
-    def _canvas(self, world: int) -> Canvas:
-        return canvas_of(self._batch.worlds, world)
-
     def _look(self) -> None:
         """Show the world as it is now, or keep the pictures since the last look."""
         if self._window is not None:
             self._window.show(self.picture())
         if self._mode != PICTURES:
             return
-        now = self._canvas(0)
+        now = canvas_of(self._batch.worlds, 0)
         shares = [k / self._between for k in range(1, self._between)] if self._last is not None else []
         before = self._last or now
         self._pictures += [self._drawn(between(before, now, share)) for share in shares] + [self._drawn(now)]

@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, Field
+from pydantic import AliasPath, BaseModel, Field
 
 from clean_swarm_env.config.cleaning import StationsConfig
 from clean_swarm_env.config.types import ConfigurationError
@@ -62,10 +62,6 @@ FRAME_ROUNDING = 1e-6
 """A time this little beside a frame is that of the frame [periods]."""
 
 
-class _Robots(BaseModel):
-    radius: Positive
-
-
 class DrawnThing(BaseModel):
     """A thing of a task other than cleaning, where it is at the start."""
 
@@ -78,17 +74,12 @@ class DrawnThing(BaseModel):
     """Its number among the things that move; -1: it stays where it is."""
 
 
-class _Sizes(BaseModel):
-    """What a picture takes from the mission in the head."""
-
-    robots: _Robots
-    stations: StationsConfig = StationsConfig()
-
-
 class _Shown(BaseModel):
     """What a picture takes from the head."""
 
-    mission: _Sizes
+    radius: Annotated[Positive, Field(validation_alias=AliasPath("mission", "robots", "radius"))]
+    """Of the robots [m]."""
+    stations: Annotated[StationsConfig, Field(validation_alias=AliasPath("mission", "stations"))] = StationsConfig()
     things: tuple[DrawnThing, ...] | None = None
     """Those of a task other than cleaning, which has no items and no stations."""
     ground: Literal["torus", "open"] = "torus"
@@ -106,8 +97,7 @@ class RecordedCourse:
     def __init__(self, recording: RecordedMission) -> None:
         head = recording.head
         self._recording = recording
-        shown = validated(_Shown, head, f"{recording.path}: head")
-        self._sizes = shown.mission
+        shown = self._shown = validated(_Shown, head, f"{recording.path}: head")
         self._options = {goal: names for goal, names in head["options"].items() if f"{HELD}{goal}" in recording}
         self._things = shown.things or ()
         moving = 1 + max((thing.moves for thing in self._things), default=-1)
@@ -167,7 +157,7 @@ class RecordedCourse:
             height=self._extent[1],
             time=frame * self._recording.period,
             state=", ".join(filter(None, [str(head["about"].get("condition", "")), counted])),
-            radius=self._sizes.robots.radius,
+            radius=self._shown.radius,
             cargo=np.where(now["cargo"] == NOTHING, SEARCHING, loaded)[there],
             numbers=np.flatnonzero(there),
             working=now["working"][there] == 1,
@@ -176,8 +166,8 @@ class RecordedCourse:
             garbage=np.stack([now["item_x"], now["item_y"]], axis=1)[lying] if head["items"] else no_places(),
             leftover=now["item_leftover"][lying] == 1,
             stations=np.stack([now["station_x"], now["station_y"]], axis=1),
-            station_kinds=self._sizes.stations.kinds,
-            station_radius=self._sizes.stations.reach,
+            station_kinds=self._shown.stations.kinds,
+            station_radius=self._shown.stations.reach,
             areas=areas_of(self._things, self._corner, np.stack([now["thing_x"], now["thing_y"]], axis=1)),
             pheromones=traces.positions[trail] - self._corner,
             pheromone_diffusions=traces.diffusion[trail],

@@ -6,7 +6,6 @@ are pixels to the right and up, unless they are in metres.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from functools import lru_cache
 from io import BytesIO, StringIO
@@ -20,7 +19,7 @@ from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.backends.backend_svg import RendererSVG
 from matplotlib.colors import to_rgb, to_rgba
-from matplotlib.font_manager import FontProperties
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.path import Path as Outline
 from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Affine2D, Bbox
@@ -44,6 +43,9 @@ LEAST_ROBOT, LEAST_STATION = 2.0, 5.0  # half of their sizes where the world is 
 HALO: Final = 2.0
 """Width of the bright line around the robots' numbers [pixels]."""
 WORDS_KEPT: Final = 512
+FONT: Final = FontProperties(family="DejaVu Sans")
+NO_LETTER: Final = "\N{WHITE SQUARE}"
+"""Drawn in place of a letter that the font lacks."""
 WHITE, NO_COLOUR = "#ffffff", "none"
 OUTLINES: Final = {
     "disc": Outline.unit_circle(),
@@ -208,8 +210,9 @@ _rgba = lru_cache(WORDS_KEPT)(to_rgba)
 @lru_cache(WORDS_KEPT)
 def _word(text: str, size: float = LOOK.letter_size, centred: bool = False) -> Outline:
     """Return the outline of a line of text, which begins at 0, 0 or lies around it."""
-    with warnings.catch_warnings(action="ignore"):  # letters that the font lacks are drawn as boxes
-        corners, codes = text_to_path.get_text_path(FontProperties(family="DejaVu Sans"), text)
+    known = get_font(findfont(FONT)).get_charmap()
+    drawn = "".join(letter if ord(letter) in known else NO_LETTER for letter in text)  # Matplotlib would warn
+    corners, codes = text_to_path.get_text_path(FONT, drawn)
     places = np.reshape(corners, (-1, 2)) * (size / text_to_path.FONT_SCALE)
     middle = (places.min(axis=0) + places.max(axis=0)) / 2 if centred and len(places) else 0.0
     return Outline(places - middle, codes)

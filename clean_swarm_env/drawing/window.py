@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.drawing.canvas import Pixels
-
-SHOWN_PER_SECOND: Final = 20
-"""Most pictures in a second."""
+from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND, Pixels
 
 
 class Window:
@@ -53,7 +50,7 @@ class Window:
             return
         self._screen.blit(pygame.image.frombuffer(np.ascontiguousarray(pixels), (width, height), "RGB"), (0, 0))
         pygame.display.flip()
-        self._clock.tick(SHOWN_PER_SECOND)
+        self._clock.tick(FRAMES_PER_SECOND)
 
     def close(self) -> None:
         """Close the window."""

@@ -18,7 +18,7 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, Controls, OptionActions
-from clean_swarm_env.learning.episodes import BatchSettings, EpisodeSource, Series, episodes_of
+from clean_swarm_env.learning.episodes import EnvSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.given import (
     GivenMission,
     check_settings,
@@ -50,10 +50,10 @@ class Batch:
     Args:
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         worlds: W.
-        observation: terms of the observation; the default ones, and those of the mission, unless given.
         reward: weights of the reward's terms, or a function of the batch that returns the rewards (R,) of the period.
-        action: what an action is.
-        settings: see `BatchSettings`.
+        begin_anew: whether a world whose mission is over begins its next episode at the end of that period. If not,
+            the world stays as it is until `reset`, and counts no more.
+        settings: see `EnvSettings`.
 
     Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S (of those
     on the torus of `size`).
@@ -94,20 +94,19 @@ class Batch:
         mission: GivenMission | None = None,
         worlds: int = 1,
         *,
-        observation: ObservationConfig | Mapping[str, Any] | None = None,
         reward: RewardConfig | Mapping[str, Any] | OwnRewards | str | None = None,
-        action: ActionConfig | Mapping[str, Any] | None = None,
-        **settings: Unpack[BatchSettings],
+        begin_anew: bool = True,
+        **settings: Unpack[EnvSettings],
     ) -> None:
-        check_settings(settings, BatchSettings, "Batch")
+        check_settings(settings, EnvSettings, "Batch")
         worlds = whole_number(worlds, "worlds", 1)
         compile_missions()
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
         self.mission = episodes.following((0, 0, 1))[0].mission
         self._series = Series(episodes, worlds)
         self._source = settings.get("source") or self._series
-        self.action = config_from(ActionConfig, action, "action")
-        self.begin_anew = settings.get("begin_anew", True)
+        self.action = config_from(ActionConfig, settings.get("action"), "action")
+        self.begin_anew = begin_anew
         known = knowledge_of(self.mission, directories)
         models = coordinators_of(self.mission, known, library_of(directories), directories)
         record, explained = settings.get("record"), settings.get("explained", False)
@@ -123,7 +122,7 @@ class Batch:
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
         self.rewards = rewards_of(reward, self.worlds)
-        seen = config_from(ObservationConfig, observation, "observation")
+        seen = config_from(ObservationConfig, settings.get("observation"), "observation")
         seen = seen.beside(self.mission.terms, self.worlds.task.terms, driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)
         self.phases = self.observer.phases

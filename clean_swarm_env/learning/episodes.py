@@ -6,9 +6,9 @@ Every episode is a `Scenario`. An episode of a series follows from a seed and it
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.tasks import import_tasks
+from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.given import (
     GivenFamily,
     GivenMission,
@@ -26,6 +27,7 @@ from clean_swarm_env.learning.given import (
     mission_from,
     whole_number,
 )
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.trust import reading_files
 
@@ -113,8 +115,8 @@ class Series:
         self._places = [(seed, world, worlds) for world in range(worlds)]
 
 
-class WorldSettings(TypedDict, total=False):
-    """Settings of the worlds and their episodes, as keyword arguments of all borders."""
+class EnvSettings(TypedDict, total=False):
+    """Settings of worlds, their episodes, and what is seen and done, as keyword arguments of batches and borders."""
 
     family: GivenFamily | None
     """A family of scenarios (its name in `configs/families`, its path, its keys) in place of the mission: its scenarios
@@ -142,17 +144,13 @@ class WorldSettings(TypedDict, total=False):
     """Where every mission is recorded; none is unless given."""
     explained: bool
     """Whether the robots' networks note why each behaviour runs or does not; recorded minds always do."""
+    observation: ObservationConfig | Mapping[str, Any] | None
+    """Terms of the observation; the default ones, and those of the mission, unless given."""
+    action: ActionConfig | Mapping[str, Any] | None
+    """What an action is: an option unless given."""
 
 
-class BatchSettings(WorldSettings, total=False):
-    """Settings of a batch, as keyword arguments."""
-
-    begin_anew: bool
-    """Whether a world whose mission is over begins its next episode at the end of that period, by default yes. If not,
-    the world stays as it is until `reset`, and counts no more."""
-
-
-def episodes_of(mission: GivenMission | None = None, settings: WorldSettings | None = None) -> Episodes:
+def episodes_of(mission: GivenMission | None = None, settings: EnvSettings | None = None) -> Episodes:
     """Return the episodes of a mission, "table1" unless given, or of the family that the settings name."""
     chosen = settings or {}
     import_tasks(chosen.get("imports", ()))
@@ -184,7 +182,7 @@ def _check_size(family: FamilyConfig, size: Size | None) -> None:
         raise ValueError(f"size: expected one of those of family {family.name!r}, {known}, got {size}")
 
 
-def _changed(mission: MissionConfig, chosen: WorldSettings) -> MissionConfig:
+def _changed(mission: MissionConfig, chosen: EnvSettings) -> MissionConfig:
     """Return the mission with the knowledge and the time limit that were chosen in place of its own."""
     knowledge, limit = chosen.get("knowledge"), chosen.get("time_limit")
     changes = {"knowledge": knowledge and os.fspath(knowledge), "time_limit": limit}

@@ -85,7 +85,7 @@ def _content(value: object) -> Any:  # noqa: ANN401  (what a file could hold)
     return tuple(_content(part) for part in value) if isinstance(value, tuple) else value
 
 
-BATCH_ARGUMENTS = ("worlds", "observation", "reward", "action")
+BATCH_ARGUMENTS = ("worlds", "reward", "begin_anew")
 """Arguments of all batches beside their settings."""
 
 

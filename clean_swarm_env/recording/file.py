@@ -38,6 +38,10 @@ class RecordingFile:
         head: what the recording is about.
         channels: the channels of every frame.
 
+    Attributes:
+        beginning: the bytes with which the recording begins.
+        frames: how many frames have been written.
+
     """
 
     def __init__(self, path: Path, head: Mapping[str, Any], channels: Sequence[Channel]) -> None:
@@ -47,15 +51,16 @@ class RecordingFile:
             self._file = path.open("wb", buffering=0)  # a buffer would be written once more at the end
         except OSError as error:
             raise ConfigurationError(f"{path}: cannot be written ({error.strerror})") from error
-        self.beginning = beginning_of(head, channels)
+        self.frames = 0
+        described = {**head, "channels": [channel.as_mapping() for channel in channels]}
+        self.beginning = MAGIC + struct.pack("<I", FORMAT_VERSION) + _block(HEAD, _json(described))
         with writing_to(path, anew=True):
             self._write(self.beginning)
 
-    def add(self, first: int, packed: PackedFrames, notes: Mapping[str, Any]) -> bytes:
-        """Append frames from number `first` on; return the block. `notes` is plain data."""
-        block = part_of(first, packed, notes)
-        self._write(block)
-        return block
+    def add(self, packed: PackedFrames, notes: Mapping[str, Any]) -> None:
+        """Append frames; `notes` is plain data."""
+        self._write(part_of(self.frames, packed, notes))
+        self.frames += packed.frames
 
     def close(self, result: Mapping[str, Any] | None = None) -> None:
         """End the file; `result` is that of a mission that ended."""
@@ -76,14 +81,8 @@ class RecordingFile:
                 raise
 
 
-def beginning_of(head: Mapping[str, Any], channels: Sequence[Channel]) -> bytes:
-    """Return the bytes with which a recording begins."""
-    described = {**head, "channels": [channel.as_mapping() for channel in channels]}
-    return MAGIC + struct.pack("<I", FORMAT_VERSION) + _block(HEAD, _json(described))
-
-
 def part_of(first: int, packed: PackedFrames, notes: Mapping[str, Any]) -> bytes:
-    """Return the block of frames; the arguments are those of `RecordingFile.add`."""
+    """Return the block of frames from number `first` on; `notes` is plain data."""
     directory = _json({"first": first, "frames": packed.frames, "sizes": packed.sizes, **notes})
     return _block(PART, struct.pack("<I", len(directory)) + directory + packed.content)
 

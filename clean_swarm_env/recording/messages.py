@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -20,8 +20,8 @@ LASTING = np.array([c.DIFFUSION, c.GOAL_RADIUS, c.MESSAGE_FAR + c.FAR_FACTOR, c.
 """Columns of a message that are the same for all deposits of a mechanism."""
 
 
-class DepositLog:
-    """Deposits of all rows in a tick.
+class MessageLog:
+    """Deposits and missed poses of all rows in a tick.
 
     Attributes:
         deposits: (R,) kinds that each row has left, a bit for each.
@@ -29,14 +29,15 @@ class DepositLog:
 
     """
 
-    def __init__(self, buffers: Mapping[str, SoBuffer], rows: int) -> None:
-        self.deposits: Ints = np.zeros(rows, dtype=np.int64)
+    def __init__(self, worlds: Worlds) -> None:
+        self.deposits: Ints = np.zeros(worlds.rows, dtype=np.int64)
         self._bits: dict[tuple[str, bytes, int, int], int] = {}
         self.kinds: list[dict[str, Any]] = []
         self._message: Floats = np.zeros(0)  # the latest, and its bit
         self._bit = 0
-        self._buffers = buffers
-        for name, buffer in buffers.items():
+        self._worlds, self._buffers = worlds, worlds.minds.buffers
+        self._missed: Ints = np.zeros(worlds.rows, dtype=np.int64)
+        for name, buffer in self._buffers.items():
             buffer.on_deposit = partial(self._note, name)
 
     def clear(self) -> None:
@@ -60,15 +61,6 @@ class DepositLog:
             self._bits[key] = 1 << len(self.kinds)
             self.kinds.append(_kind(name, self._buffers[name], message, tag))
         return self._bits[key]
-
-
-class MessageLog(DepositLog):
-    """Deposits and missed poses of all rows in a tick."""
-
-    def __init__(self, worlds: Worlds) -> None:
-        super().__init__(worlds.minds.buffers, worlds.rows)
-        self._worlds = worlds
-        self._missed: Ints = np.zeros(worlds.rows, dtype=np.int64)
 
     def arrays(self) -> Iterator[Sampled]:
         """Yield the arrays, both of one tick."""

@@ -16,7 +16,7 @@ import numpy as np
 from clean_swarm_env.recording.channels import MILLI, Channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
-from clean_swarm_env.recording.sampled import Thinking, floor_arrays, mind_arrays, networks_of, points, things_of
+from clean_swarm_env.recording.sampled import floor_arrays, mind_arrays, networks_of, points, things_of
 from clean_swarm_env.recording.stepping import copy_poses
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of
@@ -47,15 +47,6 @@ class RecordSettings:
     """Whether `MissionRecorder.think` will get the chooser's opinion of each option."""
 
 
-@dataclass
-class _Running:
-    """A mission that is being recorded."""
-
-    file: RecordingFile
-    first: int
-    """Number of the first frame that is not written yet."""
-
-
 class MissionRecorder:
     """Records the worlds of a batch: call `open` after the reset of a world, and `record` after every tick.
 
@@ -71,7 +62,7 @@ class MissionRecorder:
         if settings.minds and not worlds.network.state.explained:
             raise ValueError("minds: expected worlds with explained=True, got worlds that note no reasons")
         self.worlds, self.settings = worlds, settings
-        self._running: dict[int, _Running] = {}
+        self._running: dict[int, RecordingFile] = {}
         self._names: set[str] = set()
         self._ticks = 0
         self._ends: dict[int, int] = {}  # value of `_ticks` at which the time of each mission is over
@@ -83,12 +74,11 @@ class MissionRecorder:
         self._moved: Floats = np.zeros((worlds.worlds, sum(places.shape[1] for places in self._moving), 2))
         sampled = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
         sampled += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
-        minds = Thinking(worlds.network, worlds.coordinators, worlds.minds.nested)
-        sampled += mind_arrays(worlds.robots, minds) if settings.minds else []
+        sampled += mind_arrays(worlds) if settings.minds else []
         self.frames = WaitingFrames(sampled, worlds.worlds)
         self._begun = False  # whether a mission has begun since the last frame
         self._joined = worlds.team.joined.copy()
-        self._networks = networks_of(minds) if settings.minds else {}
+        self._networks = networks_of(worlds) if settings.minds else {}
         self._by_hand: list[dict[str, Any]] = []  # what was done by hand and is not in the file yet
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
@@ -122,7 +112,7 @@ class MissionRecorder:
             facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)
             facts["things"] = list(things_of(worlds, world))
         path = self._path(facts["about"])
-        self._running[world] = _Running(RecordingFile(path, facts, self.frames.channels), 0)
+        self._running[world] = RecordingFile(path, facts, self.frames.channels)
         self.frames.start(world)
         self._ends[world], self._begun = self._ticks + tick_limit(mission), True
         self._soonest = min(self._ends.values())
@@ -162,7 +152,7 @@ class MissionRecorder:
     @property
     def beginning(self) -> bytes:
         """The bytes with which the recording of the first world begins, while its mission runs."""
-        return self._running[0].file.beginning
+        return self._running[0].beginning
 
     def latest(self, notes: Mapping[str, Any]) -> bytes:
         """Return the last frame of the only world as the block of a recording, with `notes`, for those who look on."""
@@ -226,7 +216,7 @@ class MissionRecorder:
             self._write(world)
             del self._ends[world]
             self._soonest = min(self._ends.values(), default=0)
-            self._running.pop(world).file.close(result)
+            self._running.pop(world).close(result)
 
     def _write_all(self) -> None:
         for world in self._running:
@@ -235,12 +225,10 @@ class MissionRecorder:
 
     def _write(self, world: int) -> None:
         """Write the frames of a world that are not in its file yet."""
-        running = self._running[world]
         if self.frames.waiting(world):
-            notes, packed = {"deposits": self._messages.kinds, "by_hand": self._by_hand}, self.frames.pack(world)
-            running.file.add(running.first, packed, notes)
+            notes = {"deposits": self._messages.kinds, "by_hand": self._by_hand}
+            self._running[world].add(self.frames.pack(world), notes)
             self._by_hand.clear()
-            running.first += packed.frames
 
 
 def record_mission(run: MissionRun, settings: RecordSettings, about: Mapping[str, Any]) -> MissionResult:

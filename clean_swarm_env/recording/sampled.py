@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.task_parts import Recorded
 from clean_swarm_env.world.worlds import Worlds
-from selector.coordination.coordinator import Coordinator
-from selector.coordination.inner_network import InnerNetwork, at_any_depth
+from selector.coordination.inner_network import at_any_depth
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.network import plan_state as ps
@@ -38,14 +37,6 @@ MARKS = {
 }
 PLAN_STEPS = 16
 """Steps of a plan that are kept."""
-
-
-class Thinking(NamedTuple):
-    """The networks of robots."""
-
-    network: BehaviourNetwork
-    coordinators: tuple[Coordinator, ...]
-    inner: tuple[InnerNetwork, ...]
 
 
 def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
@@ -94,27 +85,25 @@ def points(
         yield Sampled(Channel(full, names, shape, MILLI, order, "m", about), places[..., k])
 
 
-def mind_arrays(robots: int, minds: Thinking) -> Iterator[Sampled]:
-    """Yield what the networks of rows read, computed and decided, those of options and inside behaviours included.
-
-    `robots`: how many of the rows a world has.
-    """
-    yield from _network(robots, "robot", minds.network)
-    for number, coordinator in enumerate(minds.coordinators):
+def mind_arrays(worlds: Worlds) -> Iterator[Sampled]:
+    """Yield what the networks of rows read, computed and decided, those of options and inside behaviours included."""
+    robots = worlds.robots
+    yield from _network(robots, "robot", worlds.network)
+    for number, coordinator in enumerate(worlds.coordinators):
         for k, content in enumerate(coordinator.contents):
             prefix = f"{coordinator.model.goal}/{coordinator.model.options[k]}"
             yield from _network(robots, prefix, content.network, (number, k))
-    for nested in at_any_depth(minds.inner):
+    for nested in at_any_depth(worlds.minds.nested):
         yield from _network(robots, nested.name, nested.network)
 
 
-def networks_of(minds: Thinking) -> dict[str, Any]:
+def networks_of(worlds: Worlds) -> dict[str, Any]:
     """Return the head's entries about networks: names along the axes of their channels, and the words of reasons."""
-    found = {"robot": minds.network}
-    for c in minds.coordinators:
+    found = {"robot": worlds.network}
+    for c in worlds.coordinators:
         names = zip(c.model.options, c.contents, strict=True)
         found |= {f"{c.model.goal}/{name}": content.network for name, content in names}
-    found |= {nested.name: nested.network for nested in at_any_depth(minds.inner)}
+    found |= {nested.name: nested.network for nested in at_any_depth(worlds.minds.nested)}
     return {
         "terms": BEHAVIOUR_TERMS,
         "reasons": [WORDS[code] for code in range(len(WORDS))],

@@ -59,7 +59,7 @@ def gymnasium(made: Any) -> Any:
 
 
 def stable_baselines3() -> Any:
-    from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv  # imports torch
+    from clean_swarm_env.sb3 import RobotVecEnv  # imports torch
 
     made = RobotVecEnv(batches=[Batch("table1"), Batch("table1", 2)])
     made.seed(3)

@@ -181,7 +181,7 @@ def test_a_batch_of_which_the_last_world_does_not_fit_stays_as_it_was():
 
 def test_batches_of_which_the_last_one_does_not_fit_stay_as_they_were():
     pytest.importorskip("stable_baselines3", reason="needs the extra 'train'")
-    from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
+    from clean_swarm_env.sb3 import RobotVecEnv
 
     def envs(last):
         made = RobotVecEnv(batches=[Batch(SHORT), Batch(SHORT, action={"mode": last})])

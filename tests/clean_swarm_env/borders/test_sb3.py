@@ -15,12 +15,12 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
-from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.joined import family_batches
 from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.sb3 import RobotVecEnv
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
 SHORT = mission(garbage={"count": 2}, time_limit=30.0)

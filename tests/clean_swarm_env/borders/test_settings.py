@@ -11,8 +11,8 @@ import pytest
 from clean_swarm_env import Batch, clean_swarm_v0, load_mission
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
-from clean_swarm_env.borders.settings import EnvSettings
 from clean_swarm_env.borders.spaces import action_space, observation_space
+from clean_swarm_env.learning.episodes import EnvSettings
 from selector.documents.find import SHIPPED
 
 BORDERS = [

@@ -118,7 +118,7 @@ def path(tmp_path):
     file = RecordingFile(tmp_path / "a.swarm", HEAD, (NUMBERS, WHOLE))
     for part in range(3):
         whole = np.column_stack([np.arange(30).reshape(10, 3) + 30 * part, np.full(10, part)])
-        file.add(10 * part, waiting(whole, (NUMBERS_AS_STEPS, WHOLE)).pack(0), {"deposits": []})
+        file.add(waiting(whole, (NUMBERS_AS_STEPS, WHOLE)).pack(0), {"deposits": []})
     file.close({"ticks": 30})
     return tmp_path / "a.swarm"
 

@@ -20,7 +20,7 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
-from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
+from clean_swarm_env.sb3 import RobotVecEnv
 from selector.documents.errors import DocumentError, shown, validated
 from selector.strategies.policy_file import TrainedPolicy, save_policy
 from selector.strategies.problem import Problem

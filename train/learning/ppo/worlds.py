@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvObs, VecEnvStepReturn
 
-from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.sb3 import RobotVecEnv
 from train.deciders.decided_goal import DecidedGoal
 
 
