@@ -43,7 +43,7 @@ LEAST_ROBOT, LEAST_STATION = 2.0, 5.0  # half of their sizes where the world is 
 HALO: Final = 2.0
 """Width of the bright line around the robots' numbers [pixels]."""
 WORDS_KEPT: Final = 512
-FONT: Final = FontProperties(family="DejaVu Sans")
+TEXT_FONT: Final = FontProperties(family="DejaVu Sans")
 NO_LETTER: Final = "\N{WHITE SQUARE}"
 """Drawn in place of a letter that the font lacks."""
 WHITE, NO_COLOUR = "#ffffff", "none"
@@ -210,9 +210,9 @@ _rgba = lru_cache(WORDS_KEPT)(to_rgba)
 @lru_cache(WORDS_KEPT)
 def _word(text: str, size: float = LOOK.letter_size, centred: bool = False) -> Outline:
     """Return the outline of a line of text, which begins at 0, 0 or lies around it."""
-    known = get_font(findfont(FONT)).get_charmap()
+    known = get_font(findfont(TEXT_FONT)).get_charmap()
     drawn = "".join(letter if ord(letter) in known else NO_LETTER for letter in text)  # Matplotlib would warn
-    corners, codes = text_to_path.get_text_path(FONT, drawn)
+    corners, codes = text_to_path.get_text_path(TEXT_FONT, drawn)
     places = np.reshape(corners, (-1, 2)) * (size / text_to_path.FONT_SCALE)
     middle = (places.min(axis=0) + places.max(axis=0)) / 2 if centred and len(places) else 0.0
     return Outline(places - middle, codes)

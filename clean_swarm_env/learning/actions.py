@@ -100,10 +100,10 @@ class OptionActions:
 class Controls:
     """Gives the actions of a learner to worlds: options, movement vectors, or both.
 
-    Vectors are ahead and left in the robot's frame, in shares of the largest speed. The vector keeps its direction in
-    the world through the decision period. The drive follows the vector in place of those of behaviours. The robot's
-    network decides nothing. The robot picks, recycles and dumps wherever it can. Corrections are added to the vectors
-    of behaviours instead, and the network decides as ever.
+    Components of vectors are clipped to [-1, 1]. They are ahead and left in the robot's frame, in shares of the largest
+    speed. The vector keeps its direction in the world through the decision period. The drive follows the vector in
+    place of those of behaviours. The robot's network decides nothing. The robot picks, recycles and dumps wherever it
+    can. Corrections are added to the vectors of behaviours instead, and the network decides as ever.
     """
 
     _vectors: Annotated[Floats, "R 2", SCRATCH]  # [m/s]
@@ -120,12 +120,9 @@ class Controls:
             options, vectors = parted(np.asarray(actions), self._worlds.rows, len(self._choices.counts))
         if self._mode != "velocity":
             self._worlds.hold(self._choices.able(self._choices.check(options, self._worlds.rows), phases))
-        if self._mode != "option":
-            self._drive(vectors)
-
-    def _drive(self, actions: NDArray[Any]) -> None:
-        """Make the robots follow the vectors `actions` (R, 2), whose components are clipped to [-1, 1]."""
-        given = checked_vectors(actions, self._worlds.rows)
+        if self._mode == "option":
+            return
+        given = checked_vectors(vectors, self._worlds.rows)
         turn_to_world(given, self._worlds.physics.headings, self._max_speed, self._vectors)
         if self._mode == "both":
             self._worlds.correct(self._vectors if given.any() else None)  # -0.0 + 0.0 would be another bit

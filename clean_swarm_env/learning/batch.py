@@ -28,7 +28,7 @@ from clean_swarm_env.learning.given import (
     whole_number,
 )
 from clean_swarm_env.learning.global_state import GlobalState
-from clean_swarm_env.learning.interface import NO_JUMPS, BatchStep, Finished
+from clean_swarm_env.learning.interface import BatchStep, Finished
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
@@ -181,7 +181,7 @@ class Batch:
         It holds K worlds, or one that all K go on from.
         """
         if self.recorder is not None:
-            raise ValueError(NO_JUMPS)
+            raise ValueError("set_state: expected a batch that records nothing, because a recording has no jumps")
         return self._states.opened("batch", state, worlds)
 
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:

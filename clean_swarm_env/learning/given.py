@@ -38,36 +38,33 @@ def directories_from(given: Named | Iterable[Named] | None) -> tuple[Path, ...]:
 
 def mission_from(given: GivenMission, directories: tuple[Path, ...] = ()) -> MissionConfig:
     """Return the mission; DocumentError or TypeError if there is no such one."""
-    if isinstance(given, MissionConfig):
-        return checked(given, "mission")
     if isinstance(given, str | os.PathLike):
         return load_mission(os.fspath(given), directories)
-    if not isinstance(given, Mapping):
-        raise TypeError(f"mission: expected a name, a path, a dictionary or a MissionConfig, got {brief(given)}")
-    content = dict(given)
-    if "base" in content:
-        content = with_changes(mission_from(content.pop("base"), directories).model_dump(), content)
-    return validated(MissionConfig, content, "mission", own=True)
+    if isinstance(given, Mapping) and "base" in given:
+        changes = dict(given)
+        given = with_changes(mission_from(changes.pop("base"), directories).model_dump(), changes)
+    return config_from(MissionConfig, given, "mission", "a name, a path, ")
 
 
 def family_from(given: GivenFamily, directories: tuple[Path, ...] = ()) -> FamilyConfig:
     """Return the family of scenarios; DocumentError or TypeError if there is no such one."""
-    if isinstance(given, FamilyConfig):
-        return checked(given, "family")
     if isinstance(given, str | os.PathLike):
         return load_family(os.fspath(given), directories)
-    if not isinstance(given, Mapping):
-        raise TypeError(f"family: expected a name, a path, a dictionary or a FamilyConfig, got {brief(given)}")
-    mission = mission_from(given["mission"], directories) if "mission" in given else MissionConfig()
-    return validated(FamilyConfig, {**given, "mission": mission}, "family", own=True)
+    if isinstance(given, Mapping):
+        mission = mission_from(given["mission"], directories) if "mission" in given else MissionConfig()
+        given = {**given, "mission": mission}
+    return config_from(FamilyConfig, given, "family", "a name, a path, ")
 
 
-def config_from(model: type[M], given: M | Mapping[str, Any] | None, where: str) -> M:
-    """Return a model from its keys, or as it is; without anything given, the model of the defaults."""
+def config_from(model: type[M], given: M | Mapping[str, Any] | None, where: str, other: str = "") -> M:
+    """Return a model from its keys, or as it is; without anything given, the model of the defaults.
+
+    `other` names what else could have been given.
+    """
     if isinstance(given, model):
         return checked(given, where)
     if given is not None and not isinstance(given, Mapping):
-        raise TypeError(f"{where}: expected a dictionary or a {model.__name__}, got {brief(given)}")
+        raise TypeError(f"{where}: expected {other}a dictionary or a {model.__name__}, got {brief(given)}")
     return validated(model, dict(given or {}), where, own=True)
 
 

@@ -11,9 +11,6 @@ from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task_parts import key_of
 from selforg.arrays import Flags, Floats
 
-NO_JUMPS = "set_state: expected a batch that records nothing, because a recording has no jumps"
-"""What `set_state` says in a batch that records."""
-
 
 class BatchStep(NamedTuple):
     """The result of one decision period; the arrays belong to the batch and are valid until the next call."""

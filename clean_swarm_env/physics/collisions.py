@@ -68,7 +68,6 @@ class CollisionCounter:
         self, worlds: int, robots: int, width: float, height: float, distances: tuple[float, ...] = (0.5, 1.0)
     ) -> None:
         rows, extent = worlds * robots, np.array([width, height], dtype=np.float64)
-        self.distances = tuple(float(distance) for distance in distances)
         self.samples: Ints = np.zeros((worlds, len(distances)), np.int64)
         self.events: Ints = np.zeros((worlds, len(distances)), np.int64)
         self.in_contact: Flags = np.zeros(rows, np.bool_)
@@ -79,7 +78,7 @@ class CollisionCounter:
         # a robot has moved by half a reach.
         shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * max(distances), extent)
         room = robots if shape[0] else 0
-        squares = np.square(self.distances)
+        squares = np.square(np.array(distances, dtype=np.float64))
         self.packed: Packed[Counts] = COLLISION_COUNTS.pack(
             Counts(
                 samples=self.samples,

@@ -120,11 +120,6 @@ class Physics:
             )
         )
 
-    @property
-    def velocities(self) -> Floats:
-        """(R, 2) float64 [m/s], a view of those columns of `bodies`."""
-        return self.bodies[:, 2:]
-
     def place(self, world: int, positions: Floats, headings: Floats) -> None:
         """Put the robots of one world at places, at rest; nothing of their past is left.
 

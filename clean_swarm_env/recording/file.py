@@ -1,5 +1,6 @@
 """The file of a recording: blocks that are written one after the other, so that a killed run leaves whole blocks.
 
+The models at the end have the required content of the JSON objects in the blocks; further keys are for readers.
 `docs/recordings.md` describes the bytes.
 """
 
@@ -10,10 +11,14 @@ import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any, Final
+from typing import IO, Annotated, Any, Final, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.recording.channels import Channel, PackedFrames
+from clean_swarm_env.recording.by_hand import ByHand
+from clean_swarm_env.recording.channels import MOST_NUMBERS, Amount, Channel, PackedFrames, Text
+from selector.documents.fields import Flag, NonNegative, Number, Positive, Share
 from selector.documents.writing import writing_to
 
 SUFFIX: Final = ".swarm"
@@ -159,3 +164,59 @@ def _unpacked(small: bytes, where: str) -> bytes:
 
 def _json(content: Mapping[str, Any]) -> bytes:
     return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
+
+
+class _Object(BaseModel):
+    """A JSON object that may have further keys."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+
+class Head(_Object):
+    """The head of a recording."""
+
+    channels: Annotated[tuple[Channel, ...], Field(min_length=1)]
+    """The content of every frame."""
+    period: Positive
+    """Time from frame to frame [s]."""
+    width: Positive
+    height: Positive
+    robots: Amount
+    items: Amount
+    minds: Flag
+    """Whether it includes the decisions of the robots' networks."""
+    about: dict[str, Any]
+    """What the recording is of."""
+    options: dict[str, tuple[Text, ...]]
+    """Options by goal."""
+    views: dict[str, tuple[NonNegative, ...]]
+    """View distances of the options [m]."""
+    mission: dict[str, Any]
+
+    @model_validator(mode="after")
+    def _unique(self) -> Self:
+        if len({channel.name for channel in self.channels}) < len(self.channels):
+            raise ValueError("channels: a name is there twice")
+        return self
+
+
+class _Deposit(_Object):
+    """A kind of deposits."""
+
+    diffusion: NonNegative
+    evaporation_factor: Share
+    evaporation_period: NonNegative
+    min_diffusion: Number
+
+
+class Directory(_Object):
+    """The directory of a part."""
+
+    first: Annotated[int, Field(strict=True, ge=0)]
+    """Number of the first frame."""
+    frames: Annotated[int, Field(strict=True, ge=1, le=MOST_NUMBERS)]
+    sizes: tuple[tuple[Amount, Literal[1, 2, 4]], ...]
+    """For each channel how many columns change, and the width of a number."""
+    deposits: Annotated[tuple[_Deposit, ...], Field(max_length=63)] = ()
+    by_hand: tuple[ByHand, ...] = ()
+    """What was done by hand before these frames were decided."""

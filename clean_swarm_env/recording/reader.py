@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.channels import MOST_NUMBERS, AnyArray, Channel, packed_bytes, unpacked_frames
-from clean_swarm_env.recording.file import HEAD, PART, SUFFIX, blocks_of
-from clean_swarm_env.recording.head import Directory, Head
+from clean_swarm_env.recording.file import HEAD, PART, SUFFIX, Directory, Head, blocks_of
 from clean_swarm_env.recording.stepping import WholeNumbers
 from selector.documents.errors import validated
 from selector.documents.plain import short

@@ -27,9 +27,6 @@ from selforg.arrays import Floats
 from selforg.elementary import directions
 from selforg.gradients.store import columns as c
 
-NO_COPY = "a batch that records its missions cannot be copied, because both would write the same files"
-"""What copies and pickles of recorders say."""
-
 
 @dataclass(frozen=True)
 class RecordSettings:
@@ -83,7 +80,7 @@ class MissionRecorder:
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         """Raise TypeError: two recorders would write one file."""
-        raise TypeError(NO_COPY)
+        raise TypeError("a batch that records its missions cannot be copied, because both would write the same files")
 
     def open(self, world: int, about: Mapping[str, Any]) -> Path:
         """Record the mission of a world that has just been reset; return the file.

@@ -70,7 +70,7 @@ def _others(batch, row):
     if near:
         distance, other = near[0]
         turned = physics.headings[other] - physics.headings[row]
-        relative = physics.velocities[row] - physics.velocities[other]
+        relative = physics.bodies[row, 2:] - physics.bodies[other, 2:]
         closing = float(relative @ offsets[other]) / distance / 2.0
         terms["true_neighbour"] = [len(near) / len(others), *_way(worlds, row, physics.positions[other], RANGES[-1])]
         terms["true_encounter"] = [cos(turned), sin(turned), closing, float(loaded[other])]

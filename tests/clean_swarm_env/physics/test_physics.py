@@ -115,7 +115,7 @@ def test_free_robots_move_by_speed_along_the_heading_before_the_turn(contacts):
         headings = headings + 0.05 * turn_rate
         substep(physics, speed, turn_rate)
         np.testing.assert_allclose(physics.positions, places, atol=1e-12)
-        np.testing.assert_allclose(physics.velocities, step, atol=1e-12)
+        np.testing.assert_allclose(physics.bodies[:, 2:], step, atol=1e-12)
         np.testing.assert_allclose(np.exp(1j * physics.headings), np.exp(1j * headings), atol=1e-12)
         assert (np.abs(physics.headings) <= math.pi).all()
 
@@ -203,7 +203,7 @@ def test_place_leaves_no_trace():
     for world in range(2):
         rng = np.random.default_rng((5, world))
         used.place(world, rng.uniform(0, SIZE, (20, 2)), rng.uniform(-3, 3, 20))
-    assert not used.velocities.any()
+    assert not used.bodies[:, 2:].any()
     assert np.array_equal(wander(used, 150, 9), wander(fresh, 150, 9))
 
 
@@ -240,7 +240,7 @@ def drive_about(physics, ticks, seed):
     for tick in range(ticks):
         commands.record.vectors[:] = rng.normal(0.0, 1.0, (rows, 2))
         physics.tick(0.2 * tick, 4, commands, drive, counter)
-        history.append(np.hstack([physics.positions, physics.velocities]))
+        history.append(np.hstack([physics.positions, physics.bodies[:, 2:]]))
     return np.array(history)
 
 
@@ -261,7 +261,7 @@ def test_a_robot_that_was_taken_away_leaves_no_motion_behind():
     physics.remove(1)
     wanted = physics._motion.record.wanted
     assert not wanted[1].any()
-    assert not physics.velocities[1].any()
+    assert not physics.bodies[1, 2:].any()
     assert wanted[[0, 2]].all()
 
 

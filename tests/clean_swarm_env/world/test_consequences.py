@@ -114,7 +114,7 @@ def test_a_damaged_robot_is_slow_until_it_is_mended_at_a_station():
     worlds.drive(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
     for _ in range(10):
         worlds.tick()
-    speeds = np.hypot(*worlds.physics.velocities.T)
+    speeds = np.hypot(*worlds.physics.bodies[:, 2:].T)
     assert speeds == pytest.approx([0.4, 0.4, 1.0], abs=1e-6)
     ticks = 0
     while consequences.damaged[1]:  # it drives to the dump at [9, 9]
