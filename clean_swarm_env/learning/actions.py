@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from reprlib import repr as brief
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
-from selforg.arrays import SCRATCH, Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.elementary import sine_cosine
 from selforg.registry import unknown
@@ -36,10 +36,16 @@ class ActionConfig(Closed):
     """Option -> the only phases in which it can serve; an option that is not named can always serve."""
 
 
-class OptionActions:
-    """Options as actions: one whole number for each coordinated goal.
+class LearnerActions:
+    """Checks the actions of a learner, and gives them to worlds: options, movement vectors, or both.
 
-    An option that cannot serve in a phase is replaced by the option of the highest expert score that can.
+    Options are one whole number for each coordinated goal. An option that cannot serve in a phase is replaced by the
+    option of the highest expert score that can.
+
+    Vectors are ahead and left in the robot's frame, in shares of the largest speed; components are clipped to [-1, 1].
+    The vector keeps its direction in the world through the decision period. The drive follows the vector in place of
+    those of behaviours. The robot's network decides nothing. The robot picks, recycles and dumps wherever it can.
+    Corrections are added to the vectors of behaviours instead, and the network decides as ever.
 
     Attributes:
         counts: (C,) number of options of each goal.
@@ -51,6 +57,7 @@ class OptionActions:
     """
 
     def __init__(self, models: Sequence[CoordinatorModel], config: ActionConfig) -> None:
+        self._mode = config.mode
         self.counts = tuple(len(model.options) for model in models)
         self.default: Ints = np.array([int(np.argmax(model.scores)) for model in models], dtype=np.int64)
         names = [name for model in models for name in model.options]
@@ -96,38 +103,21 @@ class OptionActions:
             raise ValueError(f"options[{row}]: expected 0..{self.counts[goal] - 1}, got {table[row, goal]}")
         return table
 
-
-class Controls:
-    """Gives the actions of a learner to worlds: options, movement vectors, or both.
-
-    Components of vectors are clipped to [-1, 1]. They are ahead and left in the robot's frame, in shares of the largest
-    speed. The vector keeps its direction in the world through the decision period. The drive follows the vector in
-    place of those of behaviours. The robot's network decides nothing. The robot picks, recycles and dumps wherever it
-    can. Corrections are added to the vectors of behaviours instead, and the network decides as ever.
-    """
-
-    _vectors: Annotated[Floats, "R 2", SCRATCH]  # [m/s]
-
-    def __init__(self, worlds: Worlds, choices: OptionActions, config: ActionConfig) -> None:
-        self._worlds, self._choices, self._mode = worlds, choices, config.mode
-        self._vectors = np.zeros((worlds.rows, 2))
-        self._max_speed = worlds.mission.robots.max_speed
-
-    def apply(self, actions: NDArray[Any], phases: Ints) -> None:
+    def apply(self, worlds: Worlds, actions: NDArray[Any], phases: Ints) -> None:
         """Apply the actions of a period that begins with the robots in `phases` (R,); see `Batch.ticks`."""
         options = vectors = actions
         if self._mode == "both":
-            options, vectors = parted(np.asarray(actions), self._worlds.rows, len(self._choices.counts))
+            options, vectors = parted(np.asarray(actions), worlds.rows, len(self.counts))
         if self._mode != "velocity":
-            self._worlds.hold(self._choices.able(self._choices.check(options, self._worlds.rows), phases))
+            worlds.hold(self.able(self.check(options, worlds.rows), phases))
         if self._mode == "option":
             return
-        given = checked_vectors(vectors, self._worlds.rows)
-        turn_to_world(given, self._worlds.physics.headings, self._max_speed, self._vectors)
+        given, turned = checked_vectors(vectors, worlds.rows), np.empty((worlds.rows, 2))
+        turn_to_world(given, worlds.physics.headings, worlds.mission.robots.max_speed, turned)
         if self._mode == "both":
-            self._worlds.correct(self._vectors if given.any() else None)  # -0.0 + 0.0 would be another bit
+            worlds.correct(turned if given.any() else None)  # -0.0 + 0.0 would be another bit
         else:
-            self._worlds.drive(self._vectors)
+            worlds.drive(turned)
 
 
 def parted(actions: NDArray[Any], rows: int, goals: int) -> tuple[Ints, NDArray[Any]]:

@@ -17,7 +17,7 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
-from clean_swarm_env.learning.actions import ActionConfig, Controls, OptionActions
+from clean_swarm_env.learning.actions import ActionConfig, LearnerActions
 from clean_swarm_env.learning.episodes import EnvSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.given import (
     GivenMission,
@@ -68,7 +68,9 @@ class Batch:
         working, took_part: (R,) bool, whether there is a robot that works, and whether it did in the last period.
         phases: (R,) phases of the robots, which decide what options can serve.
         recorder: records the missions; None unless asked for.
+        series: the episodes that follow from seeds.
         progress: what happened in the last period.
+        finished: the missions that ended in the last period.
         doing: (W,) present or last scenario of each world; None where a source has given none yet.
 
     >>> batch = Batch("table1", worlds=2)
@@ -81,7 +83,7 @@ class Batch:
 
     observations: Annotated[Observations, "R F", KEPT]
     doing: Annotated[list[Scenario | None], "W", KEPT]
-    choices: Annotated[OptionActions, READ]
+    choices: Annotated[LearnerActions, READ]
     recorder: Annotated[MissionRecorder | None, OUTSIDE]
     rewards: Annotated[Rewards | MeasureRewards, OUTSIDE]
     _source: Annotated[EpisodeSource, OUTSIDE]
@@ -100,11 +102,11 @@ class Batch:
     ) -> None:
         check_settings(settings, EnvSettings, "Batch")
         worlds = whole_number(worlds, "worlds", 1)
-        compile_missions()
+        compile_once(lambda: run_through(Batch()))
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
         self.mission = episodes.following((0, 0, 1))[0].mission
-        self._series = Series(episodes, worlds)
-        self._source = settings.get("source") or self._series
+        self.series = Series(episodes, worlds)
+        self._source = settings.get("source") or self.series
         self.action = config_from(ActionConfig, settings.get("action"), "action")
         self.begin_anew = begin_anew
         known = knowledge_of(self.mission, directories)
@@ -116,8 +118,7 @@ class Batch:
         self.rows, self.robots, self.count = self.worlds.rows, self.worlds.robots, worlds
         self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
-        self.choices = OptionActions(models, self.action)
-        self._controls = Controls(self.worlds, self.choices, self.action)
+        self.choices = LearnerActions(models, self.action)
         self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
@@ -129,7 +130,7 @@ class Batch:
         self.observations = np.zeros((self.rows, self.observer.width), dtype=np.float32)
         self._final = np.zeros_like(self.observations)
         self._gained = np.zeros(self.rows)
-        self._finished: list[Finished] = []
+        self.finished: tuple[Finished, ...] = ()
         self._state = None
         self.doing = [None] * worlds
         self._states = self.worlds.states_below(self, {"terms": self.observer.names})
@@ -143,7 +144,7 @@ class Batch:
         `seeds` (W,) restart the series of episodes. A world without a seed (None) continues its series, or begins
         one whose seed is drawn from the system. `starts` (W,) take the place of random starts.
         """
-        self._finished.clear()
+        self.finished = ()
         self.progress.begin_period()
         return self.reset_worlds(np.arange(self.worlds.worlds), seeds, starts)
 
@@ -160,8 +161,8 @@ class Batch:
         known = seeds_from(seeds, self.worlds.worlds)
         if starts is not None and len(starts) != len(known):
             raise ValueError(f"starts: expected one for each of {len(known)} worlds, got {len(starts)}")
-        if self._source is self._series:
-            self._series.reset(known)
+        if self._source is self.series:
+            self.series.reset(known)
         elif any(seed is not None for seed in known):
             raise ValueError("seeds: expected none, because a source says what the worlds do")
         for world in worlds.tolist():
@@ -201,22 +202,13 @@ class Batch:
             self._states.put(world, state)
         chosen = [world for world, _ in opened]
         self._begun = self._begun or len(set(chosen)) == self.worlds.worlds
-        self._finished.clear()
+        self.finished = ()
         self.observer.observe(self._final, np.array(chosen))  # the phases; what is seen is in the state
         return self.observations
 
     def steps(self, world: int) -> int:
         """Return how many decision periods of its mission a world has done."""
         return -(-int(self.progress.elapsed[world]) // self._ticks_per_step)
-
-    def share(self, seed: int) -> None:
-        """Distribute the episodes of one seed from the next reset on: world w does the episodes w, w + W, ..."""
-        self._series.share(seed)
-
-    @property
-    def finished(self) -> tuple[Finished, ...]:
-        """The missions that ended in the last period."""
-        return tuple(self._finished)
 
     @property
     def over(self) -> Flags:
@@ -259,12 +251,7 @@ class Batch:
         return self.end_period()
 
     def masks(self) -> Flags:
-        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period.
-
-        Raises:
-            ValueError: actions are vectors.
-
-        """
+        """Return which options (R, O) of all goals can serve next; ValueError if actions are vectors."""
         if self.action.mode == "velocity":
             raise ValueError("masks: expected options as actions, got mode 'velocity'")
         return self.choices.masks(self.phases)
@@ -273,12 +260,12 @@ class Batch:
         """Run one decision period, and yield the worlds after each control period.
 
         In a world whose mission ends the period ends early. `actions` are options (R, C), or (R,) for one goal, whole
-        numbers; vectors (R, 2), see `Controls`; or both (R, C + 2), the options first.
+        numbers; vectors (R, 2), see `LearnerActions`; or both (R, C + 2), the options first.
         """
         if not self._begun:
             raise RuntimeError("step: call reset first")
-        self._controls.apply(actions, self.phases)
-        self._finished.clear()
+        self.choices.apply(self.worlds, actions, self.phases)
+        self.finished = ()
         progress = self.progress
         progress.begin_period()
         self.rewards.start_period()
@@ -299,7 +286,7 @@ class Batch:
         self.rewards.of(self, self._gained)
         terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIME_OVER
         if self.begin_anew:
-            for end in self._finished:
+            for end in self.finished:
                 self._start_episode(end.world)
         self.observer.observe(self.observations)
         if not self.begin_anew and np.count_nonzero(progress.outcome):  # a third of the time of `any`
@@ -316,9 +303,4 @@ class Batch:
         for world in ended.tolist():
             scenario, events = self.doing[world], int(worlds.collisions.events[world, 0])
             assert scenario is not None
-            self._finished.append(Finished(world, scenario, result_of(worlds, world), events))
-
-
-def compile_missions() -> None:
-    """Compile what missions call, unless it is on the disk, by running one."""
-    compile_once(lambda: run_through(Batch()))
+            self.finished += (Finished(world, scenario, result_of(worlds, world), events),)

@@ -109,7 +109,7 @@ class Series:
         self._places[world] = place
 
     def share(self, seed: int) -> None:
-        """Distribute the episodes of one seed: world w of W gets the episodes w, w + W, ..."""
+        """Distribute the episodes of one seed from the next reset on: world w does the episodes w, w + W, ..."""
         worlds = len(self._places)
         whole_number(seed, "seed")
         self._places = [(seed, world, worlds) for world in range(worlds)]

@@ -108,23 +108,22 @@ class MissionProgress:
         self._worlds = worlds
         self._avoiding = avoidance_column(worlds)
         count, rows, garbage = worlds.worlds, worlds.rows, garbage_of(worlds.task)
-        self.events, self.ticks, self.dumped = numbers(len(EVENTS), rows), numbers(count), numbers(count)
-        self.outcome, self.took_part = numbers(count), np.zeros(rows, dtype=np.bool_)
         self._coordinated = [coordinator.index for coordinator in worlds.coordinators]
         self.acted = np.zeros((rows, len(self._coordinated)), dtype=np.bool_)
-        self.cost, self.price, self.bumps = np.zeros(count), np.zeros(count), np.zeros(rows)
         self.period = PERIOD_RECORD.pack(
             Period(
-                self.events,
-                self.ticks,
-                self.dumped,
-                self.outcome,
-                self.took_part,
-                self.cost,
-                self.price,
-                self.bumps,
+                events=numbers(len(EVENTS), rows),
+                ticks=numbers(count),
+                dumped=numbers(count),
+                outcome=numbers(count),
+                took_part=np.zeros(rows, dtype=np.bool_),
+                cost=np.zeros(count),
+                price=np.zeros(count),
+                bumps=np.zeros(rows),
             )
         )
+        self.events, self.ticks, self.dumped, self.outcome, self.took_part = self.period.record[:5]
+        self.cost, self.price, self.bumps = self.period.record[5:]
         self._terms = np.zeros((count, len(CostTerms._fields)))
         self.limits, self.elapsed, self.idle = numbers(count) + 1, numbers(count), numbers(rows)
         self.ended = numbers(0)

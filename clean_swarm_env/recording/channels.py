@@ -56,10 +56,6 @@ class Channel:
         """How many numbers a frame has, K."""
         return prod(self.shape)
 
-    def as_mapping(self) -> dict[str, Any]:
-        """Return the fields as plain data."""
-        return dict(vars(self))
-
     def whole(self, values: AnyArray) -> WholeNumbers:
         """Return values (T, ...) as whole numbers (T, K); NaN is 0."""
         flat = values.reshape(len(values), self.columns)

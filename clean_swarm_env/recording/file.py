@@ -57,7 +57,7 @@ class RecordingFile:
         except OSError as error:
             raise ConfigurationError(f"{path}: cannot be written ({error.strerror})") from error
         self.frames = 0
-        described = {**head, "channels": [channel.as_mapping() for channel in channels]}
+        described = {**head, "channels": [vars(channel) for channel in channels]}
         self.beginning = MAGIC + struct.pack("<I", FORMAT_VERSION) + _block(HEAD, _json(described))
         with writing_to(path, anew=True):
             self._write(self.beginning)

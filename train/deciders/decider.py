@@ -26,7 +26,7 @@ class Decided(NamedTuple):
     options: Ints
     """(R,) option that serves the goal; 0 where the decider only drives."""
     vectors: Floats
-    """(R, 2) movement, see `Controls`; 0 where the decider only chooses options."""
+    """(R, 2) movement, see `LearnerActions`; 0 where the decider only chooses options."""
 
 
 class Decider(ABC):

@@ -61,7 +61,7 @@ class Curriculum:
         """Set the scenarios of the batches after a checkpoint, from their next reset on."""
         words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
         for batch, word in zip(self.batches, words, strict=True):
-            batch.share(int(word) * 2 + 1)
+            batch.series.share(int(word) * 2 + 1)
 
     def scenarios(self, checkpoint: int) -> list[Iterator[Scenario]]:
         """Return for each family the endless series of scenarios after a checkpoint."""

@@ -12,7 +12,8 @@ from typing import Any
 from rich.console import Console
 from rich.progress import TextColumn
 
-from clean_swarm_env.learning.batch import compile_missions
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.warm_up import compile_once, run_through
 from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
 from train.cluster.bits import noted_bits, noting
@@ -66,7 +67,7 @@ def run_training(learner: str, request: Request, made: Callable[[TrainingJob], T
         config, request.seed, folder, directories=request.directories, record=request.record, memory=memory
     )
     try:
-        compile_missions()  # before the bar and the workers
+        compile_once(lambda: run_through(Batch()))  # before the bar and the workers
         bar = progress("decisions", TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions)
         with noting(folder, request.bits), bar as update, request.engine.rounds() as done:
             parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers

@@ -50,7 +50,7 @@ def test_rows_and_worlds_are_those_of_the_batches_one_after_the_other():
 
 def test_a_shared_seed_is_dealt_out_to_the_worlds():
     batch, episodes = Batch(SHORT, 2), episodes_of(SHORT)
-    batch.share(9)
+    batch.series.share(9)
     for first in (0, 2):
         batch.reset()
         assert batch.doing == [episodes.draw(9, first), episodes.draw(9, first + 1)]
