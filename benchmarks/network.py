@@ -19,7 +19,6 @@ from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
-from selforg.network.recording import Recorder
 from tests.selforg.network.cleaning import cleaning_model, wandering
 
 # The original on a 2.1 GHz Xeon core, ROS replaced by in-process calls: one step of one robot [s]
@@ -59,21 +58,16 @@ def changing_readings(model: NetworkModel, rows: int, seed: int = 1) -> NDArray[
     return np.where(facts, (numbers < 3.0).astype(float), numbers)
 
 
-def seconds_per_step(network: BehaviourNetwork, readings: NDArray[np.float64], record: bool = False) -> float:
-    """Return the CPU time of one step of all rows [s], with everything recorded or not."""
+def seconds_per_step(network: BehaviourNetwork, readings: NDArray[np.float64]) -> float:
+    """Return the CPU time of one step of all rows [s]."""
     steps = max(len(readings), min(4000, 40_000 // network.rows))
-    recorder = Recorder(network) if record else None
     best = np.inf
     for _ in range(REPEATS):
         begin = time.process_time()
         for step in range(steps):
             network.readings[:] = readings[step % len(readings)]
             network.step()
-            if recorder is not None:
-                recorder.record()
         best = min(best, (time.process_time() - begin) / steps)
-        if recorder is not None:
-            recorder.steps.clear()
     return best
 
 
@@ -106,15 +100,6 @@ def by_rows() -> Result:
     return "us a robot by robots", f"{shown} (grows {growth:.2f} times, < 1.3)", growth < 1.3
 
 
-def recording() -> Result:
-    """Return the cost of recording everything."""
-    model, rows = random_model(10), 320
-    readings = changing_readings(model, rows)
-    off = seconds_per_step(BehaviourNetwork(model, rows), readings) / rows
-    on = seconds_per_step(BehaviourNetwork(model, rows, explained=True), readings, record=True) / rows
-    return "recording, 10 behaviours, 320 robots", f"off {off * 1e6:.2f}, on {on * 1e6:.2f} us a robot", True
-
-
 def planner() -> list[Result]:
     """Return the cost of planning on the robot model: a search, and a step whose plans are mostly remembered."""
     model, rows = cleaning_model(), 320
@@ -139,7 +124,7 @@ def planner() -> list[Result]:
 
 def main() -> int:
     """Print all figures; return 1 if one misses its requirement."""
-    results = [*against_the_original(), by_rows(), recording(), *planner()]
+    results = [*against_the_original(), by_rows(), *planner()]
     for name, figures, fine in results:
         print(f"{name:40} {figures}{'' if fine else '   MISSED'}")
     return 0 if all(fine for *_, fine in results) else 1

@@ -56,7 +56,7 @@ class MissionRecorder:
     """
 
     def __init__(self, worlds: Worlds, settings: RecordSettings) -> None:
-        if settings.minds and not worlds.network.state.explained:
+        if settings.minds and not worlds.network.explained:
             raise ValueError("minds: expected worlds with explained=True, got worlds that note no reasons")
         self.worlds, self.settings = worlds, settings
         self._running: dict[int, RecordingFile] = {}

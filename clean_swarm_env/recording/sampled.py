@@ -18,12 +18,10 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.inner_network import at_any_depth
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.network import plan_state as ps
 from selforg.network import state as st
 from selforg.network.explanation import in_short
 from selforg.network.model.conditions import Optional, leaves
 from selforg.network.network import BehaviourNetwork
-from selforg.network.reasons import WORDS
 
 BEHAVIOUR_TERMS = ("activation", "satisfaction", *st.COMPONENTS)
 """Terms of a behaviour, in the order of the layers of `state`."""
@@ -106,7 +104,7 @@ def networks_of(worlds: Worlds) -> dict[str, Any]:
     found |= {nested.name: nested.network for nested in at_any_depth(worlds.minds.nested)}
     return {
         "terms": BEHAVIOUR_TERMS,
-        "reasons": [WORDS[code] for code in range(len(WORDS))],
+        "reasons": [st.WORDS[code] for code in range(len(st.WORDS))],
         "networks": {prefix: _described(network) for prefix, network in found.items()},
     }
 
@@ -115,7 +113,7 @@ def _network(
     robots: int, prefix: str, network: BehaviourNetwork, option: tuple[int, int] | None = None
 ) -> Iterator[Sampled]:
     """Yield the arrays of one network, under names that begin with `prefix`."""
-    model, state, plans = network.model, network.state, network.plans
+    model, state = network.model, network.state
     behaviours = len(model.behaviours)
 
     def channel(name: str, axes: tuple[str, ...], shape: tuple[int, ...], scale: int, about: str) -> Channel:
@@ -123,24 +121,24 @@ def _network(
 
     shape = len(BEHAVIOUR_TERMS), behaviours
     terms = channel("values", ("term", "behaviour"), shape, MILLI, "the terms of each behaviour")
-    yield Sampled(terms, state.value_table, option)
+    yield Sampled(terms, state.values, option)
     for name, (layer, about) in MARKS.items():
         mark = channel(name, ("behaviour",), (behaviours,), 1, about)
-        yield Sampled(mark, state.mark_table[:, layer], option)
+        yield Sampled(mark, state.marks[:, layer], option)
     if option is None:  # the sensors of an option are among those of the robot
         about = "threshold, total activation before the step, and the threshold by which it decided"
-        yield Sampled(channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about), state.row_table)
+        yield Sampled(channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about), state.row_values)
         readings = channel("readings", ("sensor",), (len(model.sensors),), MILLI, "what the sensors read")
         yield Sampled(readings, state.readings)
     if model.goals:
         goals = channel("goals", ("goal",), (len(model.goals),), MILLI, "how far each goal is satisfied")
         yield Sampled(goals, state.goal_satisfaction, option)
-    if plans.packed.record.planned:
+    if state.planned:
         steps = channel("plan", ("step",), (PLAN_STEPS,), 1, "behaviours of the plan; those after its end mean nothing")
         length = channel("plan_length", (), (), 1, "number of steps of the plan, -1 without one")
         due = channel("plan_due", (), (), 1, "the step that is due, -1 without a plan")
-        known: Ints = np.zeros((len(plans.mark_table), 2), dtype=np.int64)
-        yield Sampled(steps, plans.steps[:, :PLAN_STEPS], option, partial(note_plans, plans.mark_table, known))
+        known: Ints = np.zeros((len(state.plan_marks), 2), dtype=np.int64)
+        yield Sampled(steps, state.plan[:, :PLAN_STEPS], option, partial(note_plans, state.plan_marks, known))
         yield Sampled(length, known[:, 0], option)
         yield Sampled(due, known[:, 1], option)
 
@@ -149,9 +147,9 @@ def _network(
 def note_plans(marks: Ints, known: Ints) -> None:
     """Fill `known` (R, 2) with the length of each plan and its due step, -1 without a plan."""
     for row in range(len(marks)):
-        planned = marks[row, ps.KNOWN] == 1
-        known[row, 0] = marks[row, ps.LENGTH] if planned else -1
-        known[row, 1] = marks[row, ps.INDEX] if planned else -1
+        planned = marks[row, st.PLAN_KNOWN] == 1
+        known[row, 0] = marks[row, st.PLAN_LENGTH] if planned else -1
+        known[row, 1] = marks[row, st.PLAN_INDEX] if planned else -1
 
 
 def _described(network: BehaviourNetwork) -> dict[str, Any]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
 from clean_swarm_env.config.events import join_time
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.worlds import Worlds
@@ -14,7 +12,6 @@ from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork, at_any_depth
 from selforg.network.explanation import Explanation, explain
 from selforg.network.network import BehaviourNetwork
-from selforg.network.recording import Recorder
 
 
 @dataclass(frozen=True)
@@ -77,7 +74,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
         ValueError: the worlds note no reasons, or have not begun, or the robot has not joined yet.
 
     """
-    if not worlds.network.state.explained:
+    if not worlds.network.explained:
         raise ValueError("explain: expected worlds with explained=True, got worlds that note no reasons")
     world = row // worlds.robots
     step, (stopped, damaged) = int(worlds.ticks[world]) - 1, worlds.task.hindered(row)
@@ -97,23 +94,19 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
         stopped,
         damaged,
         {c.model.goal: c.model.options[c.held[row]] for c in worlds.coordinators},
-        _step_of(worlds.network, row),
+        explain(worlds.network, row),
         tuple(_coordinated(coordinator, row) for coordinator in worlds.coordinators),
         tuple(Nested(one.name, _inner_step(one, one.network, row)) for one in at_any_depth(worlds.minds.nested)),
     )
 
 
-def _step_of(network: BehaviourNetwork, row: int) -> Explanation:
-    return explain(network.model, Recorder(network, np.array([row])).record(), row)
-
-
 def _coordinated(coordinator: Coordinator, row: int) -> Coordinated:
     option = int(coordinator.held[row])
     network = coordinator.contents[option].network
-    inner = _step_of(network, row) if coordinator.beside[option] else _inner_step(coordinator, network, row)
+    inner = explain(network, row) if coordinator.beside[option] else _inner_step(coordinator, network, row)
     return Coordinated(coordinator.model.goal, coordinator.model.options[option], inner)
 
 
 def _inner_step(holder: Coordinator | InnerNetwork, network: BehaviourNetwork, row: int) -> Explanation | None:
     """Return the step of a network inside a behaviour; None if the behaviour does not run."""
-    return _step_of(network, row) if holder.parent.executing[row, holder.index] == 1 else None
+    return explain(network, row) if holder.parent.executing[row, holder.index] == 1 else None

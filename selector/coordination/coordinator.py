@@ -124,7 +124,7 @@ class Coordinator:
         """Let the coordinator compete with the other behaviours of `rows` (K,) unless what they hold only steers."""
         if self._some_beside:
             competes = self.beside[self.held[rows]] == 0
-            changed = self.parent.state.marks[st.ENABLED, rows, self.index] != competes
+            changed = self.parent.state.marks[rows, st.ENABLED, self.index] != competes
             for wanted in (False, True):  # only rows that change: to switch a behaviour makes a robot plan anew
                 self.parent.enable(rows[changed & (competes == wanted)], self.index, wanted)
 
@@ -155,10 +155,8 @@ class Coordinator:
         """
         for k, count in self._in_use:
             content, rows = self.contents[k], self._members[k, :count]
-            network, outer = content.network, self.parent.state.mark_table
-            number, stale = take_turns(
-                rows, outer, self._turn_of[k], network.state.mark_table, self._stale, self._turns
-            )
+            network, outer = content.network, self.parent.state.marks
+            number, stale = take_turns(rows, outer, self._turn_of[k], network.state.marks, self._stale, self._turns)
             if not number:
                 continue
             if stale:

@@ -1,22 +1,31 @@
-"""Explanation: a recorded step of one robot by name, what every behaviour got and why it runs or does not."""
+"""Explanation: the last step of one robot by name, what every behaviour got and why it runs or does not."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.network import plan_state as ps
-from selforg.network import reasons as why
 from selforg.network import state as st
 from selforg.network.model.activators import Activator
 from selforg.network.model.behaviours import Behaviour
 from selforg.network.model.conditions import Condition, Optional, Tree
 from selforg.network.model.model import NetworkModel
 from selforg.network.model.packed import scratch_for
-from selforg.network.recording import StepRecord
+from selforg.network.network import BehaviourNetwork
 from selforg.network.step.satisfaction import evaluate_conditions
+
+TERM_TITLES = {
+    "preconditions": "situation",
+    "goals": "goals",
+    "goal_inhibition": "inhibition",
+    "predecessors": "predecessors",
+    "successors": "successors",
+    "conflictors": "conflictors",
+    "plan": "plan",
+}
 
 
 @dataclass(frozen=True)
@@ -80,47 +89,40 @@ class Explanation:
     goals: tuple[GoalAccount, ...]
 
 
-def explain(model: NetworkModel, record: StepRecord, row: int) -> Explanation:
-    """Explain the step `record` of `row`, a row of the network.
-
-    Raises:
-        ValueError: a row that was not recorded.
-
-    """
-    found = np.flatnonzero(record.rows == row)
-    if not len(found):
-        raise ValueError(f"row {row} was not recorded (recorded: {', '.join(map(str, record.rows.tolist()))})")
-    return _RecordReader(model, record, int(found[0])).explanation()
+def explain(network: BehaviourNetwork, row: int) -> Explanation:
+    """Explain the last step of a row of an `explained` network."""
+    return _RowReader(network, row).explanation()
 
 
-class _RecordReader:
-    """Reads one row of a record with the model's names."""
+class _RowReader:
+    """Reads one row of a network with the model's names."""
 
-    def __init__(self, model: NetworkModel, record: StepRecord, k: int) -> None:
-        self.model, self.record, self.k = model, record, k
-        self.names = [behaviour.name for behaviour in model.behaviours]
-        self.nodes = _node_values(model, record.readings[k])
+    def __init__(self, network: BehaviourNetwork, row: int) -> None:
+        self.model, self.state, self.row = network.model, network.state, row
+        self.explained = network.explained
+        self.names = [behaviour.name for behaviour in self.model.behaviours]
+        self.nodes = _node_values(self.model, self.state.readings[row])
 
     def explanation(self) -> Explanation:
-        record, k, model = self.record, self.k, self.model
-        length, known = record.plan_marks[ps.LENGTH, k], record.plan_marks[ps.KNOWN, k]
-        activation = record.values[st.ACTIVATION, k]
-        order = [b for b in np.argsort(-activation, kind="stable") if record.marks[st.PRESENT, k, b]]
+        state, row, model = self.state, self.row, self.model
+        length, known = state.plan_marks[row, st.PLAN_LENGTH], state.plan_marks[row, st.PLAN_KNOWN]
+        activation = state.values[row, st.ACTIVATION]
+        order = [b for b in np.argsort(-activation, kind="stable") if state.marks[row, st.PRESENT, b]]
         return Explanation(
-            threshold=float(record.row_values[st.THRESHOLD, k]),
-            deciding=float(record.row_values[st.DECIDING, k]),
-            total=float(record.row_values[st.TOTAL, k]),
-            plan=tuple(self.names[b] for b in record.plan[k, :length]) if known else None,
-            plan_index=int(record.plan_marks[ps.INDEX, k]),
+            threshold=float(state.row_values[row, st.THRESHOLD]),
+            deciding=float(state.row_values[row, st.DECIDING]),
+            total=float(state.row_values[row, st.TOTAL]),
+            plan=tuple(self.names[b] for b in state.plan[row, :length]) if known else None,
+            plan_index=int(state.plan_marks[row, st.PLAN_INDEX]),
             readings={
-                sensor.name: float(value) for sensor, value in zip(model.sensors, record.readings[k], strict=True)
+                sensor.name: float(value) for sensor, value in zip(model.sensors, state.readings[row], strict=True)
             },
             behaviours=tuple(self._behaviour(int(b)) for b in order),
             goals=tuple(self._goal(g) for g in range(len(model.goals))),
         )
 
     def _behaviour(self, b: int) -> BehaviourAccount:
-        values, marks = self.record.values[:, self.k, b], self.record.marks[:, self.k, b]
+        values, marks = self.state.values[self.row, :, b], self.state.marks[self.row, :, b]
         return BehaviourAccount(
             name=self.names[b],
             running=bool(marks[st.EXECUTING]),
@@ -134,25 +136,25 @@ class _RecordReader:
         )
 
     def _why(self, marks: Ints) -> str:
-        if len(marks) < st.EXPLAINED_LAYERS:
+        if not self.explained:
             return ""
         by = int(marks[st.BY])
-        return why.WORDS[int(marks[st.REASON])].format(by=self.names[by] if by >= 0 else None)
+        return st.WORDS[int(marks[st.REASON])].format(by=self.names[by] if by >= 0 else None)
 
     def _goal(self, g: int) -> GoalAccount:
         packed, goal = self.model.packed.record, self.model.goals[g]
         roots = packed.goal_node[packed.goal_first[g] : packed.goal_first[g + 1]]
         return GoalAccount(
             name=goal.name,
-            enabled=bool(self.record.goal_enabled[self.k, g]),
-            satisfaction=float(self.record.goal_satisfaction[self.k, g]),
+            enabled=bool(self.state.goal_enabled[self.row, g]),
+            satisfaction=float(self.state.goal_satisfaction[self.row, g]),
             wishes=self._wishes(len(self.names) + g),
             conditions=tuple(self._tree(tree, int(root)) for tree, root in zip(goal.conditions, roots, strict=True)),
         )
 
     def _wishes(self, owner: int) -> tuple[tuple[str, float], ...]:
         packed = self.model.packed.record
-        kept, wishes = self.record.wish_kept[self.k], self.record.wishes[self.k]
+        kept, wishes = self.state.wish_kept[self.row], self.state.wishes[self.row]
         mine = range(packed.wish_first[owner], packed.wish_first[owner + 1])
         return tuple((self.model.sensors[packed.wish_sensor[u]].name, float(wishes[u])) for u in mine if kept[u])
 
@@ -172,7 +174,7 @@ class _RecordReader:
     def _tree(self, tree: Tree, node: int) -> ConditionAccount:
         value = float(self.nodes[node])
         if isinstance(tree, Condition):
-            reading = self.record.readings[self.k, self.model.sensor_index[tree.sensor]]
+            reading = self.state.readings[self.row, self.model.sensor_index[tree.sensor]]
             return ConditionAccount(f"{tree.sensor} = {reading:.4g}, {in_short(tree.activator)}", value)
         below = tree.of if isinstance(tree.of, tuple) else (tree.of,)
         packed = self.model.packed.record
@@ -192,3 +194,65 @@ def _node_values(model: NetworkModel, readings: Floats) -> Floats:
     scratch = scratch_for(model.packed.record)
     evaluate_conditions(np.ascontiguousarray(readings[None]), model.packed.words, scratch.words)
     return scratch.record.node_satisfaction
+
+
+def text_of(explanation: Explanation) -> str:
+    """Return the whole explanation."""
+    return "\n".join([*header(explanation), "", *table(explanation.behaviours), "", *condition_tree(explanation)])
+
+
+def header(explanation: Explanation) -> Iterator[str]:
+    """Yield threshold and plan; the step that is due stands in brackets."""
+    yield (
+        f"threshold {explanation.threshold:.4g} (this step decided by {explanation.deciding:.4g}), "
+        f"total activation before {explanation.total:.4g}"
+    )
+    if explanation.plan is None:
+        yield "no plan"
+        return
+    steps = [f"[{name}]" if k == explanation.plan_index else name for k, name in enumerate(explanation.plan)]
+    yield f"plan: {' > '.join(steps) or 'nothing to do'}"
+
+
+def table(behaviours: Sequence[BehaviourAccount]) -> list[str]:
+    """Return a line for each behaviour in falling activation; * marks what runs."""
+    head = ["", "behaviour", "activation", *TERM_TITLES.values(), "satisfied", "why"]
+    rows = [head, *(_cells(account) for account in behaviours)]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
+    return ["  ".join(_aligned(row, widths)).rstrip() for row in rows]
+
+
+def condition_tree(explanation: Explanation) -> Iterator[str]:
+    """Yield behaviours and goals with their wishes and conditions; * marks what runs."""
+    for account in explanation.behaviours:
+        mark, ready = "* " if account.running else "", "ready" if account.ready else "not ready"
+        yield f"{mark}{account.name}: {account.why} ({ready}, satisfied {account.satisfaction:.3g}{_wishes(account)})"
+        yield from _branches(account.conditions, "")
+    for goal in explanation.goals:
+        off = "" if goal.enabled else " (off)"
+        yield f"goal {goal.name}{off}: satisfied {goal.satisfaction:.3g}{_wishes(goal)}"
+        yield from _branches(goal.conditions, "")
+
+
+def _cells(account: BehaviourAccount) -> list[str]:
+    terms = [f"{account.components[name]:.3f}" for name in TERM_TITLES]
+    mark = "*" if account.running else ""
+    return [mark, account.name, f"{account.activation:.3f}", *terms, f"{account.satisfaction:.2f}", account.why]
+
+
+def _aligned(row: list[str], widths: list[int]) -> list[str]:
+    """Pad cells to a width: names and reasons to the left, numbers to the right."""
+    left = (0, 1, len(row) - 1)
+    return [text.ljust(w) if k in left else text.rjust(w) for k, (text, w) in enumerate(zip(row, widths, strict=True))]
+
+
+def _wishes(account: BehaviourAccount | GoalAccount) -> str:
+    wished = [f"{sensor} {wish:+.3g}" for sensor, wish in account.wishes if wish != 0.0]
+    return f", wishes {', '.join(wished)}" if wished else ""
+
+
+def _branches(accounts: Sequence[ConditionAccount], indent: str) -> Iterator[str]:
+    for k, account in enumerate(accounts):
+        last = k == len(accounts) - 1
+        yield f"{indent}{'└─' if last else '├─'} {account.label}: {account.satisfaction:.3g}"
+        yield from _branches(account.parts, indent + ("   " if last else "│  "))

@@ -10,14 +10,12 @@ import numpy as np
 from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Written
-from selforg.network import plan_state as ps
 from selforg.network import state as st
 from selforg.network.model.model import NetworkModel
 from selforg.network.model.packed import scratch_for
-from selforg.network.plan_state import PlanState, RowPlans, open_plans
 from selforg.network.planning.memory import PlanMemory
 from selforg.network.planning.planner import Planner
-from selforg.network.state import NetworkState, RowStates, open_states, reset_rows
+from selforg.network.state import MAX_PLAN, RowStates, new_states, open_states, reset_rows
 from selforg.network.step.readings import reading_of, refuse
 from selforg.network.step.step import DECIDE, SENSE_AND_DECIDE, step_rows
 
@@ -27,7 +25,7 @@ class BehaviourNetwork:
 
     In every decision period: fill `readings` (R, S), call `step()`, then act on `started` and `executing`.
     With a `planner` each row follows a plan of its own; without one, plans come from `set_plan` only. An
-    `explained` network also notes why each behaviour runs or does not (`recording`, `explanation`).
+    `explained` network also notes why each behaviour runs or does not (`explanation`).
     """
 
     model: Annotated[NetworkModel, READ]
@@ -43,8 +41,9 @@ class BehaviourNetwork:
         self.planner = planner
         arrays = model.packed.record
         self._memory = planner.memory if planner else PlanMemory([], [], [], 0)
-        self.state = NetworkState(rows, arrays, explained)
-        self.plans = PlanState(rows, len(model.sensors), planner is not None, self._memory.key_words)
+        self.explained = explained
+        packed = new_states(rows, arrays, explained, planner is not None, self._memory.key_words)
+        self.state, self._packed = packed.record, packed
         self._scratch = scratch_for(arrays)
         self._all, self._none = np.arange(rows), np.zeros(0, dtype=np.int64)
         self._runs = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
@@ -58,27 +57,27 @@ class BehaviourNetwork:
     @property
     def executing(self) -> Ints:
         """(R, B) 1 where a behaviour runs after the last step."""
-        return self.state.mark_table[:, st.EXECUTING]
+        return self.state.marks[:, st.EXECUTING]
 
     @property
     def activation(self) -> Floats:
         """(R, B) activation of each behaviour after the last step."""
-        return self.state.value_table[:, st.ACTIVATION]
+        return self.state.values[:, st.ACTIVATION]
 
     @property
     def components(self) -> dict[str, Floats]:
         """What the last step added to each activation (R, B), by name."""
-        return {name: self.state.value_table[:, st.PRECONDITIONS + k] for k, name in enumerate(st.COMPONENTS)}
+        return {name: self.state.values[:, st.PRECONDITIONS + k] for k, name in enumerate(st.COMPONENTS)}
 
     @property
     def started(self) -> Ints:
         """(R, B) 1 where a behaviour was started in the last step."""
-        return self.state.mark_table[:, st.STARTED]
+        return self.state.marks[:, st.STARTED]
 
     @property
     def stopped(self) -> Ints:
         """(R, B) 1 where a behaviour that ran before was stopped in the last step."""
-        return self.state.mark_table[:, st.STOPPED]
+        return self.state.marks[:, st.STOPPED]
 
     def running(self, behaviour: int, rows: Ints) -> tuple[Ints, Ints]:
         """Return those of `rows` (K,) in which a behaviour runs, and those of them in which the last step started it.
@@ -86,7 +85,7 @@ class BehaviourNetwork:
         Both hold until the next call for the same behaviour.
         """
         lists = self._runs[behaviour]
-        running, started = list_running(rows, self.state.mark_table, behaviour, lists)
+        running, started = list_running(rows, self.state.marks, behaviour, lists)
         return lists[0, :running], lists[1, :started]
 
     def reset(self, rows: Ints | None = None) -> None:
@@ -97,7 +96,7 @@ class BehaviourNetwork:
 
     def restart(self, rows: Ints) -> None:
         """Return to the first step in `rows` (K,), with the readings that they have."""
-        reset_rows(rows, self.model.packed.words, self.state.packed.words, self.plans.packed.words)
+        reset_rows(rows, self.model.packed.words, self._packed.words)
 
     def read(self, values: Mapping[str, object], rows: Ints | None = None) -> None:
         """Set the readings of some sensors by name, for all rows or `rows` (K,).
@@ -125,35 +124,45 @@ class BehaviourNetwork:
         """
         wanted = np.full(len(rows), alternative) if isinstance(alternative, int) else alternative
         forgotten = self._none if forgotten is None else forgotten
-        hold_rows(rows, behaviour, wanted, forgotten, self.state.packed.words, self.plans.packed.words)
+        hold_rows(rows, behaviour, wanted, forgotten, self._packed.words)
 
     def set_plan(self, row: int, behaviours: Sequence[int] | None, index: int = 0) -> None:
-        """Give `row` a plan (behaviour indices; None: there is none) of which step `index` is due."""
-        self.plans.set(row, behaviours, index)
+        """Give `row` a plan (behaviour indices; None: there is none) of which step `index` is due.
+
+        Raises:
+            ValueError: a plan of more than MAX_PLAN steps.
+
+        """
+        steps, marks = behaviours or (), self.state.plan_marks
+        if len(steps) > MAX_PLAN:
+            raise ValueError(f"a plan holds at most {MAX_PLAN} steps, got {len(steps)}")
+        self.state.plan[row, : len(steps)] = steps
+        marks[row, st.PLAN_INDEX], marks[row, st.PLAN_LENGTH] = index, len(steps)
+        marks[row, st.PLAN_KNOWN] = int(behaviours is not None)
 
     def finish(self, rows: Ints, behaviour: int) -> None:
         """End a behaviour in `rows` (K,) where it runs, as if by itself: it loses its activation in the next step."""
-        running = rows[self.state.marks[st.EXECUTING, rows, behaviour] == 1]
-        self.state.marks[st.EXECUTING, running, behaviour] = 0
-        self.state.marks[st.EXECUTION_TIME, running, behaviour] = -1
-        self.state.marks[st.ENDED, running, behaviour] = 1
+        running = rows[self.state.marks[rows, st.EXECUTING, behaviour] == 1]
+        self.state.marks[running, st.EXECUTING, behaviour] = 0
+        self.state.marks[running, st.EXECUTION_TIME, behaviour] = -1
+        self.state.marks[running, st.ENDED, behaviour] = 1
 
     def halt(self, rows: Ints) -> None:
         """Stop all behaviours in `rows` (K,); activations stay."""
-        halt_rows(rows, self.state.mark_table)
+        halt_rows(rows, self.state.marks)
 
     def enable(self, rows: Ints, behaviour: int, enabled: bool) -> None:
         """Switch a behaviour on or off in `rows` (K,); one that is switched off ends."""
-        self.state.marks[st.ENABLED, rows, behaviour] = int(enabled)
-        self.plans.marks[ps.ALARM, rows] = 1
+        self.state.marks[rows, st.ENABLED, behaviour] = int(enabled)
+        self.state.plan_marks[rows, st.PLAN_ALARM] = 1
         if not enabled:
             self.finish(rows, behaviour)
 
     def remove(self, rows: Ints, behaviour: int) -> None:
         """Take a behaviour out of the network of `rows` (K,)."""
-        self.state.marks[st.PRESENT, rows, behaviour] = 0
-        self.state.marks[st.EXECUTING, rows, behaviour] = 0
-        self.plans.marks[ps.ALARM, rows] = 1
+        self.state.marks[rows, st.PRESENT, behaviour] = 0
+        self.state.marks[rows, st.EXECUTING, behaviour] = 0
+        self.state.plan_marks[rows, st.PLAN_ALARM] = 1
 
     def enable_goal(self, rows: Ints, goal: int, enabled: bool) -> None:
         """Switch a goal on or off in `rows` (K,)."""
@@ -161,11 +170,11 @@ class BehaviourNetwork:
 
     def set_priority(self, rows: Ints, behaviour: int, priority: int) -> None:
         """Change the priority of a behaviour in `rows` (K,)."""
-        self.state.marks[st.PRIORITY, rows, behaviour] = priority
+        self.state.marks[rows, st.PRIORITY, behaviour] = priority
 
     def start_by_hand(self, rows: Ints, behaviour: int, wanted: bool) -> None:
         """Run a behaviour in `rows` (K,) while `wanted`, even if it is not ready or others run."""
-        self.state.marks[st.MANUAL, rows, behaviour] = int(wanted)
+        self.state.marks[rows, st.MANUAL, behaviour] = int(wanted)
 
     def step(self, rows: Ints | None = None, guarantee: bool = False) -> None:
         """Decide once in all rows or `rows` (K,), from the present `readings`.
@@ -181,7 +190,7 @@ class BehaviourNetwork:
         if missing < 0:
             refuse(-1 - missing, self.model.sensors, self.readings)
         if missing and self.planner is not None:
-            waiting = chosen[self.plans.marks[ps.NEEDED, chosen] == 1]
+            waiting = chosen[self.state.plan_marks[chosen, st.PLAN_NEEDED] == 1]
             self._plan(self.planner, waiting)
             self._run(waiting, DECIDE, guarantee)
 
@@ -190,25 +199,24 @@ class BehaviourNetwork:
         reach = self._memory.reach
         found: dict[bytes, list[int] | None] = {}
         for row in rows.tolist():
-            key = self.plans.keys[row].tobytes()
+            key = self.state.plan_keys[row].tobytes()
             if key not in found:
-                alternatives = self.state.mark_table[row, st.ALTERNATIVE]
+                alternatives = self.state.marks[row, st.ALTERNATIVE]
                 enabled = self.state.goal_enabled[row]
                 steps = planner.plan(self.readings[row], alternatives, enabled) if enabled.any() else None
                 if self._memory.reach == reach:  # otherwise the keys of this step stand for too many readings
-                    self._memory.insert(self.plans.keys[row], steps)
+                    self._memory.insert(self.state.plan_keys[row], steps)
                     found[key] = steps
             else:
                 steps = found[key]
             self.set_plan(row, steps)
-            self.plans.mark_table[row, ps.NEEDED] = 0
+            self.state.plan_marks[row, st.PLAN_NEEDED] = 0
 
     def _run(self, rows: Ints, phase: int, guarantee: bool) -> int:
         return step_rows(
             rows,
             self.model.packed.words,
-            self.state.packed.words,
-            self.plans.packed.words,
+            self._packed.words,
             self._memory.packed.words,
             self._scratch.words,
             phase,
@@ -246,15 +254,14 @@ def hold_rows(
     alternatives: Ints,
     forgotten: Ints,
     states: Written[RowStates],
-    plans: Written[RowPlans],
 ) -> None:
     """Switch `behaviour` to `alternatives` (K,) in `rows` (K,); see `BehaviourNetwork.hold`."""
-    s, plan_marks = open_states(states), open_plans(plans).marks
+    s = open_states(states)
     marks, readings = s.marks, s.readings
     for k in range(rows.shape[0]):
         row = rows[k]
         if marks[row, st.ALTERNATIVE, behaviour] != alternatives[k]:
             marks[row, st.ALTERNATIVE, behaviour] = alternatives[k]
-            plan_marks[row, ps.ALARM] = 1
+            s.plan_marks[row, st.PLAN_ALARM] = 1
             for sensor in forgotten:
                 readings[row, sensor] = 0.0

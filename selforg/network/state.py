@@ -1,8 +1,6 @@
 """The state of a network: what its rows (robots) know between two steps, and the numbers of the last step.
 
-Values and marks of a row have layers, one for each quantity below. All layers of a row lie together in memory, because
-compiled code goes from row to row: it takes the tables, with the rows first. Python code takes `values`, `marks` and
-`row_values`, views of the same memory with the layers first: `state.marks[EXECUTING]` is (R, B).
+Values, marks and plans of a row have layers, one for each quantity below: `state.marks[:, EXECUTING]` is (R, B).
 """
 
 from __future__ import annotations
@@ -13,10 +11,9 @@ import numpy as np
 
 from selforg.arrays import KEPT, Floats, Ints
 from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Recording, Words, Written
+from selforg.compiler.records import Packed, Recording, Words, Written
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, open_model
-from selforg.network.plan_state import RowPlans, open_plans
 
 # layers of values
 (
@@ -55,7 +52,7 @@ COMPONENTS = {
     MANUAL,  # started by hand: nothing is checked and nothing stops it
     PRIORITY,
     ALTERNATIVE,  # which of its alternatives it holds, -1: none
-    REASON,  # why it runs or does not, see `reasons`; this and the next layer exist only in an explained network
+    REASON,  # why it runs or does not, see below; this and the next layer exist only in an explained network
     BY,  # the behaviour that the reason is about, -1: none
     EXPLAINED_LAYERS,
 ) = range(14)
@@ -70,6 +67,70 @@ MARK_LAYERS = REASON
 ) = range(4)
 
 
+# layers of plan_marks
+(
+    PLAN_INDEX,  # of the step that is due
+    PLAN_LENGTH,
+    PLAN_KNOWN,  # the last attempt found a plan
+    PLAN_ALARM,  # something happened that asks for a new plan
+    PLAN_NEEDED,  # this step needs a new plan
+    PLAN_LAYERS,
+) = range(6)
+
+# layers of plan_readings, with six decimals
+(
+    LAST_STEP,
+    LAST_CHANGE,  # in the last step
+    TWO_STEPS,  # what changed in the last two steps
+    SINCE_IDLE,  # what changed since nothing ran or a plan was asked for
+    READING_LAYERS,
+) = range(5)
+
+MAX_PLAN = 64
+
+# in the layer REASON of the marks of an explained network; the layer BY says which other behaviour it was, -1: none
+(
+    UNKNOWN,
+    STARTED_READY,
+    STARTED_BY_HAND,
+    KEPT_READY,
+    KEPT_BY_HAND,
+    KEPT_STUBBORN,
+    OUT_OF_TIME,
+    LOST_READINESS,
+    FELL_BELOW,
+    CROWDED_OUT,
+    DISPLACED,
+    DISABLED,
+    NOT_READY,
+    BELOW_THRESHOLD,
+    BLOCKED,
+    NO_PLACE,
+) = range(16)
+
+GOES_ON = KEPT_READY, KEPT_BY_HAND, KEPT_STUBBORN
+"""Reasons of behaviours that go on."""
+
+WORDS = {
+    UNKNOWN: "not part of the network, or no step yet",
+    STARTED_READY: "started: ready and active enough",
+    STARTED_BY_HAND: "started by hand",
+    KEPT_READY: "keeps running: ready and active enough",
+    KEPT_BY_HAND: "keeps running: started by hand",
+    KEPT_STUBBORN: "keeps running: not interruptable",
+    OUT_OF_TIME: "stopped: its time is up",
+    LOST_READINESS: "stopped: no longer ready",
+    FELL_BELOW: "stopped: activation fell below the threshold",
+    CROWDED_OUT: "stopped: enough others run",
+    DISPLACED: "stopped: had to make room for {by}",
+    DISABLED: "does not start: switched off",
+    NOT_READY: "does not start: not ready",
+    BELOW_THRESHOLD: "does not start: activation below the threshold",
+    BLOCKED: "does not start: {by} influences the same sensor and does not yield",
+    NO_PLACE: "does not start: enough others run",
+}
+
+
 class RowStates(NamedTuple):
     """What compiled code reads and writes of R rows; S sensors, B behaviours, G goals, U wishes."""
 
@@ -81,65 +142,47 @@ class RowStates(NamedTuple):
     goal_enabled: Annotated[Ints, "R G", KEPT]  # 1 while a goal is on
     wishes: Annotated[Floats, "R U", KEPT]  # signed change that is wanted
     wish_kept: Annotated[Ints, "R U", KEPT]  # 0: of another alternative, or a smaller wish about the same sensor counts
+    planned: int  # 1 if a planner answers
+    plan: Annotated[Ints, "R MAX_PLAN", KEPT]  # behaviours in their order
+    plan_marks: Annotated[Ints, "R PLAN", KEPT]
+    plan_readings: Annotated[Floats, "R READING S", KEPT]  # since the plan was made
+    plan_keys: Annotated[Ints, "R KEY", KEPT]  # what the plan of a row depends on, see `planning.memory`
 
 
 ROW_STATES = Recording(RowStates)
 open_states = ROW_STATES.open
 
 
-class NetworkState:
-    """The state of R rows; in an `explained` network with the reasons of arbitration. `RowStates` names the arrays."""
-
-    def __init__(self, rows: int, model: PackedModel, explained: bool = False) -> None:
-        sensors, behaviours = len(model.is_fact), len(model.priority)
-        goals, wishes = len(model.goal_permanent), len(model.wish_owner)
-        layers = EXPLAINED_LAYERS if explained else MARK_LAYERS
-        self.readings: Floats = np.zeros((rows, sensors))
-        self.value_table: Floats = np.zeros((rows, VALUE_LAYERS, behaviours))
-        self.mark_table: Ints = np.zeros((rows, layers, behaviours), dtype=np.int64)
-        self.row_table: Floats = np.zeros((rows, ROW_LAYERS))
-        self.goal_satisfaction: Floats = np.zeros((rows, goals))
-        self.goal_enabled: Ints = np.ones((rows, goals), dtype=np.int64)
-        self.wishes: Floats = np.zeros((rows, wishes))
-        self.wish_kept: Ints = np.zeros((rows, wishes), dtype=np.int64)
-        self.packed = ROW_STATES.pack(
-            RowStates(
-                readings=self.readings,
-                values=self.value_table,
-                marks=self.mark_table,
-                row_values=self.row_table,
-                goal_satisfaction=self.goal_satisfaction,
-                goal_enabled=self.goal_enabled,
-                wishes=self.wishes,
-                wish_kept=self.wish_kept,
-            )
+def new_states(
+    rows: int, model: PackedModel, explained: bool, planned: bool = False, key_words: int = 0
+) -> Packed[RowStates]:
+    """Return the state of R rows, all zero but for the goals, which are on; `explained`: with room for reasons."""
+    sensors, behaviours = len(model.is_fact), len(model.priority)
+    goals, wishes = len(model.goal_permanent), len(model.wish_owner)
+    layers = EXPLAINED_LAYERS if explained else MARK_LAYERS
+    return ROW_STATES.pack(
+        RowStates(
+            readings=np.zeros((rows, sensors)),
+            values=np.zeros((rows, VALUE_LAYERS, behaviours)),
+            marks=np.zeros((rows, layers, behaviours), dtype=np.int64),
+            row_values=np.zeros((rows, ROW_LAYERS)),
+            goal_satisfaction=np.zeros((rows, goals)),
+            goal_enabled=np.ones((rows, goals), dtype=np.int64),
+            wishes=np.zeros((rows, wishes)),
+            wish_kept=np.zeros((rows, wishes), dtype=np.int64),
+            planned=int(planned),
+            plan=np.zeros((rows, MAX_PLAN), dtype=np.int64),
+            plan_marks=np.zeros((rows, PLAN_LAYERS), dtype=np.int64),
+            plan_readings=np.zeros((rows, READING_LAYERS, sensors)),
+            plan_keys=np.zeros((rows, key_words), dtype=np.int64),
         )
-
-    @property
-    def values(self) -> Floats:
-        """(VALUE_LAYERS, R, B) view of `value_table`."""
-        return self.value_table.swapaxes(0, 1)
-
-    @property
-    def explained(self) -> bool:
-        """Whether there is room for the reasons of arbitration."""
-        return bool(self.mark_table.shape[1] == EXPLAINED_LAYERS)
-
-    @property
-    def marks(self) -> Ints:
-        """(MARK_LAYERS or EXPLAINED_LAYERS, R, B) view of `mark_table`."""
-        return self.mark_table.swapaxes(0, 1)
-
-    @property
-    def row_values(self) -> Floats:
-        """(ROW_LAYERS, R) view of `row_table`."""
-        return self.row_table.T
+    )
 
 
 @kernel
-def reset_rows(rows: Ints, model: Words[PackedModel], states: Written[RowStates], plans: Written[RowPlans]) -> None:
+def reset_rows(rows: Ints, model: Words[PackedModel], states: Written[RowStates]) -> None:
     """Clear `rows` (K,): nothing runs, nothing is activated, known or planned, all goals are on; readings stay."""
-    m, s, p = open_model(model), open_states(states), open_plans(plans)
+    m, s = open_model(model), open_states(states)
     for row in rows:
         s.values[row] = 0.0
         s.marks[row] = 0
@@ -154,5 +197,5 @@ def reset_rows(rows: Ints, model: Words[PackedModel], states: Written[RowStates]
         s.goal_enabled[row] = 1
         s.wishes[row] = 0.0
         s.wish_kept[row] = 0
-        p.marks[row] = 0
-        p.readings[row] = 0.0
+        s.plan_marks[row] = 0
+        s.plan_readings[row] = 0.0

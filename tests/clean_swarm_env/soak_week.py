@@ -102,7 +102,7 @@ def fingerprint(worlds: Worlds) -> str:
 def finite(worlds: Worlds) -> bool:
     """Return whether all numbers of bodies, orders and networks are finite."""
     arrays = (worlds.physics.positions, worlds.physics.headings, worlds.minds.commands.vectors)
-    arrays += (worlds.network.state.value_table, worlds.network.readings, worlds.minds.poses.own)
+    arrays += (worlds.network.state.values, worlds.network.readings, worlds.minds.poses.own)
     return all(bool(np.isfinite(array).all()) for array in arrays)
 
 

@@ -16,8 +16,7 @@ from rich.text import Text
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, explain_robot
 from selforg.arrays import Flags
-from selforg.network.explanation import BehaviourAccount, Explanation
-from selforg.network.explanation_text import TERM_TITLES, condition_tree, header
+from selforg.network.explanation import TERM_TITLES, BehaviourAccount, Explanation, condition_tree, header
 from selforg.space import Torus
 from train.evaluation.repeat import Repeated, steps_until
 

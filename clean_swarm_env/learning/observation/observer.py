@@ -106,7 +106,7 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         stations=np.zeros((worlds.worlds, 0, 2)) if site is None else site.stations,
         station_kinds=numbers(0) if site is None else site.kinds,
         readings=network.readings,
-        marks=network.state.mark_table,
+        marks=network.state.marks,
         limits=progress.limits,
         idle=progress.idle,
         first_options=np.cumsum([0, *sizes])[:-1],

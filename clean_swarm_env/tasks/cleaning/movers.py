@@ -54,7 +54,7 @@ class Movers:
         self.packed: Packed[MindsRecord] = MINDS.pack(
             MindsRecord(
                 readings=minds.network.readings,
-                marks=minds.network.state.mark_table,
+                marks=minds.network.state.marks,
                 handling=np.array([index[name] for name in HANDLING], dtype=np.int64),
                 transport=np.array([index[name] for name in TRANSPORT], dtype=np.int64),
                 movers=np.array([index[name] for name in moving], dtype=np.int64),

@@ -17,13 +17,11 @@ import numpy as np
 from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Packed, Recording, Words, Written
-from selforg.network import plan_state as ps
 from selforg.network import state as st
-from selforg.network.plan_state import MAX_PLAN, RowPlans, open_plans
 from selforg.network.planning.guards import STEPS_PER_UNIT
 from selforg.network.planning.spending import Spent
 from selforg.network.planning.task import Scale
-from selforg.network.state import RowStates, open_states
+from selforg.network.state import MAX_PLAN, RowStates, open_states
 
 BITS_PER_WORD = 60
 FIRST_SIZE = 256
@@ -32,9 +30,9 @@ LARGEST = 1 << 62
 
 BOUND_SENSOR, BOUND_CROSSING, BOUND_GRID, BOUND_LOW, BOUND_HIGH = range(5)
 """Columns of bounds: the sensor, where its bound lies, the step of its changes, what it is clamped to [1e-9 units]."""
-ENTRY_USED, PLAN_LENGTH, PLAN_BEGIN = range(3)
+ENTRY_USED, ENTRY_LENGTH, ENTRY_PLAN = range(3)
 """Columns of entries: 1 where there is one; length of its plan, -1 for none; its plan, and behind it the key."""
-KEY_BEGIN = PLAN_BEGIN + MAX_PLAN
+KEY_BEGIN = ENTRY_PLAN + MAX_PLAN
 
 
 class KnownPlans(NamedTuple):
@@ -108,9 +106,9 @@ class PlanMemory:
                 self._entries[self._free_slot(entry[KEY_BEGIN:])] = entry
         entry = self._entries[self._free_slot(key)]
         entry[ENTRY_USED] = 1
-        entry[PLAN_LENGTH] = -1 if behaviours is None else len(behaviours)
+        entry[ENTRY_LENGTH] = -1 if behaviours is None else len(behaviours)
         if behaviours is not None:
-            entry[PLAN_BEGIN : PLAN_BEGIN + len(behaviours)] = behaviours
+            entry[ENTRY_PLAN : ENTRY_PLAN + len(behaviours)] = behaviours
         entry[KEY_BEGIN:] = key
         self.count += 1
 
@@ -155,9 +153,10 @@ def hashed(key: Ints) -> np.int64:
 
 
 @inlined
-def write_key(row: int, states: Words[RowStates], plans: Written[RowPlans], known: Words[KnownPlans]) -> None:
+def write_key(row: int, states: Written[RowStates], known: Words[KnownPlans]) -> None:
     """Fill the key of `row`."""
-    s, m, keys = open_states(states), open_known(known), open_plans(plans).keys
+    s, m = open_states(states), open_known(known)
+    keys = s.plan_keys
     count = m.facts.shape[0]
     bits = count + m.goals
     for k in range(keys.shape[1]):
@@ -178,22 +177,22 @@ def write_key(row: int, states: Words[RowStates], plans: Written[RowPlans], know
 
 
 @inlined
-def recall(row: int, plans: Written[RowPlans], known: Words[KnownPlans]) -> bool:
+def recall(row: int, states: Written[RowStates], known: Words[KnownPlans]) -> bool:
     """Give `row` the plan that is known for its key; return False if there is none."""
-    p, entries = open_plans(plans), open_known(known).entries
+    s, entries = open_states(states), open_known(known).entries
     mask = entries.shape[0] - 1
-    slot = hashed(p.keys[row]) & mask
+    slot = hashed(s.plan_keys[row]) & mask
     while entries[slot, ENTRY_USED]:
         same = True
-        for k in range(p.keys.shape[1]):
-            same = same and entries[slot, KEY_BEGIN + k] == p.keys[row, k]
+        for k in range(s.plan_keys.shape[1]):
+            same = same and entries[slot, KEY_BEGIN + k] == s.plan_keys[row, k]
         if same:
-            length = entries[slot, PLAN_LENGTH]
-            p.marks[row, ps.KNOWN] = 1 if length >= 0 else 0
-            p.marks[row, ps.INDEX] = 0
-            p.marks[row, ps.LENGTH] = max(length, 0)
+            length = entries[slot, ENTRY_LENGTH]
+            s.plan_marks[row, st.PLAN_KNOWN] = 1 if length >= 0 else 0
+            s.plan_marks[row, st.PLAN_INDEX] = 0
+            s.plan_marks[row, st.PLAN_LENGTH] = max(length, 0)
             for k in range(length):
-                p.steps[row, k] = entries[slot, PLAN_BEGIN + k]
+                s.plan[row, k] = entries[slot, ENTRY_PLAN + k]
             return True
         slot = (slot + 1) & mask
     return False

@@ -29,20 +29,17 @@ from selforg.network.model.packed import (
     open_model,
     open_scratch,
 )
-from selforg.network.plan_state import INDEX, LENGTH, RowPlans, open_plans
 from selforg.network.state import RowStates, open_states
 
 
 @inlined
-def activate_row(
-    row: int, model: Words[PackedModel], states: Written[RowStates], plans: Words[RowPlans], scratch: Words[Scratch]
-) -> None:
+def activate_row(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Compute the activations of `row`, every term from the old ones."""
     begin_terms(row, model, states, scratch)
     weigh_goals(row, model, states, scratch)
     flow_from_goals(row, model, states, scratch)
     flow_between(row, model, states, scratch)
-    flow_from_plan(row, model, states, plans)
+    flow_from_plan(row, model, states)
     sum_terms(row, model, states)
 
 
@@ -148,12 +145,12 @@ def flow_between(row: int, model: Words[PackedModel], states: Written[RowStates]
 
 
 @inlined
-def flow_from_plan(row: int, model: Words[PackedModel], states: Written[RowStates], plans: Words[RowPlans]) -> None:
+def flow_from_plan(row: int, model: Words[PackedModel], states: Written[RowStates]) -> None:
     """Set the plan's term for the behaviours of its remaining steps: the sooner one is due, the more."""
-    p, values, weight = open_plans(plans), open_states(states).values, open_model(model).plan_weight
-    index, length = p.marks[row, INDEX], p.marks[row, LENGTH]
+    s, weight = open_states(states), open_model(model).plan_weight
+    index, length = s.plan_marks[row, st.PLAN_INDEX], s.plan_marks[row, st.PLAN_LENGTH]
     for k in range(length - 1, index - 1, -1):  # backwards: the first occurrence is written last
-        values[row, st.PLAN, p.steps[row, k]] = weight / (k - index + 1)
+        s.values[row, st.PLAN, s.plan[row, k]] = weight / (k - index + 1)
 
 
 @inlined

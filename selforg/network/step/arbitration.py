@@ -5,7 +5,6 @@ from __future__ import annotations
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Words, Written
-from selforg.network import reasons as why
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, Scratch, open_model, open_scratch
 from selforg.network.state import RowStates, open_states
@@ -62,21 +61,21 @@ def select_row(
         if s.marks[row, st.EXECUTING, b]:
             reason = reason_of_running(row, b, model, states, threshold, selected)
             note_reason(row, b, s.marks, reason, -1)
-            if reason not in why.GOES_ON:
+            if reason not in st.GOES_ON:
                 stop(row, b, s.marks)
                 continue
             s.marks[row, st.EXECUTION_TIME, b] += 1 if advance else 0
         else:
             if not s.marks[row, st.MANUAL, b]:
                 reason = reason_of_idle(row, b, states, threshold)
-                if reason == why.UNKNOWN:
+                if reason == st.UNKNOWN:
                     freed = make_room(row, b, model, states, scratch)
                     selected -= max(freed, 0)
                     if freed < 0:
                         continue
                     if limit > 0 and selected + waiting_by_hand(row, s.marks, own.counted) >= limit:
-                        reason = why.NO_PLACE
-                if reason != why.UNKNOWN:
+                        reason = st.NO_PLACE
+                if reason != st.UNKNOWN:
                     note_reason(row, b, s.marks, reason, -1)
                     continue
             start(row, b, s.marks)
@@ -116,16 +115,16 @@ def reason_of_running(
     """Return why a running behaviour goes on, one of `GOES_ON`, or why it is stopped."""
     m, s = open_model(model), open_states(states)
     if s.marks[row, st.MANUAL, b]:
-        return why.KEPT_BY_HAND
+        return st.KEPT_BY_HAND
     if not m.interruptable[b]:
-        return why.KEPT_STUBBORN
+        return st.KEPT_STUBBORN
     if is_timed_out(row, b, model, s.marks):
-        return why.OUT_OF_TIME
+        return st.OUT_OF_TIME
     if not s.marks[row, st.READY, b]:
-        return why.LOST_READINESS
+        return st.LOST_READINESS
     if s.values[row, st.ACTIVATION, b] < threshold:
-        return why.FELL_BELOW
-    return why.CROWDED_OUT if 0 < m.max_parallel <= selected else why.KEPT
+        return st.FELL_BELOW
+    return st.CROWDED_OUT if 0 < m.max_parallel <= selected else st.KEPT_READY
 
 
 @inlined
@@ -133,10 +132,10 @@ def reason_of_idle(row: int, b: int, states: Words[RowStates], threshold: float)
     """Return why a behaviour cannot start whatever the others do, UNKNOWN if it can."""
     s = open_states(states)
     if not s.marks[row, st.ENABLED, b]:
-        return why.DISABLED
+        return st.DISABLED
     if not s.marks[row, st.READY, b]:
-        return why.NOT_READY
-    return why.UNKNOWN if s.values[row, st.ACTIVATION, b] >= threshold else why.BELOW_THRESHOLD
+        return st.NOT_READY
+    return st.UNKNOWN if s.values[row, st.ACTIVATION, b] >= threshold else st.BELOW_THRESHOLD
 
 
 @inlined
@@ -186,13 +185,13 @@ def make_room(row: int, b: int, model: Words[PackedModel], states: Written[RowSt
         weaker = theirs == priority and s.values[row, st.ACTIVATION, other] < activation
         yields = interruptable[other] and not s.marks[row, st.MANUAL, other]
         if not (yields and (theirs < priority or weaker)):
-            note_reason(row, b, s.marks, why.BLOCKED, other)
+            note_reason(row, b, s.marks, st.BLOCKED, other)
             return -1
     freed = 0
     if clashes:
         for other in range(counted.shape[0]):
             if other != b and s.marks[row, st.EXECUTING, other] and influences_same(row, b, other, model, s.marks):
-                note_reason(row, other, s.marks, why.DISPLACED, b)
+                note_reason(row, other, s.marks, st.DISPLACED, b)
                 stop(row, other, s.marks)
                 freed += counted[other]
                 counted[other] = 0
@@ -231,7 +230,7 @@ def start(row: int, b: int, marks: Ints) -> None:
     marks[row, st.EXECUTION_TIME, b] = 0
     marks[row, st.STARTED, b] = 1
     if marks.shape[1] == st.EXPLAINED_LAYERS:
-        marks[row, st.REASON, b] = why.STARTED_BY_HAND if marks[row, st.MANUAL, b] else why.STARTED_READY
+        marks[row, st.REASON, b] = st.STARTED_BY_HAND if marks[row, st.MANUAL, b] else st.STARTED_READY
         marks[row, st.BY, b] = -1
 
 

@@ -24,71 +24,73 @@ import numpy as np
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Words, Written
-from selforg.network import plan_state as ps
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, open_model
-from selforg.network.plan_state import RowPlans, open_plans
 from selforg.network.state import RowStates, open_states
+
+UNITS = 1e6
+"""The planner compares numbers with six decimals."""
 
 
 @inlined
-def monitor_plan(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Written[RowPlans]) -> None:
+def monitor_plan(row: int, model: Words[PackedModel], states: Written[RowStates]) -> None:
     """Pass the due step of the plan of `row` if it is done, and note whether a new plan is needed.
 
     Call it before the marks of behaviours that ended themselves are cleared.
     """
-    expected = see_changes(row, model, states, plans)
-    p = open_plans(plans)
-    in_order = pass_steps(row, model, states, plans)
-    if p.marks[row, ps.ALARM] == 1 or not expected or not in_order or not p.marks[row, ps.KNOWN]:
-        p.marks[row, ps.NEEDED] = 1
-        for sensor in range(p.readings.shape[2]):
-            p.readings[row, ps.SINCE_IDLE, sensor] = 0.0
-    p.marks[row, ps.ALARM] = 0
+    expected = see_changes(row, model, states)
+    s = open_states(states)
+    in_order = pass_steps(row, model, states)
+    if s.plan_marks[row, st.PLAN_ALARM] == 1 or not expected or not in_order or not s.plan_marks[row, st.PLAN_KNOWN]:
+        s.plan_marks[row, st.PLAN_NEEDED] = 1
+        for sensor in range(s.plan_readings.shape[2]):
+            s.plan_readings[row, st.SINCE_IDLE, sensor] = 0.0
+    s.plan_marks[row, st.PLAN_ALARM] = 0
 
 
 @inlined
-def pass_steps(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Written[RowPlans]) -> bool:
+def pass_steps(row: int, model: Words[PackedModel], states: Written[RowStates]) -> bool:
     """Pass what is done of the plan of `row`; return whether all that ended itself was meant to."""
-    p, marks, independent = open_plans(plans), open_states(states).marks, open_model(model).independent
-    index, length = p.marks[row, ps.INDEX], p.marks[row, ps.LENGTH]
-    due = p.steps[row, index] if index < length else -1
-    realised = due >= 0 and ran(row, due, marks) and is_realised(row, due, model, states, plans)
+    s, independent = open_states(states), open_model(model).independent
+    index, length = s.plan_marks[row, st.PLAN_INDEX], s.plan_marks[row, st.PLAN_LENGTH]
+    due = s.plan[row, index] if index < length else -1
+    realised = due >= 0 and ran(row, due, s.marks) and is_realised(row, due, model, states)
     if realised:
         index += 1
     in_order = True
-    for b in range(marks.shape[2]):
-        if not marks[row, st.ENDED, b]:
+    for b in range(s.marks.shape[2]):
+        if not s.marks[row, st.ENDED, b]:
             continue
         # as in the original, none is in a step in which the due one was realised
-        meant = not realised and index < length and p.steps[row, index] == b
+        meant = not realised and index < length and s.plan[row, index] == b
         if meant:
-            while index < length and p.steps[row, index] == b:
+            while index < length and s.plan[row, index] == b:
                 index += 1
             for k in range(index, length):
-                meant = meant and p.steps[row, k] != b
+                meant = meant and s.plan[row, k] != b
         in_order = in_order and (meant or independent[b] == 1)
-    p.marks[row, ps.INDEX] = index
+    s.plan_marks[row, st.PLAN_INDEX] = index
     return in_order
 
 
 @inlined
-def see_changes(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Written[RowPlans]) -> bool:
+def see_changes(row: int, model: Words[PackedModel], states: Written[RowStates]) -> bool:
     """Note what changed since the last step; return whether all of it was expected."""
-    s, seen = open_states(states), open_plans(plans).readings
+    s = open_states(states)
+    seen = s.plan_readings
     idle = True
     for b in range(s.marks.shape[2]):
         idle = idle and not ran(row, b, s.marks)
     expected = True
     for sensor in range(s.readings.shape[1]):
-        reading, last = six_decimals(s.readings[row, sensor]), seen[row, ps.LAST_STEP, sensor]
+        reading, last = six_decimals(s.readings[row, sensor]), seen[row, st.LAST_STEP, sensor]
         counts = reading != last and is_relevant(row, sensor, model, states)
         change = reading - last if counts else 0.0
-        before = 0.0 if idle else seen[row, ps.SINCE_IDLE, sensor]
-        seen[row, ps.TWO_STEPS, sensor] = seen[row, ps.LAST_CHANGE, sensor] + change
-        seen[row, ps.LAST_STEP, sensor] = reading
-        seen[row, ps.LAST_CHANGE, sensor] = change
-        seen[row, ps.SINCE_IDLE, sensor] = six_decimals(before + change)
+        before = 0.0 if idle else seen[row, st.SINCE_IDLE, sensor]
+        seen[row, st.TWO_STEPS, sensor] = seen[row, st.LAST_CHANGE, sensor] + change
+        seen[row, st.LAST_STEP, sensor] = reading
+        seen[row, st.LAST_CHANGE, sensor] = change
+        seen[row, st.SINCE_IDLE, sensor] = six_decimals(before + change)
         expected = expected and (change == 0.0 or was_expected(row, sensor, change, model, states))
     return expected
 
@@ -96,7 +98,7 @@ def see_changes(row: int, model: Words[PackedModel], states: Words[RowStates], p
 @inlined
 def six_decimals(number: float) -> float:
     """Return `number` as the planner writes it. Differences are not rounded, as in the original (M3)."""
-    return float(np.rint(number * ps.UNITS) / ps.UNITS)
+    return float(np.rint(number * UNITS) / UNITS)
 
 
 @inlined
@@ -139,14 +141,14 @@ def was_expected(row: int, sensor: int, change: float, model: Words[PackedModel]
 
 
 @inlined
-def is_realised(row: int, b: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> bool:
+def is_realised(row: int, b: int, model: Words[PackedModel], states: Words[RowStates]) -> bool:
     """Whether all effects of behaviour `b` count as realised."""
-    m, marks, readings = open_model(model), open_states(states).marks, open_plans(plans).readings
+    m, s = open_model(model), open_states(states)
     for e in range(m.effect_first[b], m.effect_first[b + 1]):
-        if m.effect_tag[e] >= 0 and m.effect_tag[e] != marks[row, st.ALTERNATIVE, b]:
+        if m.effect_tag[e] >= 0 and m.effect_tag[e] != s.marks[row, st.ALTERNATIVE, b]:
             continue
-        wanted, recent = six_decimals(m.effect_change[e]), readings[row, ps.TWO_STEPS, m.effect_sensor[e]]
-        since_idle = readings[row, ps.SINCE_IDLE, m.effect_sensor[e]]
+        wanted, recent = six_decimals(m.effect_change[e]), s.plan_readings[row, st.TWO_STEPS, m.effect_sensor[e]]
+        since_idle = s.plan_readings[row, st.SINCE_IDLE, m.effect_sensor[e]]
         seen = wanted * since_idle > 0.0 and abs(since_idle) >= 0.5 * abs(wanted)
         if not (seen if m.strict_progress else wanted >= recent):
             return False

@@ -5,10 +5,8 @@ from __future__ import annotations
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words, Written
-from selforg.network import plan_state as ps
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, Scratch
-from selforg.network.plan_state import RowPlans, open_plans
 from selforg.network.planning.memory import KnownPlans, recall, write_key
 from selforg.network.state import RowStates, open_states
 from selforg.network.step.activation import activate_row, share_row
@@ -26,7 +24,6 @@ def step_rows(
     rows: Ints,
     model: Words[PackedModel],
     states: Written[RowStates],
-    plans: Written[RowPlans],
     known: Words[KnownPlans],
     scratch: Words[Scratch],
     phase: int,
@@ -45,30 +42,28 @@ def step_rows(
         row = rows[k]
         if phase == SENSE_AND_DECIDE:
             satisfy_row(row, model, states, scratch)
-            if not follow_plan(row, model, states, plans, known):
+            if not follow_plan(row, model, states, known):
                 missing += 1
                 continue
         share_row(row, model, states, scratch)
-        activate_row(row, model, states, plans, scratch)
+        activate_row(row, model, states, scratch)
         if arbitrate_row(row, model, states, scratch, guarantee):
-            open_plans(plans).marks[row, ps.ALARM] = 1
+            open_states(states).plan_marks[row, st.PLAN_ALARM] = 1
     return missing
 
 
 @inlined
-def follow_plan(
-    row: int, model: Words[PackedModel], states: Written[RowStates], plans: Written[RowPlans], known: Words[KnownPlans]
-) -> bool:
+def follow_plan(row: int, model: Words[PackedModel], states: Written[RowStates], known: Words[KnownPlans]) -> bool:
     """Bring the plan of `row` up to date; return False if it needs one that is not known."""
-    p = open_plans(plans)
-    if p.planned:
-        monitor_plan(row, model, states, plans)
+    s = open_states(states)
+    if s.planned:
+        monitor_plan(row, model, states)
     clear_ended(row, states)
-    if p.planned and p.marks[row, ps.NEEDED]:
-        write_key(row, states, plans, known)
-        if not recall(row, plans, known):
+    if s.planned and s.plan_marks[row, st.PLAN_NEEDED]:
+        write_key(row, states, known)
+        if not recall(row, states, known):
             return False
-        p.marks[row, ps.NEEDED] = 0
+        s.plan_marks[row, st.PLAN_NEEDED] = 0
     return True
 
 

@@ -30,7 +30,7 @@ def driven(items, seed, **changes):
     stuck, longest = np.zeros(3), 0.0
     while course.in_progress:
         course.tick()
-        goes = course.worlds.network.state.marks[EXECUTING, :, moving] == 1
+        goes = course.worlds.network.state.marks[:, EXECUTING, moving] == 1
         stuck = (stuck + 0.2) * (goes & ~minds.commands.vectors.any(axis=1))
         longest = max(longest, stuck.max())
     return result_of(course.worlds, 0), longest

@@ -28,4 +28,4 @@ def test_an_engine_plans_for_the_robots():
     pytest.importorskip("up_aries")
     worlds = worlds_at_start(mission(network={"planner": "aries"}), [1])
     worlds.tick()
-    assert worlds.network.plans.marks[2].any()  # a plan is known
+    assert worlds.network.state.plan_marks[:, 2].any()  # a plan is known

@@ -52,12 +52,12 @@ def seen(tmp_path_factory):
                 "cargo": worlds.task.garbage.cargo.copy(),
                 "item_stage": worlds.task.garbage.stage[0].copy(),
                 "contact": worlds.collisions.entered_in_tick.copy(),
-                "robot/values": net.state.value_table.copy(),
+                "robot/values": net.state.values.copy(),
                 "robot/running": net.executing.copy(),
-                "robot/reason": net.state.mark_table[:, st.REASON].copy(),
+                "robot/reason": net.state.marks[:, st.REASON].copy(),
                 "robot/readings": net.readings.copy(),
                 "robot/goals": net.state.goal_satisfaction.copy(),
-                "inner": worlds.coordinators[0].contents[0].network.state.value_table.copy(),
+                "inner": worlds.coordinators[0].contents[0].network.state.values.copy(),
                 "traces": set(stored(worlds)),
             }
         )

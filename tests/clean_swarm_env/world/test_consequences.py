@@ -72,11 +72,11 @@ def test_who_stands_decides_nothing_and_handles_nothing():
     worlds = worlds_at_start(crowd(stop=STOP), [5, 6])
     network, garbage, stood = worlds.network, worlds.task.garbage, 0
     for _ in range(200):
-        before, cargo = network.state.value_table.copy(), garbage.cargo.copy()
+        before, cargo = network.state.values.copy(), garbage.cargo.copy()
         held = worlds.task.consequences.standing > 1
         worlds.tick()
         stood += int(held.sum())
-        assert np.array_equal(network.state.value_table[held], before[held])
+        assert np.array_equal(network.state.values[held], before[held])
         assert np.array_equal(garbage.cargo[held], cargo[held])
     assert stood > 100
 

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from selforg.network import plan_state as ps
 from selforg.network import state as st
 from selforg.network.model.activators import Boolean, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
@@ -45,11 +44,11 @@ def whole_step(network: BehaviourNetwork, calls: int) -> dict[str, Any]:
     """Return everything that is recorded of a step, as the network sees it."""
     names = [behaviour.name for behaviour in network.model.behaviours]
     return {
-        "threshold": float(network.state.row_values[st.THRESHOLD, 0]),
+        "threshold": float(network.state.row_values[0, st.THRESHOLD]),
         "running": [name for name, on in zip(names, network.executing[0], strict=True) if on],
         "planner_calls": calls,
-        "plan_index": int(network.plans.marks[ps.INDEX, 0]),
-        "activation": network.state.values[st.ACTIVATION, 0].tolist(),
+        "plan_index": int(network.state.plan_marks[0, st.PLAN_INDEX]),
+        "activation": network.state.values[0, st.ACTIVATION].tolist(),
     }
 
 

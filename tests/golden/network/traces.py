@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.network import plan_state as ps
 from selforg.network import state as st
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
@@ -154,17 +153,17 @@ def whole_step(network: BehaviourNetwork, expected: dict[str, Any], calls: int |
     """Return everything that is recorded of a step, as the network sees it."""
     state, model = network.state, network.model
     got = {
-        "threshold": float(state.row_values[st.THRESHOLD, 0]),
-        "total_activation_before": float(state.row_values[st.TOTAL, 0]),
+        "threshold": float(state.row_values[0, st.THRESHOLD]),
+        "total_activation_before": float(state.row_values[0, st.TOTAL]),
         "running": in_order_of(expected["running"], network),
         "behaviours": {name: behaviour(network, name) for name in expected["behaviours"]},
         "goals": {name: goal(network, name) for name in expected["goals"]},
     }
     if calls is not None:
-        known, length = network.plans.marks[ps.KNOWN, 0], network.plans.marks[ps.LENGTH, 0]
-        steps = [model.behaviours[b].name for b in network.plans.steps[0, :length]]
+        known, length = network.state.plan_marks[0, st.PLAN_KNOWN], network.state.plan_marks[0, st.PLAN_LENGTH]
+        steps = [model.behaviours[b].name for b in network.state.plan[0, :length]]
         got["plan"] = steps if known else None
-        got["plan_index"] = int(network.plans.marks[ps.INDEX, 0])
+        got["plan_index"] = int(network.state.plan_marks[0, st.PLAN_INDEX])
         got["planner_calls"] = calls
     return got
 
@@ -179,12 +178,12 @@ def behaviour(network: BehaviourNetwork, name: str) -> dict[str, Any]:
     """Return what is recorded of a behaviour."""
     state, b = network.state, network.model.behaviour_index[name]
     return {
-        "components": {key: float(state.values[layer, 0, b]) for key, layer in st.COMPONENTS.items()},
-        "activation": float(state.values[st.ACTIVATION, 0, b]),
-        "satisfaction": float(state.values[st.SATISFACTION, 0, b]),
-        "execution_time": int(state.marks[st.EXECUTION_TIME, 0, b]),
+        "components": {key: float(state.values[0, layer, b]) for key, layer in st.COMPONENTS.items()},
+        "activation": float(state.values[0, st.ACTIVATION, b]),
+        "satisfaction": float(state.values[0, st.SATISFACTION, b]),
+        "execution_time": int(state.marks[0, st.EXECUTION_TIME, b]),
         "wishes": sorted(map(list, behaviour_wishes(network, 0, name))),
-        **{key: bool(state.marks[mark, 0, b]) for key, mark in MARKS.items()},
+        **{key: bool(state.marks[0, mark, b]) for key, mark in MARKS.items()},
     }
 
 

@@ -120,11 +120,11 @@ def test_an_option_taken_up_begins_anew_and_others_go_on(model):
     (coordinator,) = robots.coordinators
     inner = coordinator.contents[0]
     told = inner.network.model.sensor_index["told"]
-    kept = inner.network.state.value_table[0].copy()
+    kept = inner.network.state.values[0].copy()
     host.memory["measured"].write([1], 1.0)
     host.memory["ready"].write([1], True)
     robots.hold(np.array([1]), np.array([1]))
-    assert np.array_equal(inner.network.state.value_table[0], kept)
+    assert np.array_equal(inner.network.state.values[0], kept)
     robots.hold(np.array([0]), np.array([1]))
     assert inner.mechanisms["gossip"].values.tolist() == [3.0, 1.0, 5.0]  # begun with what is measured now
     robots.tick(1.2)

@@ -57,8 +57,8 @@ class Switching:
     def fingerprint(self) -> str:
         """Return a hash of where all robots are and what their networks and their contents know."""
         worlds, digest = self.worlds, hashlib.sha256()
-        arrays = [getattr(worlds.physics, part) for part in PARTS] + [worlds.network.state.value_table]
-        arrays += [content.network.state.value_table for c in worlds.coordinators for content in c.contents]
+        arrays = [getattr(worlds.physics, part) for part in PARTS] + [worlds.network.state.values]
+        arrays += [content.network.state.values for c in worlds.coordinators for content in c.contents]
         for array in arrays:
             digest.update(np.ascontiguousarray(array).tobytes())
         return digest.hexdigest()

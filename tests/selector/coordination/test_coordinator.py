@@ -73,7 +73,7 @@ def test_the_network_above_does_what_it_would_do_without_the_nesting(avoidance, 
             network.readings[:] = readings
             network.step()
         assert np.array_equal(nested.executing, flat.executing)
-        np.testing.assert_allclose(nested.state.values[0], flat.state.values[0], rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(nested.state.values[:, 0], flat.state.values[:, 0], rtol=0.0, atol=1e-12)
         ran |= set(np.flatnonzero(nested.executing.any(axis=0)).tolist())
     assert model.behaviour_index[GOAL] in ran
     assert len(ran) > 4
@@ -141,7 +141,7 @@ def test_of_several_behaviours_the_coordinator_is_ready_when_one_is(tmp_path):
     network.readings[:] = [[0, 0], [0, 1], [1, 0], [1, 1]]
     for _ in range(60):
         network.step()
-    ran = network.executing[:, 0].astype(bool) | (network.state.values[0][:, 0] > 0.0)
+    ran = network.executing[:, 0].astype(bool) | (network.state.values[:, 0][:, 0] > 0.0)
     assert ran.tolist() == [False, True, True, True]
 
 

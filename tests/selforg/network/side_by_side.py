@@ -81,7 +81,7 @@ def live(seed: int, steps: int) -> tuple[str | None, int]:
         compiled.readings[0] = [readings[sensor.name] for sensor in model.sensors]
         compiled.step(guarantee=guarantee)
         naive.step(readings, guarantee)
-        if 0.0 < min(compiled.state.row_values[st.TOTAL, 0], naive.total) < ROUNDING:
+        if 0.0 < min(compiled.state.row_values[0, st.TOTAL], naive.total) < ROUNDING:
             return None, step  # activations that cancel: the order of summation says whether their sum is 0
         told = differing(numbers(compiled, naive))
         if told is None and ordered_by_rounding(compiled, naive):
@@ -105,7 +105,7 @@ def ordered_by_rounding(compiled: BehaviourNetwork, naive: ReferenceNetwork) -> 
     present = [b for b, node in enumerate(naive.nodes.values()) if node.present]
     theirs = [*(node.activation for node in naive.nodes.values() if node.present), *naive.thresholds]
     thresholds = compiled_thresholds(compiled, naive)
-    ours = [*compiled.state.values[st.ACTIVATION, 0, present].tolist(), *thresholds]
+    ours = [*compiled.state.values[0, st.ACTIVATION, present].tolist(), *thresholds]
     return any(
         (theirs[i] > theirs[j]) != (ours[i] > ours[j]) or (theirs[i] < theirs[j]) != (ours[i] < ours[j])
         for i in range(len(present))
@@ -115,7 +115,7 @@ def ordered_by_rounding(compiled: BehaviourNetwork, naive: ReferenceNetwork) -> 
 
 def compiled_thresholds(compiled: BehaviourNetwork, naive: ReferenceNetwork) -> list[float]:
     """The thresholds that the compiled step went through: as many as the naive one, the last one known."""
-    last, decay = float(compiled.state.row_values[st.DECIDING, 0]), compiled.model.settings.threshold_decay
+    last, decay = float(compiled.state.row_values[0, st.DECIDING]), compiled.model.settings.threshold_decay
     thresholds = [last]
     for _ in naive.thresholds[1:]:
         thresholds.insert(0, thresholds[0] / decay)
@@ -125,12 +125,12 @@ def compiled_thresholds(compiled: BehaviourNetwork, naive: ReferenceNetwork) -> 
 def numbers(compiled: BehaviourNetwork, naive: ReferenceNetwork) -> Iterator[tuple[str, Any, Any]]:
     """What the step computed before anything was decided, by name."""
     state = compiled.state
-    yield "total activation", state.row_values[st.TOTAL, 0], naive.total
+    yield "total activation", state.row_values[0, st.TOTAL], naive.total
     for b, (name, node) in enumerate(naive.nodes.items()):
         if not node.present:
             continue
-        values = state.values[:, 0, b]
-        yield f"{name} ready", state.marks[st.READY, 0, b], node.ready
+        values = state.values[0, :, b]
+        yield f"{name} ready", state.marks[0, st.READY, b], node.ready
         yield f"{name} satisfaction", values[st.SATISFACTION], node.satisfaction
         for component, layer in st.COMPONENTS.items():
             yield f"{name} {component}", values[layer], node.components[component]
@@ -147,11 +147,11 @@ def decisions(compiled: BehaviourNetwork, naive: ReferenceNetwork) -> Iterator[t
     for b, (name, node) in enumerate(naive.nodes.items()):
         if node.present:
             yield from of_behaviour(compiled, b, name, node)
-    yield "threshold", compiled.state.row_values[st.THRESHOLD, 0], naive.threshold
+    yield "threshold", compiled.state.row_values[0, st.THRESHOLD], naive.threshold
 
 
 def of_behaviour(compiled: BehaviourNetwork, b: int, name: str, node: Node) -> Iterator[tuple[str, Any, Any]]:
-    marks = compiled.state.marks[:, 0, b]
+    marks = compiled.state.marks[0, :, b]
     for what, mark, theirs in (
         ("executing", st.EXECUTING, node.executing),
         ("started", st.STARTED, node.started),

@@ -41,8 +41,7 @@ def lived(model, readings, rows=None):
 
 
 def of_rows(step, rows):
-    values, marks, row_values, *others = step
-    return [values[:, rows], marks[:, rows], row_values[:, rows], *(a[rows] for a in others)]
+    return [array[rows] for array in step]
 
 
 def assert_same(one, other):
@@ -115,13 +114,13 @@ def test_arbitration_keeps_its_promises(seed):
     threshold = np.full(ROWS, model.settings.activation_threshold)
     may_overrun = not all(b.interruptable for b in model.behaviours)
     for values, marks, row_values, *_ in lived(model, readings):
-        running, started = marks[st.EXECUTING] == 1, marks[st.STARTED] == 1
-        assert (running == (marks[st.EXECUTION_TIME] >= 0)).all()
-        assert (marks[st.READY][started] == 1).all()
-        assert (values[st.ACTIVATION] >= 0.0).all()
-        assert (values[st.ACTIVATION] >= threshold[:, None])[started].all()
+        running, started = marks[:, st.EXECUTING] == 1, marks[:, st.STARTED] == 1
+        assert (running == (marks[:, st.EXECUTION_TIME] >= 0)).all()
+        assert (marks[:, st.READY][started] == 1).all()
+        assert (values[:, st.ACTIVATION] >= 0.0).all()
+        assert (values[:, st.ACTIVATION] >= threshold[:, None])[started].all()
         assert limit is None or may_overrun or running.sum(axis=1).max() <= limit
         idle = ~running.any(axis=1)
         factor = np.where(started.any(axis=1), 1.0 / decay, np.where(idle, decay, 1.0))
-        np.testing.assert_allclose(row_values[st.THRESHOLD], threshold * factor, rtol=1e-12)
-        threshold = row_values[st.THRESHOLD]
+        np.testing.assert_allclose(row_values[:, st.THRESHOLD], threshold * factor, rtol=1e-12)
+        threshold = row_values[:, st.THRESHOLD]

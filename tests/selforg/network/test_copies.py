@@ -20,7 +20,7 @@ def readings():
 
 
 def everything(network):
-    return [array.copy() for array in (*network.state.packed.record, *network.plans.packed.record[1:])]
+    return [np.copy(array) for array in network.state]
 
 
 def live(network, course):
@@ -76,7 +76,7 @@ def test_what_is_set_in_a_copy_reaches_its_kernels(way):
     network = way(planned())
     network.enable(np.arange(ROWS), 0, False)
     network.set_priority(np.arange(ROWS), 1, 3)
-    assert (network.state.packed.record.marks[:, 1, 0] == 0).all()
+    assert (network.state.marks[:, 1, 0] == 0).all()
     network.readings[0, 0] = 0.5
     with pytest.raises(ValueError, match="row 0: sensor 'garbage_seen'"):
         network.step()

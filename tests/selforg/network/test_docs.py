@@ -18,7 +18,7 @@ def test_the_first_example_runs():
     names = {}
     exec(blocks("python")[0], names)
     assert names["running"].shape == (320, 2)
-    assert [names["model"].behaviours[b].name for b in names["network"].plans.steps[0, :2]] == ["GoHome", "Charge"]
+    assert [names["model"].behaviours[b].name for b in names["network"].state.plan[0, :2]] == ["GoHome", "Charge"]
 
 
 def test_the_yaml_example_is_a_network():

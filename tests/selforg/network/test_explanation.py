@@ -1,17 +1,14 @@
 import numpy as np
 import pytest
 
-from selforg.network import reasons as why
 from selforg.network import state as st
-from selforg.network.explanation import explain, in_short
-from selforg.network.explanation_text import text_of
+from selforg.network.explanation import explain, in_short, text_of
 from selforg.network.model.activators import Boolean, Greedy, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
-from selforg.network.recording import Recorder
 from tests.selforg.network.cleaning import cleaning_model, wandering
 from tests.selforg.network.random_models import Draw
 
@@ -30,7 +27,7 @@ def told(network, times=1, **readings):
     network.read(readings)
     for _ in range(times):
         network.step()
-    account = explain(network.model, Recorder(network).record(), 0)
+    account = explain(network, 0)
     return {behaviour.name: behaviour.why for behaviour in account.behaviours}
 
 
@@ -89,59 +86,37 @@ def test_reasons_agree_with_what_happened(seed):
         for each in (network, silent):
             each.readings[0] = [readings[sensor.name] for sensor in model.sensors]
             each.step(guarantee=guarantee)
-        marks = network.state.marks[:, 0]
-        np.testing.assert_array_equal(marks[: st.MARK_LAYERS], silent.state.marks[:, 0])
+        marks = network.state.marks[0]
+        np.testing.assert_array_equal(marks[: st.MARK_LAYERS], silent.state.marks[0])
         np.testing.assert_array_equal(network.state.values, silent.state.values)
         reason, by = marks[st.REASON], marks[st.BY]
         runs, started, stopped = marks[st.EXECUTING] == 1, marks[st.STARTED] == 1, marks[st.STOPPED] == 1
-        np.testing.assert_array_equal(started, reason == why.STARTED_READY)
-        np.testing.assert_array_equal(runs & ~started, (reason >= why.KEPT) & (reason <= why.KEPT_STUBBORN))
-        had_to_stop = (reason >= why.OUT_OF_TIME) & (reason <= why.DISPLACED)
-        assert (had_to_stop == (stopped & ~started))[reason != why.DISPLACED].all()
+        np.testing.assert_array_equal(started, reason == st.STARTED_READY)
+        np.testing.assert_array_equal(runs & ~started, (reason >= st.KEPT_READY) & (reason <= st.KEPT_STUBBORN))
+        had_to_stop = (reason >= st.OUT_OF_TIME) & (reason <= st.DISPLACED)
+        assert (had_to_stop == (stopped & ~started))[reason != st.DISPLACED].all()
         assert not runs[had_to_stop].any()  # the displaced ones may have been started in this very step
-        np.testing.assert_array_equal(by >= 0, (reason == why.DISPLACED) | (reason == why.BLOCKED))
-        assert (marks[st.READY][reason == why.NOT_READY] == 0).all()
+        np.testing.assert_array_equal(by >= 0, (reason == st.DISPLACED) | (reason == st.BLOCKED))
+        assert (marks[st.READY][reason == st.NOT_READY] == 0).all()
 
 
 def test_every_reason_has_words():
-    assert sorted(why.WORDS) == list(range(why.UNKNOWN, why.NO_PLACE + 1))
-
-
-def robot_records():
-    model = cleaning_model()
-    network = BehaviourNetwork(model, 3, BuiltInPlanner(model), explained=True)
-    recorder = Recorder(network, np.array([2, 0]))
-    for readings in wandering(np.random.default_rng(0), 15, 3):
-        network.readings[:] = readings
-        network.step()
-        recorder.record()
-    return network, recorder
-
-
-def test_a_record_is_not_changed_by_later_steps():
-    network, recorder = robot_records()
-    before = explain(network.model, recorder.steps[-1], 2)
-    network.readings[:] = 0.0
-    network.step()
-    assert explain(network.model, recorder.steps[-1], 2) == before
-
-
-def test_a_row_that_was_not_recorded_is_refused():
-    network, recorder = robot_records()
-    with pytest.raises(ValueError, match=r"row 1 was not recorded \(recorded: 2, 0\)"):
-        explain(network.model, recorder.steps[0], 1)
+    assert sorted(st.WORDS) == list(range(st.UNKNOWN, st.NO_PLACE + 1))
 
 
 def test_an_explanation_adds_up():
-    network, recorder = robot_records()
-    decay = network.model.settings.activation_decay
-    for before, after in zip(recorder.steps, recorder.steps[1:], strict=False):
-        old = {b.name: b.activation for b in explain(network.model, before, 0).behaviours}
-        account = explain(network.model, after, 0)
+    model = cleaning_model()
+    network = BehaviourNetwork(model, 3, BuiltInPlanner(model), explained=True)
+    decay, before = model.settings.activation_decay, explain(network, 2)
+    for readings in wandering(np.random.default_rng(0), 15, 3):
+        network.readings[:] = readings
+        network.step()
+        old, account = {b.name: b.activation for b in before.behaviours}, explain(network, 2)
         assert account.total == pytest.approx(sum(old.values()) or 1.0)
         for behaviour in account.behaviours:
             got = decay * old[behaviour.name] + sum(behaviour.components.values())
             assert behaviour.activation == pytest.approx(max(0.0, got))
+        before = account
 
 
 def test_conditions_show_what_is_held_and_what_is_optional():
@@ -150,7 +125,7 @@ def test_conditions_show_what_is_held_and_what_is_optional():
     network = explained(Behaviour("either", (wish,), alternatives=faces), goals=(Goal("g", (IS,), permanent=False),))
     network.read({"fact": True, "other": 1.5})
     network.step()
-    account = explain(network.model, Recorder(network).record(), 0)
+    account = explain(network, 0)
     optional, held = account.behaviours[0].conditions
     label = "optional: other = 1.5, Threshold(threshold=2.0, minimum=True, value_range=0.0)"
     assert (optional.label, optional.satisfaction) == (label, 0.0)
@@ -161,14 +136,16 @@ def test_conditions_show_what_is_held_and_what_is_optional():
     assert account.plan is None
     network.hold(ROW, 0, 1)
     network.step()
-    assert [c.label for c in explain(network.model, Recorder(network).record(), 0).behaviours[0].conditions][1] == (
-        "fact = 1, Boolean(desired=True)"
-    )
+    assert [c.label for c in explain(network, 0).behaviours[0].conditions][1] == ("fact = 1, Boolean(desired=True)")
 
 
 def test_the_text_holds_table_and_tree():
-    network, recorder = robot_records()
-    text = text_of(explain(network.model, recorder.steps[-1], 0)).splitlines()
+    model = cleaning_model()
+    network = BehaviourNetwork(model, 3, BuiltInPlanner(model), explained=True)
+    for readings in wandering(np.random.default_rng(0), 15, 3):
+        network.readings[:] = readings
+        network.step()
+    text = text_of(explain(network, 0)).splitlines()
     assert text[0].startswith("threshold ")
     assert text[1].startswith("plan: [")
     assert text[3].split()[:2] == ["behaviour", "activation"]

@@ -34,11 +34,11 @@ def running(network):
 
 
 def threshold(network):
-    return network.state.row_values[st.THRESHOLD, 0]
+    return network.state.row_values[0, st.THRESHOLD]
 
 
 def activation(network, b=0):
-    return network.state.values[st.ACTIVATION, 0, b]
+    return network.state.values[0, st.ACTIVATION, b]
 
 
 # readings
@@ -94,8 +94,8 @@ def test_an_optional_precondition_only_adds_its_wishes():
     near = Optional(Condition("number", Threshold(2.0, value_range=4.0)))
     network = stepped(network_of(Behaviour("go", (IS, near))), fact=True)
     assert running(network) == ["go"]
-    assert network.state.values[st.SATISFACTION, 0, 0] == 1.0
-    assert network.state.values[st.PRECONDITIONS, 0, 0] == 1.0
+    assert network.state.values[0, st.SATISFACTION, 0] == 1.0
+    assert network.state.values[0, st.PRECONDITIONS, 0] == 1.0
     assert behaviour_wishes(network, 0, "go") == [("fact", 0.0), ("number", 0.5)]
 
 
@@ -229,7 +229,7 @@ def test_the_threshold_falls_while_nothing_runs_and_rises_when_something_starts(
 def test_the_guarantee_lets_something_run_at_once_if_anything_can():
     network = stepped(network_of(Behaviour("go", (IS,)), settings=NetworkSettings()), guarantee=True, fact=True)
     assert running(network) == ["go"]
-    assert network.state.marks[st.EXECUTION_TIME, 0, 0] == 0
+    assert network.state.marks[0, st.EXECUTION_TIME, 0] == 0
     assert running(stepped(network, guarantee=True, fact=False)) == []
 
 
@@ -244,6 +244,6 @@ def test_a_coordinator_shows_what_it_holds():
     network = network_of(Behaviour("either", alternatives=faces), rows=2)
     network.hold(np.array([1]), 0, 1)
     network.step()
-    np.testing.assert_array_equal(network.state.marks[st.READY, :, 0], [0, 1])
+    np.testing.assert_array_equal(network.state.marks[:, st.READY, 0], [0, 1])
     assert behaviour_wishes(network, 0, "either") == [("fact", 1.0)]
     assert behaviour_wishes(network, 1, "either") == [("fact", 0.0)]

@@ -45,7 +45,7 @@ def test_a_weight_of_0_takes_a_term_away_and_no_other(term):
     for _ in range(100):
         worlds.tick()
         for layer in added:
-            added[layer] += np.abs(worlds.network.state.values[layer]).sum()
+            added[layer] += np.abs(worlds.network.state.values[:, layer]).sum()
     assert {layer for layer, sum_ in added.items() if sum_ == 0.0} == TERMS[term]
 
 

@@ -186,7 +186,7 @@ def test_the_plan_from_finding_to_dumping_is_seen(evaluated):
     for worlds in steps_of(task):
         names = [behaviour.name for behaviour in worlds.network.model.behaviours]
         for robot in range(5):
-            plan = [names[b] for b in worlds.network.plans.steps[robot, : worlds.network.plans.marks[1, robot]]]
+            plan = [names[b] for b in worlds.network.state.plan[robot, : worlds.network.state.plan_marks[robot, 1]]]
             if [name for name in plan if name in wanted] == wanted:
                 return
     pytest.fail(f"no robot ever planned {wanted}")

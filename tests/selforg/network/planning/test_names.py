@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from selforg.network import plan_state as ps
+from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.pddl import EngineSearch, environment
 from selforg.network.planning.planner import BuiltInPlanner, check_planner, planner_named
@@ -62,6 +62,6 @@ def test_an_engine_gives_the_network_plans_that_reach_what_the_built_in_ones_rea
         for network in networks:
             network.readings[:] = readings
             network.step()
-        ours, theirs = (network.plans.marks for network in networks)
-        np.testing.assert_array_equal(ours[ps.KNOWN], theirs[ps.KNOWN], err_msg=f"step {step}: a plan is known")
+        ours, theirs = (network.state.plan_marks[:, st.PLAN_KNOWN] for network in networks)
+        np.testing.assert_array_equal(ours, theirs, err_msg=f"step {step}: a plan is known")
     assert any(isinstance(held.search, EngineSearch) for held in networks[1].planner._searches.values())

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from selforg.network import plan_state as ps
+from selforg.network import state as st
 from selforg.network.model.activators import Boolean
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition
@@ -39,7 +39,8 @@ def decisions(planner, readings):
     for now in readings:
         network.readings[:] = now
         network.step()
-        told.append((network.state.marks.copy(), network.state.values.copy(), network.plans.marks[: ps.ALARM].copy()))
+        state = network.state
+        told.append((state.marks.copy(), state.values.copy(), state.plan_marks[:, : st.PLAN_ALARM].copy()))
     return told
 
 

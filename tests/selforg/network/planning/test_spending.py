@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from selforg.network import plan_state as ps
+from selforg.network import state as st
 from selforg.network.model.activators import Boolean, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition
@@ -106,7 +106,7 @@ def test_a_network_remembers_no_further_than_the_fuel_lasts(readings):
     network = BehaviourNetwork(chain_model(3), len(readings), BuiltInPlanner(chain_model(3)))
     network.readings[:, -1] = readings
     for _ in range(4):  # the memory is widened, and what it then holds is asked
-        network.plans.marks[ps.ALARM] = 1
+        network.state.plan_marks[:, st.PLAN_ALARM] = 1
         network.step()
-        np.testing.assert_array_equal(network.plans.marks[ps.KNOWN], np.array(readings) >= 3.0)
+        np.testing.assert_array_equal(network.state.plan_marks[:, st.PLAN_KNOWN], np.array(readings) >= 3.0)
     assert network.planner.memory.reach > 0

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from selforg.network import plan_state as ps
 from selforg.network import state as st
 from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
@@ -59,7 +58,7 @@ def step(network, **readings):
 
 
 def index(network):
-    return network.plans.marks[ps.INDEX, 0]
+    return network.state.plan_marks[0, st.PLAN_INDEX]
 
 
 def running(network):
@@ -159,7 +158,7 @@ def test_two_changes_are_added_as_they_are_rounded_by_the_machine():
 def test_a_new_plan_does_not_clear_the_change_of_the_step_before():
     """M3 of the original."""
     network = following()
-    network.plans.marks[ps.ALARM] = 1
+    network.state.plan_marks[:, st.PLAN_ALARM] = 1
     assert (step(network, far=4.5), index(network)) == (1, 0)
     assert (step(network, far=4.0), index(network)) == (0, 1)
 
@@ -228,9 +227,9 @@ def test_a_timeout_asks_for_a_plan_only_when_it_stops_the_behaviour(held, asks):
 def test_without_a_goal_the_planner_is_not_asked():
     network = following()
     network.enable_goal(ROW, 0, False)
-    network.plans.marks[ps.ALARM] = 1
+    network.state.plan_marks[:, st.PLAN_ALARM] = 1
     assert step(network) == 0
-    assert network.plans.marks[ps.KNOWN, 0] == 0
+    assert network.state.plan_marks[0, st.PLAN_KNOWN] == 0
 
 
 def test_an_unplanned_behaviour_that_ends_itself_asks_for_a_plan():
@@ -259,11 +258,11 @@ def test_a_changed_network_asks_for_a_plan(event):
 
 def test_the_plan_adds_to_the_activation_of_its_behaviours():
     network = following()
-    plan = network.state.values[st.PLAN, 0]
+    plan = network.state.values[0, st.PLAN]
     np.testing.assert_allclose(plan, [1.0, 0.5, 0.0])
 
 
 def test_a_plan_longer_than_fits_is_refused():
     network = following()
-    with pytest.raises(ValueError, match=f"a plan holds at most {ps.MAX_PLAN} steps, got {ps.MAX_PLAN + 1}"):
-        network.set_plan(0, [0] * (ps.MAX_PLAN + 1))
+    with pytest.raises(ValueError, match=f"a plan holds at most {st.MAX_PLAN} steps, got {st.MAX_PLAN + 1}"):
+        network.set_plan(0, [0] * (st.MAX_PLAN + 1))
