@@ -18,7 +18,7 @@ from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.planning.planner import Planner
 from tests.selforg.network.cleaning import cleaning_model, wandering
 
 # The original on a 2.1 GHz Xeon core, ROS replaced by in-process calls: one step of one robot [s]
@@ -103,7 +103,7 @@ def by_rows() -> Result:
 def planner() -> list[Result]:
     """Return the cost of planning on the robot model: a search, and a step whose plans are mostly remembered."""
     model, rows = cleaning_model(), 320
-    built_in = BuiltInPlanner(model)
+    built_in = Planner(model)
     goals, held = np.ones(len(model.goals), np.int64), np.zeros(len(model.behaviours), np.int64)
     searches = []
     for reading in wandering(np.random.default_rng(0), 200, 1)[:, 0]:
@@ -112,7 +112,7 @@ def planner() -> list[Result]:
         searches.append(time.process_time() - begin)
     readings = wandering(np.random.default_rng(1), 50, rows)
     plain = seconds_per_step(BehaviourNetwork(model, rows), readings) / rows
-    network = BehaviourNetwork(model, rows, BuiltInPlanner(model))
+    network = BehaviourNetwork(model, rows, Planner(model))
     seconds_per_step(network, readings)
     planned = seconds_per_step(network, readings) / rows
     call = median(searches)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from selforg.arrays import SCRATCH, Flags, Floats
-from selforg.compiler.records import Packed, Recording
+from selforg.compiler.records import Recording
 
 
 class Commanded(NamedTuple):
@@ -28,23 +26,13 @@ COMMANDED = Recording(Commanded)
 open_commanded = COMMANDED.open
 
 
-@dataclass(frozen=True)
 class Commands:
-    """The owner of the commands of all robots in one tick; see `Commanded`."""
+    """The owner of the commands of N robots in one tick, none at first; see `Commanded`."""
 
-    vectors: Annotated[Floats, "N D", SCRATCH]
-    commanded: Annotated[Flags, "N", SCRATCH]
-    in_place: Annotated[Flags, "N", SCRATCH]
-
-    @staticmethod
-    def none(rows: int, dim: int) -> Commands:
-        """Return N rows without a command."""
-        return Commands(np.zeros((rows, dim)), np.zeros(rows, dtype=np.bool_), np.zeros(rows, dtype=np.bool_))
-
-    @cached_property
-    def packed(self) -> Packed[Commanded]:
-        """The commands as compiled code takes them."""
-        return COMMANDED.pack(Commanded(self.vectors, self.commanded, self.in_place))
+    def __init__(self, rows: int, dim: int) -> None:
+        no_flags = np.zeros(rows, dtype=np.bool_)
+        self.packed = COMMANDED.pack(Commanded(np.zeros((rows, dim)), no_flags, no_flags.copy()))
+        self.vectors, self.commanded, self.in_place = self.packed.record
 
     def clear(self) -> None:
         """Take all commands back."""

@@ -2,23 +2,15 @@
 
 import inspect
 from functools import cache
-from typing import Annotated, Any, NamedTuple, TypeAlias, get_args, get_type_hints
+from inspect import Parameter
+from typing import Annotated, TypeAlias, get_args, get_type_hints
 
 Finite: TypeAlias = Annotated[float, "finite"]
 AtLeastZero: TypeAlias = Annotated[float, "finite", "at least 0"]
 UpToOne: TypeAlias = Annotated[float, "from 0 to 1"]
 
-REQUIRED = inspect.Parameter.empty
+REQUIRED = Parameter.empty
 """Default of a parameter that has none."""
-
-
-class Parameter(NamedTuple):
-    """One parameter of a constructor."""
-
-    annotation: Any
-    """Its type, as declared."""
-    default: Any
-    """Its default, or REQUIRED."""
 
 
 @cache
@@ -26,11 +18,13 @@ def parameters_of(cls: type) -> dict[str, Parameter]:
     """Return the parameters of a constructor by name, including those of unpacked options (a TypedDict)."""
     found: dict[str, Parameter] = {}
     for name, parameter in inspect.signature(cls.__init__, eval_str=True).parameters.items():  # type: ignore[misc]
-        if parameter.kind is inspect.Parameter.VAR_KEYWORD:
+        if parameter.kind is Parameter.VAR_KEYWORD:
             (options,) = get_args(parameter.annotation)
             found |= {
-                option: Parameter(hint, None) for option, hint in get_type_hints(options).items() if option not in found
+                option: Parameter(option, Parameter.KEYWORD_ONLY, default=None, annotation=hint)
+                for option, hint in get_type_hints(options).items()
+                if option not in found
             }
         elif name != "self":
-            found[name] = Parameter(parameter.annotation, parameter.default)
+            found[name] = parameter
     return found

@@ -1,15 +1,13 @@
 """Spaces: where positions live and what an offset between two of them is."""
 
-from abc import ABC, abstractmethod
-
 import numpy as np
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined, lean_kernel
 
 
-class Space(ABC):
-    """A space of 2 or 3 dimensions; subclasses give `extent`.
+class Space:
+    """A space of 2 or 3 dimensions: `Euclidean` or `Torus`.
 
     `wrap` brings positions into [0, extent) once, when they enter. Two positions then differ by less than one extent,
     and compiled code finds the shortest image by a comparison instead of a division.
@@ -22,19 +20,17 @@ class Space(ABC):
         self.padded_extent[: self.dim] = extent
 
     def wrap(self, positions: Floats) -> Floats:
-        """Return positions (..., D) [m] with every closed axis brought into [0, extent)."""
-        return self._wrap(positions)
+        """Return a copy of positions (..., D) [m] with every closed axis brought into [0, extent)."""
+        inside: Floats = np.array(positions, dtype=np.float64, order="C")
+        wrap_all(inside.reshape(-1, self.dim), self.extent)
+        return inside
 
     def offsets(self, origin: Floats, target: Floats) -> Floats:
         """Return the shortest way (..., D) [m] from `origin` (..., D) to `target` (..., D)."""
-        delta = self.wrap(np.asarray(target, dtype=np.float64)) - self.wrap(np.asarray(origin, dtype=np.float64))
+        delta = self.wrap(target) - self.wrap(origin)
         ways: Floats = np.ascontiguousarray(delta)
         shorten(ways.reshape(-1, self.dim), self.extent)
         return ways
-
-    @abstractmethod
-    def _wrap(self, positions: Floats) -> Floats:
-        """Bring positions (..., D) into the space; called with float64."""
 
 
 class Euclidean(Space):
@@ -45,9 +41,6 @@ class Euclidean(Space):
             raise ValueError(f"Euclidean: dim must be 2 or 3, got {dim!r}")
         super().__init__(np.zeros(dim))
 
-    def _wrap(self, positions: Floats) -> Floats:
-        return positions
-
 
 class Torus(Space):
     """Plane of `width` x `height` [m] whose opposite edges are one."""
@@ -57,11 +50,6 @@ class Torus(Space):
             if not (np.isfinite(value) and value > 0):
                 raise ValueError(f"Torus: {name} must be positive and finite [m], got {value!r}")
         super().__init__(np.array([width, height], dtype=np.float64))
-
-    def _wrap(self, positions: Floats) -> Floats:
-        inside: Floats = np.array(positions, dtype=np.float64, order="C")
-        wrap_all(inside.reshape(-1, self.dim), self.extent)
-        return inside
 
 
 @inlined

@@ -77,7 +77,7 @@ class Minds:
         self.known: Callable[[], Mapping[str, Floats]] = dict
         self._build_buffers(mission, worlds, task)
         self._build_network(mission, models, task, directories, explained)
-        self.commands = Commands.none(self.rows, 2)
+        self.commands = Commands(self.rows, 2)
 
     def _build_buffers(self, mission: MissionConfig, worlds: int, task: Blueprint) -> None:
         space = Ground.of(mission).space

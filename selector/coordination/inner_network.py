@@ -12,7 +12,6 @@ from selector.configurations.running import RunningConfiguration
 from selector.coordination.robot_network import RobotNetwork
 from selforg.arrays import READ, Ints
 from selforg.commands import Commands
-from selforg.network.nesting import rows_inside, shared_columns
 from selforg.network.network import BehaviourNetwork
 
 
@@ -55,7 +54,7 @@ class InnerNetwork:
         self.index = parent.model.behaviour_index[holder]
         assert held.spec is not None  # only the root has none
         self.configuration = RunningConfiguration(held.spec, host, f"network in {self.name}", explained=explained)
-        self._outside, self._inside = shared_columns(parent.model, held)
+        self._outside, self._inside = held.shared_columns(parent.model)
         self._all = np.arange(parent.rows)
         self.inner = inner_networks(held, self.network, host, (*path, holder), explained=explained)
 
@@ -73,7 +72,9 @@ class InnerNetwork:
 
     def act(self, now: float, commands: Commands) -> None:
         """Sense, decide and act at `now` [s] where the parent runs the holder; movements go into `commands`."""
-        rows = rows_inside(self.parent, self.index, self._all, self.network.halt)
+        runs = self.parent.executing[:, self.index] == 1
+        self.network.halt(self._all[~runs | (self.parent.started[:, self.index] == 1)])
+        rows = self._all[runs]
         if len(rows):
             self.network.readings[np.ix_(rows, self._inside)] = self.parent.readings[np.ix_(rows, self._outside)]
             self.configuration.robots.sense(now, rows)

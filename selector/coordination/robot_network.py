@@ -19,8 +19,7 @@ from selector.vocabulary.components import ActionSpecs, SensorSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
-from selforg.network.model.model import NetworkModel
-from selforg.network.nesting import NestedModel
+from selforg.network.model.model import NestedModel, NetworkModel
 from selforg.registry import unknown
 
 Coordinators = Mapping[str, CoordinatorModel]

@@ -59,7 +59,7 @@ class CoordinatedRobots:
         )
         self.inner = inner_networks(robot, self.network, host, explained=explained)
         self._inside: tuple[Coordinator | InnerNetwork, ...] = (*self.coordinators, *self.inner)
-        self._commands = Commands.none(host.rows, host.poses.space.dim)
+        self._commands = Commands(host.rows, host.poses.space.dim)
         self._all: Ints = np.arange(host.rows)
 
     def sense(self, now: float) -> None:

@@ -102,8 +102,8 @@ def references_of(cls: type) -> dict[str, Reference]:
 def model_of(cls: type) -> type[BaseModel]:
     """Return the document model of a class."""
     form: dict[str, Any] = {
-        name: (_field(annotation), ... if default is REQUIRED else default)
-        for name, (annotation, default) in parameters_of(cls).items()
+        name: (_field(one.annotation), ... if one.default is REQUIRED else one.default)
+        for name, one in parameters_of(cls).items()
         if name not in FROM_HOST
     }
     return create_model(cls.__name__, __base__=_Form, **form)

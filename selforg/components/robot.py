@@ -65,7 +65,7 @@ class OrganisedRobots:
         chosen = self._all if rows is None else rows
         self.sense(now, chosen)
         self.network.step(chosen)
-        commands = Commands.none(self.network.rows, self._dim)
+        commands = Commands(self.network.rows, self._dim)
         self.act(now, chosen, commands)
         self.steer(now, commands)
         self.leave(now)

@@ -233,7 +233,7 @@ class SoBuffer(Contents):
         if len(self.payloads) > 2 * len(self) + MOST_STALE_PAYLOADS:
             live = self.table.serials()
             self.payloads = {serial: kept for serial, kept in self.payloads.items() if serial in live}
-        first = self.table.next_serial
+        first = int(self.table.record.counters[c.COUNTER_SERIAL]) + 1
         self.payloads.update((serial % c.SERIALS, payload) for serial in range(first, first + copies))
 
     def _for_all(self, messages: Floats, tags: Ints) -> tuple[Floats, Ints]:

@@ -117,25 +117,6 @@ class OwnPoses:
         if bad >= 0:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
 
-    def set_pose(self, row: int, position: Sequence[float], heading: Sequence[float], now: float) -> bool:
-        """Spread one pose of one row; False if it is not newer than the last one.
-
-        position: (D,) [m]; heading: (D,) direction, zero if there is none; now [s].
-        """
-        diffusion, goal_radius = self.radii[row].tolist()
-        return self.set_gradient(
-            row,
-            Gradient(
-                channel=self.channel,
-                position=tuple(position),
-                heading=tuple(heading),
-                attraction=int(self.packed.record.attraction),
-                diffusion=diffusion,
-                goal_radius=goal_radius,
-                stamp=now,
-            ),
-        )
-
     def set_gradient(self, row: int, gradient: Gradient) -> bool:
         """Spread a checked gradient as the pose of one row; False if it is not newer than the last one."""
         if self.row_table[row, c.ROW_POSES] > 0 and gradient.stamp <= self.own[row, 0, c.POSE_STAMP]:

@@ -1,4 +1,8 @@
-"""Flocking of Olfati-Saber (2006), doi:10.1109/TAC.2005.864190."""
+"""Flocking of Olfati-Saber (2006), doi:10.1109/TAC.2005.864190, and the boids of both flockings.
+
+A boid is a row of a table, float64 (M, BOID_COLUMNS): its offset from the robot [m], its velocity [m/s] (Olfati-Saber)
+or unit heading (Reynolds), its goal radius [m].
+"""
 
 from typing import Unpack
 
@@ -14,15 +18,14 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
 from selforg.mechanisms.base import MECHANISMS, MoveOptions, at_least
-from selforg.mechanisms.boids import (
-    BOID_GOAL_RADIUS,
-    BOID_OFFSET,
-    BOID_VELOCITY,
-    FlockMechanism,
-    positive,
-)
+from selforg.mechanisms.formula import NeighbourMechanism
 from selforg.mechanisms.movement import Rule, limit, open_rule
 from selforg.space import nearest_image
+
+BOID_OFFSET = 0  # and the two columns after it [m]
+BOID_VELOCITY = 3  # and the two columns after it [m/s], or a heading [-]
+BOID_GOAL_RADIUS = 6  # [m]
+BOID_COLUMNS = 7
 
 STEEPNESS_A, STEEPNESS_B, EPSILON, BUMP_BEGIN, MAX_ACCELERATION = range(5)
 """Parameters of the formula."""
@@ -32,13 +35,15 @@ SHORTEST_TIME = 1e-6
 
 
 @MECHANISMS.register
-class Flocking(FlockMechanism):
+class Flocking(NeighbourMechanism):
     """Algorithm 1 of Olfati-Saber (2006), doi:10.1109/TAC.2005.864190, as intended (deviation Q6).
 
     a, b: steepness of the action function, 0 < a <= b; epsilon: of the sigma-norm; h: where the bump begins to fall,
     in (0, 1); max_acceleration [m/s2] caps the sum of both terms. Inactive until a row has spread two poses.
     """
 
+    alone = True
+    boid_columns = BOID_COLUMNS
     least_poses = 2
     see_bits = c.SEE_MOVING | c.SKIP_OWN | c.SEE_HISTORY
 
@@ -54,7 +59,8 @@ class Flocking(FlockMechanism):
         max_speed: float = 1.0,
         **options: Unpack[MoveOptions],
     ) -> None:
-        super().__init__(buffer, max_speed=max_speed, **options)
+        super().__init__(buffer, **options)
+        self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
         if not 0.0 <= h < 1.0:
             raise ValueError(f"Flocking: h must lie in [0, 1), got {h!r}")
         positive(self, "view_distance", self.view_distance)
@@ -86,6 +92,13 @@ class Flocking(FlockMechanism):
         for axis in range(3):
             m.total[axis] = m.velocity[axis] + m.change[axis]
         return True
+
+
+def positive(mechanism: object, name: str, value: float) -> float:
+    """Return `value` if it is positive and finite; raises ValueError with mechanism and parameter otherwise."""
+    if not 0.0 < value < np.inf:
+        raise ValueError(f"{type(mechanism).__name__}: {name} must be positive and finite, got {value!r}")
+    return float(value)
 
 
 @kernel

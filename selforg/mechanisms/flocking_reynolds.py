@@ -12,14 +12,9 @@ from selforg.gradients.pair import Own
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
-from selforg.mechanisms.base import MECHANISMS, MoveOptions
-from selforg.mechanisms.boids import (
-    BOID_GOAL_RADIUS,
-    BOID_OFFSET,
-    BOID_VELOCITY,
-    FlockMechanism,
-    positive,
-)
+from selforg.mechanisms.base import MECHANISMS, MoveOptions, at_least
+from selforg.mechanisms.flocking import BOID_COLUMNS, BOID_GOAL_RADIUS, BOID_OFFSET, BOID_VELOCITY, positive
+from selforg.mechanisms.formula import NeighbourMechanism
 from selforg.mechanisms.movement import Rule, open_rule
 from selforg.randomness import next_direction
 
@@ -27,12 +22,15 @@ SEPARATION = 0  # the only parameter of the formula
 
 
 @MECHANISMS.register
-class FlockingReynolds(FlockMechanism):
+class FlockingReynolds(NeighbourMechanism):
     """Separation + cohesion + alignment of Reynolds (1987), doi:10.1145/37401.37406, capped at max_speed.
 
     The terms are not normalised, and alignment is the plain difference of headings (Q30). separation: weight r of
     1 / (r * clearance) [1/m2].
     """
+
+    alone = True
+    boid_columns = BOID_COLUMNS
 
     def __init__(
         self,
@@ -42,7 +40,8 @@ class FlockingReynolds(FlockMechanism):
         max_speed: float = 1.0,
         **options: Unpack[MoveOptions],
     ) -> None:
-        super().__init__(buffer, max_speed=max_speed, **options)
+        super().__init__(buffer, **options)
+        self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
         self.parameters = np.array([positive(self, "separation", separation)])
 
     @staticmethod

@@ -177,3 +177,15 @@ def sum_of(formula: Formula) -> Combination:
         return True
 
     return sum_all
+
+
+class NeighbourMechanism(FormulaMechanism):
+    """Base class of mechanisms that look at the moving gradients of the neighbours, by default those of the poses."""
+
+    see_bits: ClassVar[int] = c.SEE_MOVING | c.SKIP_OWN
+
+    def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
+        poses = buffer if isinstance(buffer, OwnPoses) else buffer.poses
+        options["channels"] = tuple(options.get("channels", ())) or (poses.channel,)
+        super().__init__(buffer, **options)
+        self._see_bits = self.see_bits

@@ -1,39 +1,20 @@
 """Repulsion among robots: the two mechanisms that the paper compares."""
 
-from typing import Unpack
-
 import numpy as np
 
-from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import Pair, repulsion_balch
-from selforg.gradients.poses import OwnPoses
-from selforg.gradients.store.columns import SKIP_OWN
-from selforg.mechanisms.base import MECHANISMS, MoveOptions
-from selforg.mechanisms.formula import FormulaMechanism
-
-
-class Repulsion(FormulaMechanism):
-    """What both share: they look at the neighbours' moving gradients and answer with at most the own reach.
-
-    channels: those of the neighbours' gradients; by default the channel of the poses.
-    """
-
-    by_own_reach = True
-
-    def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
-        poses = buffer if isinstance(buffer, OwnPoses) else buffer.poses
-        options["channels"] = tuple(options.get("channels", ())) or (poses.channel,)
-        options["static"] = False
-        super().__init__(buffer, **options)
-        self._see_bits |= SKIP_OWN
+from selforg.mechanisms.base import MECHANISMS
+from selforg.mechanisms.formula import NeighbourMechanism
 
 
 @MECHANISMS.register
-class RepulsionFernandez(Repulsion):
+class RepulsionFernandez(NeighbourMechanism):
     """Repulsion of Fernandez-Marquez et al. (2013), doi:10.1007/s11047-012-9324-y.
 
     Beyond the own reach, but within the view distance, neighbours attract (Q5).
     """
+
+    by_own_reach = True
 
     @staticmethod
     def formula(pair: Pair) -> float:
@@ -47,8 +28,10 @@ class RepulsionFernandez(Repulsion):
 
 
 @MECHANISMS.register
-class RepulsionGradient(Repulsion):
+class RepulsionGradient(NeighbourMechanism):
     """Balch & Hybinette repulsion from the neighbours, doi:10.1109/ROBOT.2000.844042; contact counts the own reach."""
+
+    by_own_reach = True
 
     @staticmethod
     def formula(pair: Pair) -> float:

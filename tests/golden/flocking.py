@@ -6,8 +6,17 @@ import numpy as np
 
 from selforg.compiler.records import Packed
 from selforg.gradients.poses import OwnPoses
-from selforg.mechanisms.boids import BOID_COLUMNS, BOID_GOAL_RADIUS, BOID_OFFSET, BOID_VELOCITY
-from selforg.mechanisms.flocking import action, adjacency, bump, olfati_saber, sigma_norm
+from selforg.mechanisms.flocking import (
+    BOID_COLUMNS,
+    BOID_GOAL_RADIUS,
+    BOID_OFFSET,
+    BOID_VELOCITY,
+    action,
+    adjacency,
+    bump,
+    olfati_saber,
+    sigma_norm,
+)
 from selforg.mechanisms.flocking_reynolds import FlockingReynolds, mean_difference, separation
 from selforg.mechanisms.movement import RULE, Rule
 from selforg.space import Euclidean

@@ -14,7 +14,7 @@ from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.randomness import next_direction
-from tests.selforg.worlds import directions, make_world, scatter
+from tests.selforg.worlds import directions, make_world, scatter, set_pose
 
 COPIES = {"deepcopy": copy.deepcopy, "pickle": lambda thing: pickle.loads(pickle.dumps(thing))}
 TICKS = 4
@@ -56,7 +56,7 @@ def play_mechanism(mechanism, begin):
             decision = mechanism.spread(now)
             seen += [decision.values, decision.states.astype(float)]
         elif isinstance(mechanism, SteeringMechanism):
-            commands = Commands.none(poses.rows, 2)
+            commands = Commands(poses.rows, 2)
             commands.vectors[:], commands.commanded[:] = (0.3, 0.2), True
             mechanism.steer(now, np.arange(poses.rows), commands.packed.words)
             seen.append(commands.vectors.ravel())
@@ -108,7 +108,7 @@ def test_copies_of_poses_that_rows_hear_are_independent(how):
         for tick in range(TICKS):
             poses.update(poses.positions * 0.98, None, begin + 0.1 * tick)
             hearing.deliver()
-        poses.set_pose(3, (1.0, begin), (1.0, 0.0), begin + 0.9)
+        set_pose(poses, 3, (1.0, begin), (1.0, 0.0), begin + 0.9)
         return np.concatenate([poses.own.ravel(), poses.row_table.ravel().astype(float)])
 
     assert_copies_are_independent(make, play, how)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.gradient import Gradient
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.randomness import DirectionStream
@@ -34,6 +35,11 @@ def scatter(world, count, now=0.0, channel="trail", team=0, size=8.0, **fields):
     positions = world.rng.random((count, world.space.dim)) * size
     world.buffer.store_static(team, channel, positions, now, **fields)
     return positions
+
+
+def set_pose(poses, row, position, heading, now):
+    fields = {"diffusion": 1.0, "goal_radius": 0.5, "attraction": -1}
+    poses.set_gradient(row, Gradient(poses.channel, tuple(position), heading=tuple(heading), stamp=now, **fields))
 
 
 def directions(rows, dim=2, seed=9):

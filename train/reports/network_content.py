@@ -20,7 +20,7 @@ from selector.knowledge import Knowledge, Option
 from selforg.network.model.activators import Activator, Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Goal, Interface, Sensor
 from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree, leaves
-from selforg.network.nesting import NestedModel
+from selforg.network.model.model import NestedModel
 
 MINUS = "\N{MINUS SIGN}"
 

@@ -15,11 +15,13 @@ GOAL_RADIUS = 4  # radius of the goal area [m]
 # docs/decisions/0018-four-tables.md.
 
 # Links, int32 (M, LINK_COLUMNS)
-LINK_NEXT = 0  # next slot in the bucket (or in the list of free slots), -1 at the end
-LINK_CELL = 1  # cell of a static gradient, source of a moving one
-LINK_LAYER = 2  # row of the table of layers, -1 for a free slot
-LINK_SIGN = 3  # attraction: +1, 0, -1
-LINK_COLUMNS = 4
+(
+    LINK_NEXT,  # next slot in the bucket (or in the list of free slots), -1 at the end
+    LINK_CELL,  # cell of a static gradient, source of a moving one
+    LINK_LAYER,  # row of the table of layers, -1 for a free slot
+    LINK_SIGN,  # attraction: +1, 0, -1
+    LINK_COLUMNS,
+) = range(5)
 
 # Near table, float64 (M, NEAR_COLUMNS): the common columns and
 NEAR_DUE = 5  # time of the next evaporation [s], infinite if there is none
@@ -36,12 +38,15 @@ FAR_VALUE = 8  # a number that the gradient carries; MARK_KEY says which one
 FAR_COLUMNS = 9
 
 # Marks, int32 (M, MARK_COLUMNS)
-MARK_RANK = 0  # age of a moving gradient among those of its source, 0 is the newest
-MARK_SOURCE = 1  # who spread the gradient
-MARK_AFTER, MARK_BEFORE = 2, 3  # neighbours in the list of the layer, in the order of storing
-MARK_SERIAL = 4  # running number of the message, modulo SERIALS; the border finds payloads by it
-MARK_KEY = 5  # code of the payload entry that FAR_VALUE is, -1 for none
-MARK_COLUMNS = 6
+(
+    MARK_RANK,  # age of a moving gradient among those of its source, 0 is the newest
+    MARK_SOURCE,  # who spread the gradient
+    MARK_AFTER,  # this and the next: neighbours in the list of the layer, in the order of storing
+    MARK_BEFORE,
+    MARK_SERIAL,  # running number of the message, modulo SERIALS; the border finds payloads by it
+    MARK_KEY,  # code of the payload entry that FAR_VALUE is, -1 for none
+    MARK_COLUMNS,
+) = range(7)
 SERIALS = 1 << 31
 
 # Incoming messages, float64 (M, MESSAGE_COLUMNS): the common columns, then the far table's
@@ -49,19 +54,24 @@ MESSAGE_FAR = 5  # MESSAGE_FAR + FAR_STAMP: when the message was spread
 MESSAGE_COLUMNS = MESSAGE_FAR + FAR_COLUMNS
 
 # What goes with each incoming message, int64 (M, TAG_COLUMNS)
-TAG_SPACE = 0  # information space (a team, or a row) that receives the message
-TAG_CHANNEL = 1  # code of the channel
-TAG_SOURCE = 2  # who spread the message
-TAG_SIGN = 3  # attraction: +1, 0, -1
-TAG_MOVING = 4  # 1 for a moving gradient
-TAG_KEY = 5  # code of the payload entry that the message carries, -1 for none
-TAG_COLUMNS = 6
+(
+    TAG_SPACE,  # information space (a team, or a row) that receives the message
+    TAG_CHANNEL,  # code of the channel
+    TAG_SOURCE,  # who spread the message
+    TAG_SIGN,  # attraction: +1, 0, -1
+    TAG_MOVING,  # 1 for a moving gradient
+    TAG_KEY,  # code of the payload entry that the message carries, -1 for none
+    TAG_COLUMNS,
+) = range(7)
 
 # Layers, int32 (C * S * LEVELS, LAYER_COLUMNS): all gradients of one channel, space and level
-LAYER_HEAD, LAYER_TAIL = 0, 1  # first and last slot of the list, -1 for none
-LAYER_COUNT = 2  # gradients in the list
-LAYER_SWEEP = 3  # slot that is checked next for having evaporated, -1: the first
-LAYER_COLUMNS = 4
+(
+    LAYER_HEAD,  # first slot of the list, -1 for none
+    LAYER_TAIL,  # last slot of the list, -1 for none
+    LAYER_COUNT,  # gradients in the list
+    LAYER_SWEEP,  # slot that is checked next for having evaporated, -1: the first
+    LAYER_COLUMNS,
+) = range(5)
 
 # Levels: static gradients by reach, doubling; one for those without bound; one for moving gradients
 BOUNDED = 12
@@ -70,12 +80,14 @@ MOVING = 13
 LEVELS = 14
 
 # Counters of the store, int64 (COUNTERS,)
-COUNTER_FREE = 0  # first free slot, -1 for none
-COUNTER_USED = 1  # gradients stored
-COUNTER_HIGH = 2  # slots that were ever used
-COUNTER_SERIAL = 3  # serial number of the last message
-COUNTER_TIDY_AT = 4  # serial number from which on neighbours are moved together again
-COUNTERS = 5
+(
+    COUNTER_FREE,  # first free slot, -1 for none
+    COUNTER_USED,  # gradients stored
+    COUNTER_HIGH,  # slots that were ever used
+    COUNTER_SERIAL,  # serial number of the last message
+    COUNTER_TIDY_AT,  # serial number from which on neighbours are moved together again
+    COUNTERS,
+) = range(6)
 
 # Own poses, float64 (N, K, POSE_COLUMNS), the newest first: the common columns and
 POSE_STAMP = 5  # when the pose was spread [s]
@@ -92,12 +104,17 @@ ROW_HEARD = 3  # from here on, if rows hear each other: age of the last pose rec
 # after these, in the same order, the age of the one received before it
 
 # Pairs, float64 (P, PAIR_COLUMNS): what a row sees of one gradient
-PAIR_DX, PAIR_DY, PAIR_DZ = 0, 1, 2  # offset from the row to the gradient [m]
-PAIR_DISTANCE = 3  # [m]
-PAIR_DIFFUSION, PAIR_GOAL_RADIUS = 4, 5  # radii of the gradient [m]
-PAIR_SIGN = 6  # attraction of the gradient: +1, 0, -1
-PAIR_SLOT = 7  # slot of the store, or -1 - (row + N * age) for the shared pose of a row, age 0 the newest
-PAIR_COLUMNS = 8
+(
+    PAIR_DX,  # offset from the row to the gradient, with the next two [m]
+    PAIR_DY,
+    PAIR_DZ,
+    PAIR_DISTANCE,  # [m]
+    PAIR_DIFFUSION,  # radii of the gradient, with the next one [m]
+    PAIR_GOAL_RADIUS,
+    PAIR_SIGN,  # attraction of the gradient: +1, 0, -1
+    PAIR_SLOT,  # slot of the store, or -1 - (row + N * age) for the shared pose of a row, age 0 the newest
+    PAIR_COLUMNS,
+) = range(9)
 
 # What a row looks at, a set of bits
 SEE_STATIC, SEE_MOVING, SEE_HISTORY, SKIP_OWN = 1, 2, 4, 8

@@ -76,21 +76,11 @@ class Tables:
         """How many gradients are stored; those that evaporated unseen may still be counted."""
         return int(self.record.counters[c.COUNTER_USED])
 
-    @property
-    def next_serial(self) -> int:
-        """Serial number that the next message will get."""
-        return int(self.record.counters[c.COUNTER_SERIAL]) + 1
-
     def serials(self) -> set[int]:
         """Return the serial numbers (modulo SERIALS) of all stored gradients."""
         high = int(self.record.counters[c.COUNTER_HIGH])
         stored = self.record.links[:high, c.LINK_LAYER] >= 0
         return set(self.record.marks[:high, c.MARK_SERIAL][stored].tolist())
-
-    @property
-    def nbytes(self) -> int:
-        """Memory of the tables [bytes]."""
-        return sum(field.nbytes for field in self.record if isinstance(field, np.ndarray))
 
     def add_channel(self, rule: int) -> None:
         """Make layers for one channel more, which aggregates by `rule` (AGGREGATE_)."""

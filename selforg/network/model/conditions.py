@@ -59,7 +59,7 @@ class Leaf:
     """One condition of a tree, with the direction its wish takes at every negation above it when nothing is wished."""
 
     condition: Condition
-    directions: tuple[float, ...]  # innermost negation first
+    directions: tuple[float, ...] = ()  # innermost negation first
 
 
 def leaves(tree: Tree) -> list[Leaf]:
@@ -68,20 +68,19 @@ def leaves(tree: Tree) -> list[Leaf]:
     A negation turns a zero wish into its reversed direction; where it stands above several conditions on one sensor,
     the direction of the last one counts for all of them (Q25 of the original, matched).
     """
-    found = list(_walk(tree))
-    return [Leaf(condition, tuple(directions)) for condition, directions, _ in found]
+    return [leaf for leaf, _ in _walk(tree)]
 
 
-def _walk(tree: Tree) -> Iterator[tuple[Condition, list[float], float]]:
-    """Yield (condition, directions so far, the direction seen from here)."""
+def _walk(tree: Tree) -> Iterator[tuple[Leaf, float]]:
+    """Yield leaves with the directions so far, and the direction seen from here."""
     if isinstance(tree, Condition):
-        yield tree, [], tree.activator.direction
+        yield Leaf(tree), tree.activator.direction
     elif isinstance(tree, Negation):
         below = list(_walk(tree.of))
-        last = {condition.sensor: direction for condition, _, direction in below}
-        for condition, directions, _ in below:
-            turned = -last[condition.sensor]
-            yield condition, [*directions, turned], turned
+        last = {leaf.condition.sensor: direction for leaf, direction in below}
+        for leaf, _ in below:
+            turned = -last[leaf.condition.sensor]
+            yield Leaf(leaf.condition, (*leaf.directions, turned)), turned
     else:
         for branch in tree.of:
             yield from _walk(branch)

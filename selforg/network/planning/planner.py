@@ -5,7 +5,6 @@ Plans hold no planner-independent behaviours.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -23,25 +22,8 @@ from selforg.network.planning.task import PlanTask
 from selforg.network.planning.translation import Translation
 
 
-class Planner(ABC):
-    """What a network asks when a row needs a plan that the planner's `memory` does not hold."""
-
-    memory: PlanMemory
-
-    @abstractmethod
-    def plan(self, readings: Floats, alternatives: Ints, goal_enabled: Ints) -> list[int] | None:
-        """Return the behaviours of a plan in their order, None if there is none.
-
-        Args:
-            readings: (S,) of one row.
-            alternatives: (B,) which of its alternatives each behaviour holds, -1: none.
-            goal_enabled: (G,) 1 where a goal is on.
-
-        """
-
-
-class BuiltInPlanner(Planner):
-    """Plans for the model's own planning problem, goals by priority.
+class Planner:
+    """Plans for the planning problem of a model, goals by priority, for rows whose plan its `memory` does not hold.
 
     `make_search` makes what searches one problem: the built-in forward search, or an engine in its place (see
     `planner_named`).
@@ -58,7 +40,14 @@ class BuiltInPlanner(Planner):
         self.memory = self._make_memory()
 
     def plan(self, readings: Floats, alternatives: Ints, goal_enabled: Ints) -> list[int] | None:
-        """Return the behaviours of a plan for one row in their order; None if no goal has a plan."""
+        """Return the behaviours of a plan in their order; None if no goal has a plan.
+
+        Args:
+            readings: (S,) of one row.
+            alternatives: (B,) which of its alternatives each behaviour holds, -1: none.
+            goal_enabled: (G,) 1 where a goal is on.
+
+        """
         held = tuple(int(alternatives[b]) for b in self._coordinators)
         if held not in self._searches:
             self._searches[held] = SpendingSearch(self._problem(held), self._make_search, self._spent)
@@ -144,4 +133,4 @@ def planner_named(model: NetworkModel, name: str) -> Planner | None:
     check_planner(name)
     if name == OFF:
         return None
-    return BuiltInPlanner(model) if name == BUILT_IN else BuiltInPlanner(model, partial(EngineSearch, engine=name))
+    return Planner(model) if name == BUILT_IN else Planner(model, partial(EngineSearch, engine=name))

@@ -14,7 +14,7 @@ from selforg.network import state as st
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.memory import PlanMemory
-from selforg.network.planning.planner import BuiltInPlanner, Planner
+from selforg.network.planning.planner import Planner
 from selforg.network.planning.problem import PlanningProblem
 from selforg.network.planning.search import Answer, ForwardSearch, State
 from tests.golden.case import Case, SetAside, difference
@@ -60,7 +60,7 @@ class RecordedPlanner(Planner):
         self.answer: list[int] | None = None
         self._calls = 0
         self._searches: list[CountedSearch] = []
-        self._own = model and BuiltInPlanner(model, self._make_search)
+        self._own = model and Planner(model, self._make_search)
 
     @property
     def calls(self) -> int:

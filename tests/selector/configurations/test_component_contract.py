@@ -87,7 +87,7 @@ def test_every_action_can_be_declared(cls):
     made = running(document(actions=[declared(cls)]))
     made.robots.sense(1.0, np.array([0]))
     made.network.step(guarantee=True)
-    made.robots.act(1.0, np.array([0]), Commands.none(1, 2))
+    made.robots.act(1.0, np.array([0]), Commands(1, 2))
     made.robots.leave(1.0)
 
 

@@ -17,7 +17,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.planning.planner import Planner
 from selforg.space import Euclidean
 
 ROWS, GOAL = 20, "AvoidCollision"
@@ -61,8 +61,8 @@ def _flat(nested: NetworkModel, avoidance: CoordinatorModel, option: int) -> Net
 def test_the_network_above_does_what_it_would_do_without_the_nesting(avoidance, option, planner):
     model = robot_network(NetworkConfig(), [avoidance]).model
     flat_model = _flat(model, avoidance, option)
-    nested = BehaviourNetwork(model, ROWS, BuiltInPlanner(model) if planner else None)
-    flat = BehaviourNetwork(flat_model, ROWS, BuiltInPlanner(flat_model) if planner else None)
+    nested = BehaviourNetwork(model, ROWS, Planner(model) if planner else None)
+    flat = BehaviourNetwork(flat_model, ROWS, Planner(flat_model) if planner else None)
     nested.hold(np.arange(ROWS), model.behaviour_index[GOAL], option)
     rng, ran = np.random.default_rng(1), set()
     readings = np.zeros_like(nested.readings)
@@ -116,7 +116,7 @@ def test_a_running_coordinator_moves_its_rows_by_the_vector_of_the_option_they_h
     for _ in range(60):
         coordinator.sense(0.0)
         network.step()
-        commands = Commands.none(ROWS, 2)
+        commands = Commands(ROWS, 2)
         coordinator.act(0.0, commands)
         coordinator.leave(0.0)
         moved, commanded = commands.vectors, commands.commanded

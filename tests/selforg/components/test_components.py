@@ -174,8 +174,8 @@ def test_a_decided_state_becomes_knowledge(buffer):
 def test_a_set_state_is_known_from_the_start_of_its_behaviour_on():
     memory = RobotMemory(3, {"role": 0.0, "home": True})
     leave_home = SetState(memory["home"], False)
-    leave_home.act(1.0, ALL, np.array([1]), Commands.none(3, 2))
-    SetState(memory["role"], 4.0).act(1.0, ALL, np.array([0, 2]), Commands.none(3, 2))
+    leave_home.act(1.0, ALL, np.array([1]), Commands(3, 2))
+    SetState(memory["role"], 4.0).act(1.0, ALL, np.array([0, 2]), Commands(3, 2))
     assert Known(memory["home"]).read(ALL).tolist() == [1.0, 0.0, 1.0]
     assert Known(memory["role"]).read(SOME).tolist() == [4.0, 4.0]
     memory.reset([0, 1])
@@ -188,10 +188,10 @@ def test_cargo_is_handed_over_once_it_has_gained_its_span_unless_it_is_near():
     memory["gained"].write(range(4), [3.9, 4.0, 9.0, 9.0])
     memory["left"].write(range(4), [5.0, 2.1, 2.0, 5.0])
     hand_over = HandOver(*names, span=4.0, near=2.0, blind=7.0)
-    hand_over.act(1.0, np.arange(3), np.arange(0), Commands.none(4, 2))
+    hand_over.act(1.0, np.arange(3), np.arange(0), Commands(4, 2))
     assert memory["ask"].values.tolist() == [0.0, 7.0, 0.0, 0.0]
     memory.reset(range(4))
-    HandOver(*names, span=0.0, near=0.0, blind=7.0).act(1.0, np.arange(4), np.arange(4), Commands.none(4, 2))
+    HandOver(*names, span=0.0, near=0.0, blind=7.0).act(1.0, np.arange(4), np.arange(4), Commands(4, 2))
     assert not memory["ask"].values.any()
     with pytest.raises(ValueError, match=r"HandOver: blind must be at least 1e-06, got 0\.0"):
         HandOver(*names, span=4.0, near=2.0, blind=0.0)
@@ -211,7 +211,7 @@ def test_what_cannot_be_known_is_refused():
 
 def test_move_and_turn_command_what_their_source_says(buffer):
     source = asked(MovementSource(RepulsionGradient(buffer)))
-    commands = Commands.none(3, 2)
+    commands = Commands(3, 2)
     Move(source).act(1.0, np.array([0, 2]), np.array([0]), commands)
     np.testing.assert_array_equal(commands.vectors[[0, 1]], [source.vectors[0], [0.0, 0.0]])
     assert commands.commanded.tolist() == [True, False, False]
@@ -223,7 +223,7 @@ def test_move_and_turn_command_what_their_source_says(buffer):
 
 def test_a_move_adds_the_movement_of_another_mechanism(buffer):
     away, towards = (asked(MovementSource(kind(buffer))) for kind in (RepulsionGradient, FollowAll))
-    commands = Commands.none(3, 2)
+    commands = Commands(3, 2)
     Move(away, plus=towards).act(1.0, ALL, ALL, commands)
     assert np.array_equal(commands.vectors, away.vectors + towards.vectors)
     assert not np.array_equal(commands.vectors, away.vectors)
@@ -234,7 +234,7 @@ def test_a_depositing_mechanism_deposits_when_all_movements_are_known(buffer):
     trail = Pheromone("trail", -1, 1.0, 0.9, 30.0)
     move = Move(asked(MovementSource(Patrol(buffer, pheromone=trail, channels=("trail",)))))
     seen = FollowAll(buffer, channels=("trail",))
-    move.act(1.0, np.array([1]), ALL, Commands.none(3, 2))
+    move.act(1.0, np.array([1]), ALL, Commands(3, 2))
     assert not seen.move(1.0)[1].any()
     move.leave(1.0, np.array([1]))
     assert seen.move(1.0)[1].tolist() == [True, True, False]

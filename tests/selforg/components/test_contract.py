@@ -90,9 +90,9 @@ class Surroundings:
     def build(self, cls):
         """Return a component built with its example; what that leaves open is given by type."""
         arguments = dict(cls.example)
-        for name, (annotation, default) in parameters_of(cls).items():
-            if arguments.get(name) is None and (name in arguments or default is REQUIRED):
-                kinds = (annotation, *get_args(annotation))
+        for name, one in parameters_of(cls).items():
+            if arguments.get(name) is None and (name in arguments or one.default is REQUIRED):
+                kinds = (one.annotation, *get_args(one.annotation))
                 arguments[name] = next(part for kind, part in self.parts.items() if kind in kinds)
         component = cls(**arguments)
         for source in component.sources:
@@ -131,7 +131,7 @@ def test_a_sensor_reads_one_finite_number_a_row_and_changes_nothing(cls, around)
 
 @pytest.mark.parametrize("cls", list(ACTIONS), ids=ACTIONS.names())
 def test_an_action_commands_its_rows_and_no_others(cls, around):
-    action, commands = around.build(cls), Commands.none(4, 2)
+    action, commands = around.build(cls), Commands(4, 2)
     action.act(1.0, np.array([2, 0]), np.array([2]), commands)
     action.steer(1.0, np.array([2, 0]), commands)
     assert np.isfinite(commands.vectors).all()
@@ -144,7 +144,7 @@ def test_an_action_commands_its_rows_and_no_others(cls, around):
 
 @pytest.mark.parametrize("cls", list(ACTIONS), ids=ACTIONS.names())
 def test_an_action_without_rows_does_nothing(cls, around):
-    action, commands, before = around.build(cls), Commands.none(4, 2), around.state()
+    action, commands, before = around.build(cls), Commands(4, 2), around.state()
     action.act(1.0, ROWS[:0], ROWS[:0], commands)
     action.steer(1.0, ROWS[:0], commands)
     action.leave(1.0, ROWS[:0])

@@ -30,7 +30,7 @@ from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSet
 from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.planning.planner import Planner
 from selforg.space import Euclidean
 
 STARTS = np.array([[0.0, 0.0], [0.6, 0.1], [0.0, 4.0], [0.5, 4.5]])
@@ -73,7 +73,7 @@ def travellers(starts):
     memory = RobotMemory(rows, {"told": False})
     model = traveller_model()
     robots = OrganisedRobots(
-        BehaviourNetwork(model, rows, BuiltInPlanner(model)),
+        BehaviourNetwork(model, rows, Planner(model)),
         {
             "near": VectorPresent(push, longer_than=0.05),
             "pushed": VectorLength(push),

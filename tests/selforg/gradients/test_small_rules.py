@@ -9,6 +9,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import ATTRACTIVE, EVERYTHING, REPULSIVE, Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.space import Euclidean
+from tests.selforg.worlds import set_pose
 
 FAR = Filter(view_distance=np.inf)
 
@@ -25,7 +26,7 @@ def test_b1_without_own_pose_an_infinite_view_shows_gradients_of_all_signs_or_no
         buffer.store_static(0, "f", [[1.0, float(sign)]], 0.0, attraction=sign)
     queries = Queries(buffer)
     assert len(queries.gradients(0, 0.0, FAR, signs=signs)) == seen
-    buffer.poses.set_pose(0, (0.0, 0.0), (1.0, 0.0), 0.0)
+    set_pose(buffer.poses, 0, (0.0, 0.0), (1.0, 0.0), 0.0)
     assert len(queries.gradients(0, 0.0, FAR, signs=signs)) == max(seen, 1)
 
 

@@ -26,7 +26,7 @@ def world_of(places, goals=(), **options):
 
 def eastward(rows):
     """Return commands to go east."""
-    commands = Commands.none(rows, 2)
+    commands = Commands(rows, 2)
     commands.vectors[:, 0], commands.commanded[:] = 0.8, True
     return commands
 

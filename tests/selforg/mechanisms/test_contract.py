@@ -8,7 +8,7 @@ from selforg.gradients.gradient import Gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, Carried, DecisionMechanism, FormulaMechanism, MovementMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
-from tests.selforg.worlds import directions, make_world, scatter
+from tests.selforg.worlds import directions, make_world, scatter, set_pose
 
 
 @MECHANISMS.register
@@ -32,12 +32,12 @@ def crowded(space="torus", rows=6, order=None, seed=1):
         places, headings = world.poses.positions[order].copy(), world.poses.own[order, 0, 6:9].copy()
         for row in range(rows):
             world.poses.forget([row])
-            world.poses.set_pose(row, places[row], headings[row][: world.space.dim], 0.0)
+            set_pose(world.poses, row, places[row], headings[row][: world.space.dim], 0.0)
     for sign in (-1, 0, 1):
         scatter(world, 15, channel=f"sign{sign}", attraction=sign, diffusion=2.0, goal_radius=0.2, size=5.0)
     for row in range(rows):  # a second pose, so that everybody has a velocity
         place = world.poses.positions[row] + 0.1
-        world.poses.set_pose(row, place, world.poses.own[row, 0, 6 : 6 + world.space.dim], 0.5)
+        set_pose(world.poses, row, place, world.poses.own[row, 0, 6 : 6 + world.space.dim], 0.5)
     return world
 
 

@@ -3,7 +3,7 @@ import pytest
 
 from selforg.gradients.gradient import Gradient
 from selforg.mechanisms import Flocking, FlockingReynolds
-from tests.selforg.worlds import directions, make_world
+from tests.selforg.worlds import directions, make_world, set_pose
 
 OTHER = [(0.9, (4.0, 3.0)), (1.2, (4.2, 3.1))]
 """When [s] and where [m] the other robot spreads its pose."""
@@ -17,10 +17,10 @@ def test_a_flock_moves_alike_with_poses_that_are_shared_and_with_those_that_are_
         world = make_world(rows=rows)
         world.poses.forget(np.arange(rows))
         for now, place in OWN:
-            world.poses.set_pose(0, place, (1.0, 0.0), now)
+            set_pose(world.poses, 0, place, (1.0, 0.0), now)
         for now, place in OTHER:
             if rows == 2:
-                world.poses.set_pose(1, place, (0.0, 1.0), now)
+                set_pose(world.poses, 1, place, (0.0, 1.0), now)
             else:
                 pose = {"diffusion": 1.0, "goal_radius": 0.5, "attraction": -1, "heading": (0.0, 1.0), "moving": True}
                 world.buffer.receive(Gradient("robot", place, source="another", stamp=now, **pose), now, row=0)

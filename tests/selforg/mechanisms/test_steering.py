@@ -38,7 +38,7 @@ def moving(rows=8, side=4.0, seed=0, teams=None, **options):
 
 def wishes(rows, seed=0):
     rng = np.random.default_rng(seed + 1000)
-    commands = Commands.none(rows, 2)
+    commands = Commands(rows, 2)
     angles = rng.uniform(-np.pi, np.pi, rows)
     commands.vectors[:] = rng.uniform(0.3, 1.0, (rows, 1)) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     commands.commanded[:] = True
@@ -103,7 +103,7 @@ def test_who_did_not_get_on_dares_to_come_near_for_some_seconds():
     for tick in range(70):
         now = DT * (tick + 2)
         poses.update(np.array([[5.0, 5.0], [5.55, 5.0]]), np.zeros(2), now)
-        commands = Commands.none(2, 2)
+        commands = Commands(2, 2)
         commands.vectors[:], commands.commanded[:] = (1.0, 0.0), True
         steering.steer(now, np.array([0]), commands.packed.words)
         blocked.append(commands.vectors[0].tolist() != [1.0, 0.0])
@@ -180,7 +180,7 @@ def test_two_robots_that_meet_each_make_half_of_the_way():
         poses.update(
             np.array([[4.0 + DT * tick, 5.0], [6.0 - DT * tick, 5.02]]), np.array([0.0, np.pi]), 10.0 + DT * tick
         )
-    commands = Commands.none(2, 2)
+    commands = Commands(2, 2)
     commands.vectors[:], commands.commanded[:] = [[1.0, 0.0], [-1.0, 0.0]], True
     ORCA(poses, view_distance=1.0).steer(10.0 + DT, np.arange(2), commands.packed.words)
     np.testing.assert_allclose(commands.vectors[0], -commands.vectors[1], atol=1e-9)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.planning.planner import Planner
 from tests.selforg.network.cleaning import cleaning_model, wandering
 
 ROWS, BEFORE, AFTER = 30, 6, 20
@@ -37,7 +37,7 @@ def assert_equal(ones, others):
 
 def planned():
     model = cleaning_model()
-    return BehaviourNetwork(model, ROWS, BuiltInPlanner(model))
+    return BehaviourNetwork(model, ROWS, Planner(model))
 
 
 def explained():

@@ -8,7 +8,7 @@ from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface,
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.planning.planner import Planner
 from tests.selforg.network.cleaning import cleaning_model, wandering
 from tests.selforg.network.random_models import Draw
 
@@ -106,7 +106,7 @@ def test_every_reason_has_words():
 
 def test_an_explanation_adds_up():
     model = cleaning_model()
-    network = BehaviourNetwork(model, 3, BuiltInPlanner(model), explained=True)
+    network = BehaviourNetwork(model, 3, Planner(model), explained=True)
     decay, before = model.settings.activation_decay, explain(network, 2)
     for readings in wandering(np.random.default_rng(0), 15, 3):
         network.readings[:] = readings
@@ -141,7 +141,7 @@ def test_conditions_show_what_is_held_and_what_is_optional():
 
 def test_the_text_holds_table_and_tree():
     model = cleaning_model()
-    network = BehaviourNetwork(model, 3, BuiltInPlanner(model), explained=True)
+    network = BehaviourNetwork(model, 3, Planner(model), explained=True)
     for readings in wandering(np.random.default_rng(0), 15, 3):
         network.readings[:] = readings
         network.step()

@@ -3,8 +3,7 @@ import pytest
 from selforg.network.model.activators import Boolean
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition
-from selforg.network.model.model import NetworkModel
-from selforg.network.nesting import NestedModel
+from selforg.network.model.model import NestedModel, NetworkModel
 
 A, B, C = (Sensor(name, "fact") for name in "abc")
 STEADY = NetworkSettings(activation_threshold=0.5, threshold_decay=1.0)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.planning.planner import Planner
 from tests.paths import ROOT
 from tests.selforg.network.cleaning import cleaning_model, wandering
 
@@ -19,7 +19,7 @@ ROWS, STEPS = 4, 12
 def digest():
     """A digest of everything that a small network knows in the course of a life."""
     model = cleaning_model()
-    network = BehaviourNetwork(model, ROWS, BuiltInPlanner(model), explained=True)
+    network = BehaviourNetwork(model, ROWS, Planner(model), explained=True)
     told = hashlib.sha256()
     for now in wandering(np.random.default_rng(3), STEPS, ROWS):
         network.readings[:] = now

@@ -8,7 +8,7 @@ import pytest
 from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.pddl import EngineSearch, environment
-from selforg.network.planning.planner import BuiltInPlanner, check_planner, planner_named
+from selforg.network.planning.planner import Planner, check_planner, planner_named
 from selforg.network.planning.search import ForwardSearch
 from tests.selforg.network.cleaning import cleaning_model, wandering
 
@@ -26,15 +26,15 @@ class Asked(ForwardSearch):
 def test_off_is_no_planner_and_built_in_plans():
     model = cleaning_model()
     assert planner_named(model, "off") is None
-    assert isinstance(planner_named(model, "built-in"), BuiltInPlanner)
+    assert isinstance(planner_named(model, "built-in"), Planner)
 
 
 def test_another_search_takes_the_place_of_the_built_in_one():
     model = cleaning_model()
     question = np.zeros(len(model.sensors)), np.zeros(8, np.int64), np.ones(3, np.int64)
-    expected = BuiltInPlanner(model).plan(*question)
+    expected = Planner(model).plan(*question)
     Asked.asked = 0
-    assert BuiltInPlanner(model, Asked).plan(*question) == expected
+    assert Planner(model, Asked).plan(*question) == expected
     assert expected
     assert Asked.asked > 0
 

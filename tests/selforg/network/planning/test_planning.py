@@ -9,13 +9,13 @@ from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.planning.planner import Planner
 from tests.selforg.network.cleaning import FACTS, SENSORS, cleaning_model, wandering
 
 CHAIN = ["MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"]
 
 
-class Counting(BuiltInPlanner):
+class Counting(Planner):
     def __init__(self, model):
         super().__init__(model)
         self.calls = 0
@@ -81,7 +81,7 @@ def readings_of(*facts, far=5.0):
 )
 def test_the_robot_plans_its_tasks_from_where_it_stands(facts, plan):
     model = cleaning_model()
-    found = BuiltInPlanner(model).plan(readings_of(*facts), np.zeros(8, np.int64), np.ones(3, np.int64))
+    found = Planner(model).plan(readings_of(*facts), np.zeros(8, np.int64), np.ones(3, np.int64))
     assert [model.behaviours[b].name for b in found] == plan
 
 
@@ -89,7 +89,7 @@ def test_goals_that_are_off_take_no_part():
     model = cleaning_model()
     goals = np.array([0, 1, 0])  # GarbageCleaned alone
     seen = readings_of("garbage_seen", "garbage_found", "rep_bool")
-    found = BuiltInPlanner(model).plan(seen, np.zeros(8, np.int64), goals)
+    found = Planner(model).plan(seen, np.zeros(8, np.int64), goals)
     assert [model.behaviours[b].name for b in found] == CHAIN
 
 
@@ -100,8 +100,8 @@ def test_a_planner_independent_behaviour_is_in_no_plan():
     own = NetworkModel(sensors, [Behaviour("heat", **heat)], [wanted])
     shy = NetworkModel(sensors, [Behaviour("heat", planner_independent=True, **heat)], [wanted])
     question = np.zeros(1), np.zeros(1, np.int64), np.ones(1, np.int64)
-    assert BuiltInPlanner(own).plan(*question) == [0]
-    assert BuiltInPlanner(shy).plan(*question) is None
+    assert Planner(own).plan(*question) == [0]
+    assert Planner(shy).plan(*question) is None
 
 
 def test_facts_lists_all_booleans():

@@ -10,7 +10,7 @@ from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.guards import guarded_action, make_guard
-from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.planning.planner import Planner
 from selforg.network.planning.problem import (
     AllOf,
     ChangeNumber,
@@ -103,7 +103,7 @@ def chain_model(length):
 
 @pytest.mark.parametrize("readings", [[9.0, 2.5, 3.0, 0.5, 2.0, 4.9], [0.5, 2.0, 2.5, 3.0, 4.9, 9.0]])
 def test_a_network_remembers_no_further_than_the_fuel_lasts(readings):
-    network = BehaviourNetwork(chain_model(3), len(readings), BuiltInPlanner(chain_model(3)))
+    network = BehaviourNetwork(chain_model(3), len(readings), Planner(chain_model(3)))
     network.readings[:, -1] = readings
     for _ in range(4):  # the memory is widened, and what it then holds is asked
         network.state.plan_marks[:, st.PLAN_ALARM] = 1
