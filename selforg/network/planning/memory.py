@@ -18,7 +18,7 @@ from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Packed, Recording, Words, Written
 from selforg.network import state as st
-from selforg.network.planning.guards import STEPS_PER_UNIT
+from selforg.network.planning.problem import STEPS_PER_UNIT
 from selforg.network.planning.spending import Spent
 from selforg.network.planning.task import Scale
 from selforg.network.state import MAX_PLAN, RowStates, open_states

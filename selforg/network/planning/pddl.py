@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from selforg.network.planning.guards import FactTest, Guard, GuardedAction, Test, make_guard, mandatory_tests
-from selforg.network.planning.problem import PlanningProblem
+from selforg.network.planning.problem import FactTest, Guard, PlanningAction, PlanningProblem, Test, mandatory_tests
 from selforg.network.planning.search import Answer, ForwardSearch, Search, State, Unknown, Unsolvable
 
 INSTALL = "pip install 'clean-swarm[planning]'"
@@ -96,7 +95,7 @@ class EngineSearch(Search):
 
 def to_unified(search: Search, state: State, goals: tuple[int, ...]) -> Any:  # noqa: ANN401
     """Return a `unified_planning.model.Problem`: this start, these goals together, the sum of costs minimised."""
-    return _Translator(search.problem, search.steps, state).problem(make_guard(search.goal_condition(goals)))
+    return _Translator(search.problem, state).problem(search.goal_condition(goals))
 
 
 def write_pddl(
@@ -115,12 +114,11 @@ def write_pddl(
 class _Translator:
     """Builds the library's problem out of ours, in whole numbers."""
 
-    def __init__(self, problem: PlanningProblem, steps: tuple[GuardedAction, ...], state: State) -> None:
+    def __init__(self, problem: PlanningProblem, state: State) -> None:
         self.env = environment()
         self.make = self.env.expression_manager
         self.model = import_module("unified_planning.model")
-        self.names = [action.name for action in problem.actions]
-        self.steps, self.state = steps, state
+        self.steps, self.state = problem.actions, state
         types = self.env.type_manager
         self.facts = [self.model.Fluent(name, types.BoolType(), environment=self.env) for name in problem.facts]
         self.numbers = [self.model.Fluent(name, types.IntType(), environment=self.env) for name in problem.numbers]
@@ -142,8 +140,8 @@ class _Translator:
         target.add_quality_metric(metrics.MinimizeActionCosts(costs, environment=self.env))
         return target
 
-    def action(self, step: GuardedAction) -> Any:  # noqa: ANN401
-        target = self.model.InstantaneousAction(self.names[step.action], _env=self.env)
+    def action(self, step: PlanningAction) -> Any:  # noqa: ANN401
+        target = self.model.InstantaneousAction(step.name, _env=self.env)
         target.add_precondition(self.condition(step.guard))
         for slot, fluent in enumerate(self.facts):
             gained, kept = step.gain >> slot & 1, step.keep >> slot & 1

@@ -12,10 +12,9 @@ import numpy as np
 
 from selforg.arrays import Floats, Ints
 from selforg.network.model.model import NetworkModel
-from selforg.network.planning.guards import FactTest, NumberTest, all_tests, guarded_action, make_guard
 from selforg.network.planning.memory import PlanMemory
 from selforg.network.planning.pddl import EngineSearch, check_engine
-from selforg.network.planning.problem import AllOf, PlanningProblem
+from selforg.network.planning.problem import FactTest, NumberTest, PlanningProblem, all_of, all_tests
 from selforg.network.planning.search import ForwardSearch, Plan, Search
 from selforg.network.planning.spending import SpendingSearch, spent_numbers
 from selforg.network.planning.task import PlanTask
@@ -82,9 +81,8 @@ class Planner:
                 always, *others = behaviour.interfaces
                 actions.append(self._translation.action(behaviour, [always[1]]))
                 actions += [self._translation.action(behaviour, [always[1], other[1]]) for other in others]
-        steps = tuple(guarded_action(k, action) for k, action in enumerate(actions))
-        goal = make_guard(AllOf(tuple(goal.condition for goal in self._translation.goals)))
-        return PlanTask(steps, goal, len(self._translation.numbers))
+        goal = all_of(goal.condition for goal in self._translation.goals)
+        return PlanTask(self._translation.problem(actions).actions, goal, len(self._translation.numbers))
 
     def _make_memory(self) -> PlanMemory:
         """Return a memory whose keys tell apart whatever any combination of alternatives could depend on."""

@@ -17,8 +17,7 @@ from typing import TypeAlias, final
 import numpy as np
 import numpy.typing as npt
 
-from selforg.network.planning.guards import guarded_action, in_steps, is_met, make_guard
-from selforg.network.planning.problem import AllOf, PlanningProblem
+from selforg.network.planning.problem import STEPS_PER_UNIT, Guard, PlanningProblem, all_of, in_steps, is_met
 from selforg.network.planning.task import STEP_UNIT, PlanTask, reachable
 
 
@@ -54,7 +53,6 @@ class Search(ABC):
 
     def __init__(self, problem: PlanningProblem) -> None:
         self.problem = problem
-        self.steps = tuple(guarded_action(index, action) for index, action in enumerate(problem.actions))
 
     @final
     def plan(self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64], goals: Sequence[int]) -> Answer:
@@ -90,16 +88,16 @@ class Search(ABC):
     def plan_from(self, state: State, goals: tuple[int, ...]) -> Answer:
         """Return the best plan from a state that `read_state` gave."""
 
-    def goal_condition(self, goals: tuple[int, ...]) -> AllOf:
+    def goal_condition(self, goals: tuple[int, ...]) -> Guard:
         """Return the conjunction of goals given by their indices."""
         for goal in goals:
             if not 0 <= goal < len(self.problem.goals):
                 raise ValueError(f"goal index must be in 0..{len(self.problem.goals) - 1}, got {goal}")
-        return AllOf(tuple(self.problem.goals[goal].condition for goal in goals))
+        return all_of(self.problem.goals[goal].condition for goal in goals)
 
     def found(self, actions: tuple[int, ...]) -> Plan:
         """Return the plan of these actions with its cost."""
-        return Plan(actions, math.fsum(self.problem.actions[index].cost for index in actions))
+        return Plan(actions, sum(self.problem.actions[index].cost for index in actions) / STEPS_PER_UNIT)
 
 
 class ForwardSearch(Search):
@@ -109,9 +107,9 @@ class ForwardSearch(Search):
         problem: facts, numbers, actions and goals.
         node_limit: states a single search may open before it answers `Unknown`.
 
-    >>> from selforg.network.planning.problem import FactIs, PlanningAction, PlanningGoal, SetFact
-    >>> pick = PlanningAction("Pick", (FactIs(0),), (SetFact(1),))
-    >>> problem = PlanningProblem(("at", "carrying"), (), (pick,), (PlanningGoal("Carry", FactIs(1)),))
+    >>> from selforg.network.planning.problem import PlanningGoal, fact_is, planning_action
+    >>> pick = planning_action("Pick", [fact_is(0)], [(1, True)])
+    >>> problem = PlanningProblem(("at", "carrying"), (), (pick,), (PlanningGoal("Carry", fact_is(1)),))
     >>> ForwardSearch(problem).plan(np.array([True, False]), np.zeros(0), [0])
     Plan(actions=(0,), cost=1.0)
 
@@ -132,8 +130,8 @@ class ForwardSearch(Search):
     def _task(self, goals: tuple[int, ...]) -> PlanTask:
         task = self._tasks.get(goals)
         if task is None:
-            guard = make_guard(self.goal_condition(goals))
-            task = self._tasks[goals] = PlanTask(self.steps, guard, len(self.problem.numbers))
+            goal = self.goal_condition(goals)
+            task = self._tasks[goals] = PlanTask(self.problem.actions, goal, len(self.problem.numbers))
         return task
 
     def _search(self, task: PlanTask, start: State) -> Answer:
@@ -158,7 +156,7 @@ class ForwardSearch(Search):
                 if not is_met(step.guard, *state):
                     continue
                 following = task.after(step, *state)
-                reached = (cost + step.cost, len(sequence) + 1, (*sequence, step.action))
+                reached = (cost + step.cost, len(sequence) + 1, (*sequence, step.number))
                 if following in opened or best.get(following, reached) < reached:
                     continue
                 best[following] = reached

@@ -22,8 +22,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from selforg.network.planning.guards import NumberTest, all_tests, is_met, make_guard
-from selforg.network.planning.problem import ChangeNumber, PlanningProblem
+from selforg.network.planning.problem import NumberTest, PlanningProblem, all_tests, is_met
 from selforg.network.planning.search import Plan, PriorityPlan, Search, State, plan_by_priority
 from selforg.network.planning.task import PlanTask
 
@@ -101,22 +100,18 @@ class SpendingSearch:
             return True
         bits, numbers = state
         for action in plan.outcome.actions:
-            step = self.search.steps[action]
+            step = self.problem.actions[action]
             if not is_met(step.guard, bits, numbers):
                 return False
             values = list(numbers)
             for slot, change in step.changes:
                 values[slot] += change
             bits, numbers = bits & step.keep | step.gain, tuple(values)
-        return is_met(make_guard(self.search.goal_condition(plan.goals)), bits, numbers)
+        return is_met(self.search.goal_condition(plan.goals), bits, numbers)
 
 
 def _without_spending(problem: PlanningProblem, spent: Sequence[Spent]) -> PlanningProblem:
     slots = {number.slot for number in spent}
-    actions = (
-        replace(
-            action, effects=tuple(e for e in action.effects if not (isinstance(e, ChangeNumber) and e.number in slots))
-        )
-        for action in problem.actions
-    )
+    kept = [tuple(one for one in action.changes if one[0] not in slots) for action in problem.actions]
+    actions = [action._replace(changes=changes) for action, changes in zip(problem.actions, kept, strict=True)]
     return replace(problem, actions=tuple(actions))

@@ -19,11 +19,11 @@ from functools import reduce
 from math import gcd
 from typing import NamedTuple
 
-from selforg.network.planning.guards import (
+from selforg.network.planning.problem import (
     FactTest,
     Guard,
-    GuardedAction,
     NumberTest,
+    PlanningAction,
     Test,
     all_tests,
     mandatory_tests,
@@ -70,7 +70,7 @@ class PlanTask:
 
     """
 
-    def __init__(self, steps: Sequence[GuardedAction], goal: Guard, numbers: int) -> None:
+    def __init__(self, steps: Sequence[PlanningAction], goal: Guard, numbers: int) -> None:
         self.goal = goal
         relevant, tests = _relevant(steps, goal)
         self.fact_mask = sum(1 << slot for slot in {test.slot for test in tests if isinstance(test, FactTest)})
@@ -90,7 +90,7 @@ class PlanTask:
             values[slot] = _clamped(numbers[slot], low, high)
         return bits & self.fact_mask, tuple(values)
 
-    def after(self, step: GuardedAction, bits: int, numbers: tuple[int, ...]) -> tuple[int, tuple[int, ...]]:
+    def after(self, step: PlanningAction, bits: int, numbers: tuple[int, ...]) -> tuple[int, tuple[int, ...]]:
         """Return the state an action leads to."""
         bits = (bits & step.keep | step.gain) & self.fact_mask
         if step.changes:
@@ -142,7 +142,7 @@ def _gap(bound: NumberTest, numbers: tuple[int, ...]) -> int:
     return crossing - numbers[slot] if above else numbers[slot] - crossing + 1
 
 
-def _relevant(steps: Sequence[GuardedAction], goal: Guard) -> tuple[list[GuardedAction], list[Test]]:
+def _relevant(steps: Sequence[PlanningAction], goal: Guard) -> tuple[list[PlanningAction], list[Test]]:
     """Return the actions that can help the goal, directly or by helping each other, and all tests that matter."""
     tests = dict.fromkeys(all_tests(goal))
     chosen: set[int] = set()
@@ -158,7 +158,7 @@ def _relevant(steps: Sequence[GuardedAction], goal: Guard) -> tuple[list[Guarded
     return [steps[position] for position in sorted(chosen)], list(tests)
 
 
-def _scale(slot: int, steps: Sequence[GuardedAction], tests: Sequence[Test]) -> Scale:
+def _scale(slot: int, steps: Sequence[PlanningAction], tests: Sequence[Test]) -> Scale:
     changes = [change for step in steps for number, change in step.changes if number == slot]
     crossings = sorted({test.crossing for test in tests if isinstance(test, NumberTest) and test.slot == slot})
     low = None if any(change > 0 for change in changes) else crossings[0] - 1
@@ -166,11 +166,11 @@ def _scale(slot: int, steps: Sequence[GuardedAction], tests: Sequence[Test]) -> 
     return Scale(slot, low, high, reduce(gcd, changes, 0), tuple(crossings))
 
 
-def _landmarks(steps: Sequence[GuardedAction], goal: Guard) -> tuple[tuple[Landmark, ...], tuple[int, ...]]:
+def _landmarks(steps: Sequence[PlanningAction], goal: Guard) -> tuple[tuple[Landmark, ...], tuple[int, ...]]:
     """Return every test that may be needed and the positions of those the goal itself asks for."""
     tests = list(mandatory_tests(goal))
     roots = tuple(range(len(tests)))
-    servants: list[list[GuardedAction]] = []
+    servants: list[list[PlanningAction]] = []
     before: list[tuple[int, ...]] = []
     while len(servants) < len(tests):
         serving = [step for step in steps if serves(step, tests[len(servants)])]
@@ -178,13 +178,13 @@ def _landmarks(steps: Sequence[GuardedAction], goal: Guard) -> tuple[tuple[Landm
         common = _common(serving)
         tests.extend(test for test in common if test not in tests)
         before.append(tuple(tests.index(test) for test in common))
-    served = {step.action: sum(serves(step, test) for test in tests) for step in steps}
+    served = {step.number: sum(serves(step, test) for test in tests) for step in steps}
     landmarks = [
         Landmark(
             *_comparison(test),
             bool(serving),
-            min((step.cost // served[step.action] for step in serving), default=0),
-            min((STEP_UNIT // served[step.action] for step in serving), default=0),
+            min((step.cost // served[step.number] for step in serving), default=0),
+            min((STEP_UNIT // served[step.number] for step in serving), default=0),
             max((_stride(step, test) for step in serving), default=1),
             needed,
         )
@@ -200,7 +200,7 @@ def _comparison(test: Test) -> tuple[int, int, NumberTest]:
     return 0, 0, test
 
 
-def _common(steps: Sequence[GuardedAction]) -> list[Test]:
+def _common(steps: Sequence[PlanningAction]) -> list[Test]:
     """Return the tests that every one of these actions asks for outside its disjunctions."""
     if not steps:
         return []
@@ -211,7 +211,7 @@ def _common(steps: Sequence[GuardedAction]) -> list[Test]:
     ]
 
 
-def _stride(step: GuardedAction, test: Test) -> int:
+def _stride(step: PlanningAction, test: Test) -> int:
     return 1 if isinstance(test, FactTest) else sum(abs(change) for slot, change in step.changes if slot == test.slot)
 
 
@@ -225,7 +225,7 @@ class _Reach:
     high: list[int | None]
 
 
-def reachable(steps: Sequence[GuardedAction], goal: Guard, bits: int, numbers: tuple[int, ...]) -> bool:
+def reachable(steps: Sequence[PlanningAction], goal: Guard, bits: int, numbers: tuple[int, ...]) -> bool:
     """Return False if no sequence of `steps` can make `goal` hold from this state even if nothing is ever lost.
 
     Facts keep every value they ever had and numbers reach everything in the direction in which an action moves them
@@ -256,7 +256,7 @@ def _may_hold(guard: Guard, reach: _Reach) -> bool:
     return all(any(_may_hold(option, reach) for option in options) for options in guard.choices)
 
 
-def _apply(step: GuardedAction, reach: _Reach) -> None:
+def _apply(step: PlanningAction, reach: _Reach) -> None:
     reach.true |= step.gain
     reach.false |= ~step.keep
     for slot, change in step.changes:

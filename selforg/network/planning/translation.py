@@ -13,21 +13,20 @@ from selforg.network.model.behaviours import Behaviour, Interface
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional, Tree
 from selforg.network.model.model import NetworkModel
 from selforg.network.planning.problem import (
-    AllOf,
-    AnyOf,
-    ChangeNumber,
-    Expression,
-    FactIs,
-    Not,
-    NumberIs,
-    PlanEffect,
+    Effect,
+    Guard,
     PlanningAction,
     PlanningGoal,
     PlanningProblem,
-    SetFact,
+    Relation,
+    all_of,
+    any_of,
+    fact_is,
+    number_is,
+    planning_action,
 )
 
-TRUE, FALSE = AllOf(()), AnyOf(())
+TRUE, FALSE = all_of(()), any_of(())
 
 
 class Translation:
@@ -47,7 +46,7 @@ class Translation:
         self.goals = [
             PlanningGoal(
                 goal.name,
-                AllOf(tuple(self.reaches(tree, goal.satisfaction_threshold) for tree in goal.conditions)),
+                all_of(self.reaches(tree, goal.satisfaction_threshold) for tree in goal.conditions),
                 goal.priority,
             )
             for goal in model.goals
@@ -62,19 +61,23 @@ class Translation:
     def action(self, behaviour: Behaviour, interfaces: Sequence[Interface]) -> PlanningAction:
         """Return a behaviour that shows these interfaces as an action."""
         trees = [p for face in interfaces for p in face.preconditions if not isinstance(p, Optional)]
-        preconditions = tuple(self.reaches(tree, behaviour.ready_threshold) for tree in trees)
-        effects = tuple(self.effect(e.sensor, e.change) for face in interfaces for e in face.effects if e.change)
-        return PlanningAction(behaviour.name, preconditions, _last_wins(effects), behaviour.cost)
+        preconditions = [self.reaches(tree, behaviour.ready_threshold) for tree in trees]
+        return planning_action(behaviour.name, preconditions, self._effects(interfaces), behaviour.cost)
 
-    def effect(self, sensor: str, change: float) -> PlanEffect:
-        """Return what a change of a sensor does to the problem's state."""
-        column = self.model.sensor_index[sensor]
-        if column in self.facts:
-            return SetFact(self.facts.index(column), change > 0.0)
-        return ChangeNumber(self.numbers.index(column), change)
+    def _effects(self, interfaces: Sequence[Interface]) -> list[Effect]:
+        """Return what the effects of interfaces do to the problem's state; of several on one fact the last counts."""
+        facts: dict[int, bool] = {}
+        changes: list[Effect] = []
+        for effect in (effect for face in interfaces for effect in face.effects if effect.change):
+            column = self.model.sensor_index[effect.sensor]
+            if column in self.facts:
+                facts[self.facts.index(column)] = bool(effect.change > 0.0)
+            else:
+                changes.append((self.numbers.index(column), effect.change))
+        return [*facts.items(), *changes]
 
-    def reaches(self, tree: Tree, level: float, above: bool = True) -> Expression:
-        """Return the expression that a tree's satisfaction is at least `level` (at most, if not `above`).
+    def reaches(self, tree: Tree, level: float, above: bool = True) -> Guard:
+        """Return the condition that a tree's satisfaction is at least `level` (at most, if not `above`).
 
         Of a conjunction, whose satisfaction is a product, every part must reach the level by itself.
         """
@@ -82,10 +85,10 @@ class Translation:
             return self._leaf(tree, level, above)
         if isinstance(tree, Negation):
             return self.reaches(tree.of, 1.0 - level, not above)
-        parts = tuple(self.reaches(part, level, above) for part in tree.of)
-        return AllOf(parts) if isinstance(tree, Conjunction) is above else AnyOf(parts)
+        parts = [self.reaches(part, level, above) for part in tree.of]
+        return all_of(parts) if isinstance(tree, Conjunction) is above else any_of(parts)
 
-    def _leaf(self, condition: Condition, level: float, above: bool) -> Expression:
+    def _leaf(self, condition: Condition, level: float, above: bool) -> Guard:
         activator, column = condition.activator, self.model.sensor_index[condition.sensor]
         low, high = activator.low, activator.high
         if (low >= level) if above else (high <= level):
@@ -94,25 +97,25 @@ class Translation:
             return FALSE
         if isinstance(activator, Linear):
             at = activator.zero + (level - low) / (high - low) * (activator.full - activator.zero)
-            return NumberIs(self.numbers.index(column), ">=" if (activator.direction > 0.0) is above else "<=", at)
-        fulfilled = self._fulfilled(activator, column)
-        return fulfilled if above else Not(fulfilled)
-
-    def _fulfilled(self, activator: Activator, column: int) -> Expression:
+            return number_is(self.numbers.index(column), ">=" if (activator.direction > 0.0) is above else "<=", at)
         if isinstance(activator, Greedy):
-            return TRUE if activator.step_size == 0.0 else FALSE
+            return TRUE if (activator.step_size == 0.0) == above else FALSE
         if column in self.facts:
-            return self._fulfilled_by_fact(activator, self.facts.index(column))
-        number = self.numbers.index(column)
-        if isinstance(activator, Threshold):
-            return NumberIs(number, ">=" if activator.minimum else "<=", activator.threshold)
-        if isinstance(activator, Equal):
-            return AllOf((NumberIs(number, ">=", activator.value), NumberIs(number, "<=", activator.value)))
-        raise TypeError(f"no planning form for {type(activator).__name__}")
+            fact = self.facts.index(column)
+            values = [value for value in (False, True) if _accepts(activator, float(value)) == above]
+            return TRUE if len(values) == 2 else any_of(fact_is(fact, value) for value in values)
+        return self._bound(activator, self.numbers.index(column), above)
 
-    def _fulfilled_by_fact(self, activator: Activator, fact: int) -> Expression:
-        values = [value for value in (False, True) if _accepts(activator, float(value))]
-        return AnyOf(tuple(FactIs(fact, value) for value in values)) if len(values) < 2 else TRUE
+    def _bound(self, activator: Activator, number: int, fulfilled: bool) -> Guard:
+        """Return the condition that an activator is fulfilled by a number, or is not."""
+        reached: Relation = ">=" if fulfilled else ">"
+        not_passed: Relation = "<=" if fulfilled else "<"
+        if isinstance(activator, Threshold):
+            return number_is(number, reached if activator.minimum == fulfilled else not_passed, activator.threshold)
+        if isinstance(activator, Equal):
+            bounds = number_is(number, reached, activator.value), number_is(number, not_passed, activator.value)
+            return all_of(bounds) if fulfilled else any_of(bounds)
+        raise TypeError(f"no planning form for {type(activator).__name__}")
 
 
 def _accepts(activator: Activator, value: float) -> bool:
@@ -121,9 +124,3 @@ def _accepts(activator: Activator, value: float) -> bool:
     if isinstance(activator, Threshold):
         return value >= activator.threshold if activator.minimum else value <= activator.threshold
     return isinstance(activator, Equal) and value == activator.value
-
-
-def _last_wins(effects: Sequence[PlanEffect]) -> tuple[PlanEffect, ...]:
-    """Keep one effect on a fact: the last one declared."""
-    facts = {effect.fact: effect for effect in effects if isinstance(effect, SetFact)}
-    return (*facts.values(), *(effect for effect in effects if isinstance(effect, ChangeNumber)))

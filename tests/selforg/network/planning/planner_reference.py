@@ -1,14 +1,11 @@
 """A naive planner over dictionaries of names, written from the description alone, to compare with."""
 
 import heapq
-import operator
 from dataclasses import dataclass
 
 import numpy as np
 
-from selforg.network.planning.problem import AllOf, AnyOf, FactIs, Not, NumberIs, PlanningProblem, SetFact
-
-RELATIONS = {">=": operator.ge, "<=": operator.le, ">": operator.gt, "<": operator.lt}
+from selforg.network.planning.problem import STEPS_PER_UNIT, PlanningProblem, all_of
 
 
 @dataclass(frozen=True)
@@ -17,34 +14,27 @@ class World:
     numbers: tuple[float, ...]
 
 
-def true_in(expression, world):
-    match expression:
-        case FactIs(fact, wanted):
-            return world.facts[fact] == wanted
-        case NumberIs(number, relation, value):
-            return RELATIONS[relation](world.numbers[number], value)
-        case Not(part):
-            return not true_in(part, world)
-        case AllOf(parts):
-            return all(true_in(part, world) for part in parts)
-        case AnyOf(parts):
-            return any(true_in(part, world) for part in parts)
-    raise AssertionError(expression)
+def true_in(condition, world):
+    bits = sum(value << slot for slot, value in enumerate(world.facts))
+    steps = [round(number * STEPS_PER_UNIT) for number in world.numbers]
+    return (
+        bits & condition.mask == condition.want
+        and all((steps[slot] >= crossing) == above for slot, crossing, above in condition.tests)
+        and all(any(true_in(option, world) for option in options) for options in condition.choices)
+    )
 
 
 def after(action, world):
-    facts, numbers = list(world.facts), list(world.numbers)
-    for effect in action.effects:
-        if isinstance(effect, SetFact):
-            facts[effect.fact] = effect.value
-        else:
-            numbers[effect.number] += effect.change
+    facts = [bool(action.gain >> k & 1 or (value and action.keep >> k & 1)) for k, value in enumerate(world.facts)]
+    numbers = list(world.numbers)
+    for slot, change in action.changes:
+        numbers[slot] += change / STEPS_PER_UNIT
     return World(tuple(facts), tuple(numbers))
 
 
 def best_plan(problem: PlanningProblem, facts, numbers, goals, most_states=300):
     """Return (cost, steps, actions), None if there is no plan, or "too large"."""
-    wanted = AllOf(tuple(problem.goals[goal].condition for goal in goals))
+    wanted = all_of(problem.goals[goal].condition for goal in goals)
     queue = [(0, 0, ())]
     worlds = {(): World(tuple(map(bool, facts)), tuple(map(float, numbers)))}
     closed = set()
@@ -59,10 +49,10 @@ def best_plan(problem: PlanningProblem, facts, numbers, goals, most_states=300):
             return "too large"
         closed.add(world)
         for index, action in enumerate(problem.actions):
-            if true_in(AllOf(action.preconditions), world):
+            if true_in(action.guard, world):
                 longer = (*sequence, index)
                 worlds[longer] = after(action, world)
-                heapq.heappush(queue, (cost + action.cost, steps + 1, longer))
+                heapq.heappush(queue, (cost + action.cost / STEPS_PER_UNIT, steps + 1, longer))
     return None
 
 
@@ -70,7 +60,7 @@ def execute(problem: PlanningProblem, facts, numbers, actions):
     """Return the world after the actions, checking that each is allowed where it is taken."""
     world = World(tuple(map(bool, facts)), tuple(map(float, numbers)))
     for index in actions:
-        assert true_in(AllOf(problem.actions[index].preconditions), world), problem.actions[index].name
+        assert true_in(problem.actions[index].guard, world), problem.actions[index].name
         world = after(problem.actions[index], world)
     return world
 

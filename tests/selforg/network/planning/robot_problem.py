@@ -3,13 +3,11 @@
 import numpy as np
 
 from selforg.network.planning.problem import (
-    ChangeNumber,
-    FactIs,
-    NumberIs,
-    PlanningAction,
     PlanningGoal,
     PlanningProblem,
-    SetFact,
+    fact_is,
+    number_is,
+    planning_action,
 )
 
 FACTS = (
@@ -34,22 +32,18 @@ GOALS = {"PatrolEnvironment": "patrolled", "GarbageCleaned": "!garbage_found", "
 
 def condition(word):
     if word in NUMBERS:
-        return NumberIs(NUMBERS.index(word), ">=", 0.05)
-    return FactIs(FACTS.index(word.removeprefix("!")), not word.startswith("!"))
+        return number_is(NUMBERS.index(word), ">=", 0.05)
+    return fact_is(FACTS.index(word.removeprefix("!")), not word.startswith("!"))
 
 
 def effect(word):
     sign, name = word[0] == "+", word[1:]
-    return (
-        ChangeNumber(NUMBERS.index(name), 1.0 if sign else -1.0)
-        if name in NUMBERS
-        else SetFact(FACTS.index(name), sign)
-    )
+    return (NUMBERS.index(name), 1.0 if sign else -1.0) if name in NUMBERS else (FACTS.index(name), sign)
 
 
 def robot_problem():
     actions = tuple(
-        PlanningAction(name, tuple(map(condition, before.split())), tuple(map(effect, effects.split())))
+        planning_action(name, tuple(map(condition, before.split())), tuple(map(effect, effects.split())))
         for name, (before, effects) in BEHAVIOURS.items()
     )
     goals = tuple(PlanningGoal(name, condition(word)) for name, word in GOALS.items())

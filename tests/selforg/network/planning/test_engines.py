@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 
 from selforg.network.planning.problem import (
-    ChangeNumber,
-    FactIs,
-    NumberIs,
-    PlanningAction,
+    STEPS_PER_UNIT,
     PlanningGoal,
     PlanningProblem,
-    SetFact,
+    fact_is,
+    number_is,
+    planning_action,
 )
 from selforg.network.planning.search import ForwardSearch, Plan, Unknown, Unsolvable
 from tests.selforg.network.planning.generated_problems import generated
@@ -26,7 +25,7 @@ UNSOLVABLE_HORIZON = 4
 
 def horizon(problem, answer):
     """Return the most steps that a plan can have that costs no more: none costs less than its cheapest action."""
-    return int(answer.cost / min(action.cost for action in problem.actions))
+    return int(answer.cost * STEPS_PER_UNIT / min(action.cost for action in problem.actions))
 
 
 def chosen():
@@ -64,8 +63,8 @@ def test_a_number_that_nothing_changes_keeps_only_the_truth_of_its_bounds():
     pytest.importorskip("up_aries")
     from tests.selforg.network.planning import aries_horizon
 
-    go = PlanningAction("go", (NumberIs(0, ">=", 0.25), NumberIs(0, "<", 0.75)), (SetFact(0),))
-    search = ForwardSearch(PlanningProblem(("done",), ("x",), (go,), (PlanningGoal("done", FactIs(0)),)))
+    go = planning_action("go", (number_is(0, ">=", 0.25), number_is(0, "<", 0.75)), ((0, True),))
+    search = ForwardSearch(PlanningProblem(("done",), ("x",), (go,), (PlanningGoal("done", fact_is(0)),)))
     for reading, expected in ((0.25, (0,)), (0.75, None), (-3.0, None)):
         assert aries_horizon.best_plan(search, np.array([False]), np.array([reading]), (0,), 1) == expected
 
@@ -82,7 +81,7 @@ def test_costs_are_those_of_an_optimal_engine(seed):
         assert aries_horizon.best_plan(search, facts, numbers, [0], UNSOLVABLE_HORIZON) is None
         return
     other = aries_horizon.best_plan(search, facts, numbers, [0], horizon(problem, answer))
-    assert sum(problem.actions[index].cost for index in other) == answer.cost
+    assert sum(problem.actions[index].cost for index in other) == answer.cost * STEPS_PER_UNIT
     world = execute(problem, facts, numbers, other)
     assert true_in(problem.goals[0].condition, world)
 
@@ -120,7 +119,7 @@ def test_an_engine_without_an_answer_in_time_says_so():
     from selforg.network.planning.pddl import EngineSearch
 
     problem = PlanningProblem(
-        ("a",), ("x",), (PlanningAction("up", (), (ChangeNumber(0, 1.0),)),), (PlanningGoal("a", FactIs(0)),)
+        ("a",), ("x",), (planning_action("up", (), ((0, 1.0),)),), (PlanningGoal("a", fact_is(0)),)
     )
     answer = EngineSearch(problem, "aries", timeout=1.0).plan(np.array([False]), np.array([0.0]), [0])
     assert isinstance(answer, Unknown | Unsolvable)

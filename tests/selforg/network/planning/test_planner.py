@@ -1,3 +1,4 @@
+import operator
 import statistics
 import time
 
@@ -6,18 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from selforg.network.planning.guards import guarded_action, make_guard
 from selforg.network.planning.problem import (
-    AllOf,
-    AnyOf,
-    ChangeNumber,
-    FactIs,
-    Not,
-    NumberIs,
-    PlanningAction,
     PlanningGoal,
     PlanningProblem,
-    SetFact,
+    all_of,
+    any_of,
+    fact_is,
+    in_steps,
+    is_met,
+    number_is,
+    planning_action,
 )
 from selforg.network.planning.search import ForwardSearch, Plan, Unknown, Unsolvable, goal_sets, plan_by_priority
 from selforg.network.planning.task import STEP_UNIT, PlanTask
@@ -80,7 +79,7 @@ def test_cleaning_robot_is_planned_in_well_under_a_millisecond():
     assert statistics.median(times) < 1e-3
 
 
-FIRST_FACT = FactIs(0)
+FIRST_FACT = fact_is(0)
 
 
 def one_fact_problem(*actions, goal=FIRST_FACT, facts=("a", "b", "c"), numbers=("x",)):
@@ -93,69 +92,69 @@ def solve(problem, *true, number=0.0, node_limit=20_000):
 
 
 def test_cheaper_detour_wins_over_the_short_way():
-    short = PlanningAction("short", (), (SetFact(0),), cost=3.0)
-    first = PlanningAction("first", (), (SetFact(1),), cost=1.0)
-    second = PlanningAction("second", (FactIs(1),), (SetFact(0),), cost=1.5)
+    short = planning_action("short", (), ((0, True),), cost=3.0)
+    first = planning_action("first", (), ((1, True),), cost=1.0)
+    second = planning_action("second", (fact_is(1),), ((0, True),), cost=1.5)
     assert solve(one_fact_problem(short, first, second)) == Plan((1, 2), 2.5)
 
 
 def test_of_equal_costs_the_shorter_plan_then_the_earlier_action_wins():
-    first = PlanningAction("first", (), (SetFact(1),), cost=0.1)
-    second = PlanningAction("second", (FactIs(1),), (SetFact(0),), cost=0.2)
-    direct = PlanningAction("direct", (), (SetFact(0),), cost=0.1 + 0.2)  # 0.30000000000000004: still a tie
-    twin = PlanningAction("twin", (), (SetFact(0),), cost=0.3)
+    first = planning_action("first", (), ((1, True),), cost=0.1)
+    second = planning_action("second", (fact_is(1),), ((0, True),), cost=0.2)
+    direct = planning_action("direct", (), ((0, True),), cost=0.1 + 0.2)  # 0.30000000000000004: still a tie
+    twin = planning_action("twin", (), ((0, True),), cost=0.3)
     assert solve(one_fact_problem(first, second, direct, twin)).actions == (2,)
     assert solve(one_fact_problem(first, second, twin, direct)).actions == (2,)
 
 
 def test_actions_without_cost_are_not_added_for_nothing():
-    free = PlanningAction("free", (), (SetFact(1),), cost=0.0)
-    needed = PlanningAction("needed", (), (SetFact(0),))
+    free = planning_action("free", (), ((1, True),), cost=0.0)
+    needed = planning_action("needed", (), ((0, True),))
     assert solve(one_fact_problem(free, needed)) == Plan((1,), 1.0)
 
 
 def test_numbers_are_driven_to_their_bound():
-    charge = PlanningAction("charge", (), (ChangeNumber(0, 0.3),))
-    problem = one_fact_problem(charge, goal=NumberIs(0, ">=", 0.9))
+    charge = planning_action("charge", (), ((0, 0.3),))
+    problem = one_fact_problem(charge, goal=number_is(0, ">=", 0.9))
     assert solve(problem) == Plan((0, 0, 0), 3.0)  # 0.3 + 0.3 + 0.3 < 0.9 in floating point
-    assert solve(one_fact_problem(charge, goal=NumberIs(0, ">", 0.9))).actions == (0,) * 4
+    assert solve(one_fact_problem(charge, goal=number_is(0, ">", 0.9))).actions == (0,) * 4
 
 
 @pytest.mark.parametrize("relation", ["<=", "<"])
 def test_a_counter_that_only_grows_is_proved_unable_to_fall(relation):
-    charge = PlanningAction("charge", (), (ChangeNumber(0, 1.0), SetFact(1)))
-    assert solve(one_fact_problem(charge, goal=AllOf((NumberIs(0, relation, -1.0), FactIs(1))))) == Unsolvable()
+    charge = planning_action("charge", (), ((0, 1.0), (1, True)))
+    assert solve(one_fact_problem(charge, goal=all_of((number_is(0, relation, -1.0), fact_is(1))))) == Unsolvable()
 
 
 def test_endless_counters_do_not_hide_that_a_goal_has_no_servant():
-    up = PlanningAction("up", (), (ChangeNumber(0, 1.0),))
-    down = PlanningAction("down", (), (ChangeNumber(0, -1.0),))
-    problem = one_fact_problem(up, down, goal=AllOf((FactIs(0), NumberIs(0, ">=", 5.0))))
+    up = planning_action("up", (), ((0, 1.0),))
+    down = planning_action("down", (), ((0, -1.0),))
+    problem = one_fact_problem(up, down, goal=all_of((fact_is(0), number_is(0, ">=", 5.0))))
     assert solve(problem, node_limit=10) == Unsolvable()
 
 
 def test_a_goal_that_destroys_another_is_proved_unsolvable_in_a_finite_space():
-    a = PlanningAction("a", (), (SetFact(0), SetFact(1, False)))
-    b = PlanningAction("b", (), (SetFact(1), SetFact(0, False)))
-    assert solve(one_fact_problem(a, b, goal=AllOf((FactIs(0), FactIs(1))))) == Unsolvable()
+    a = planning_action("a", (), ((0, True), (1, False)))
+    b = planning_action("b", (), ((1, True), (0, False)))
+    assert solve(one_fact_problem(a, b, goal=all_of((fact_is(0), fact_is(1))))) == Unsolvable()
 
 
 def test_where_the_space_is_endless_the_search_gives_up_at_its_limit():
     # Each action undoes the other's fact and both move the counter: no bound ever ends the search.
-    up = PlanningAction("up", (), (ChangeNumber(0, 1.0), SetFact(0), SetFact(1, False)))
-    down = PlanningAction("down", (), (ChangeNumber(0, -1.0), SetFact(1), SetFact(0, False)))
-    goal = AllOf((FactIs(0), FactIs(1), NumberIs(0, ">=", 3.0)))
+    up = planning_action("up", (), ((0, 1.0), (0, True), (1, False)))
+    down = planning_action("down", (), ((0, -1.0), (1, True), (0, False)))
+    goal = all_of((fact_is(0), fact_is(1), number_is(0, ">=", 3.0)))
     assert solve(one_fact_problem(up, down, goal=goal), node_limit=50) == Unknown(50)
 
 
 def test_satisfied_goals_cost_nothing():
-    assert solve(one_fact_problem(PlanningAction("a", (), (SetFact(0),))), "a") == Plan((), 0.0)
+    assert solve(one_fact_problem(planning_action("a", (), ((0, True),))), "a") == Plan((), 0.0)
 
 
 def test_independent_goals_do_not_multiply_the_states():
     count = 16
-    actions = tuple(PlanningAction(f"set {i}", (), (SetFact(i),)) for i in range(count))
-    goal = AllOf(tuple(FactIs(i) for i in range(count)))
+    actions = tuple(planning_action(f"set {i}", (), ((i, True),)) for i in range(count))
+    goal = all_of(tuple(fact_is(i) for i in range(count)))
     problem = PlanningProblem(tuple(map(str, range(count))), (), actions, (PlanningGoal("all", goal),))
     answer = ForwardSearch(problem, node_limit=2 * count).plan(np.zeros(count, bool), np.zeros(0), [0])
     assert answer == Plan(tuple(range(count)), float(count))
@@ -174,38 +173,52 @@ def test_the_important_goal_survives_and_a_satisfied_one_is_kept():
         ("left", "right", "shut"),
         (),
         (
-            PlanningAction("go left", (), (SetFact(0), SetFact(1, False))),
-            PlanningAction("go right", (), (SetFact(1), SetFact(0, False))),
+            planning_action("go left", (), ((0, True), (1, False))),
+            planning_action("go right", (), ((1, True), (0, False))),
         ),
-        (PlanningGoal("left", FactIs(0), 1), PlanningGoal("right", FactIs(1), 2), PlanningGoal("shut", FactIs(2))),
+        (PlanningGoal("left", fact_is(0), 1), PlanningGoal("right", fact_is(1), 2), PlanningGoal("shut", fact_is(2))),
     )
     answer = plan_by_priority(ForwardSearch(problem), (0b100, ()), (0, 1, 2))
     assert (answer.outcome, answer.goals) == (Plan((1,), 1.0), (1, 2))
 
 
 def test_no_reachable_goal_is_said_so():
-    problem = PlanningProblem(("a",), (), (), (PlanningGoal("a", FactIs(0)),))
+    problem = PlanningProblem(("a",), (), (), (PlanningGoal("a", fact_is(0)),))
     answer = plan_by_priority(ForwardSearch(problem), (0, ()), (0,))
     assert (answer.outcome, answer.goals) == (Unsolvable(), ())
 
 
+RELATIONS = {">=": operator.ge, "<=": operator.le, ">": operator.gt, "<": operator.lt}
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_bounds_and_facts_hold_as_they_are_written(relation):
+    for reading in (0.2, 0.3, 0.4):
+        state = 0b01, (in_steps(reading),)
+        bound, other = RELATIONS[relation](reading, 0.3), number_is(0, relation, 0.3)
+        assert is_met(other, *state) == bound
+        assert is_met(all_of((other, fact_is(0))), *state) == bound
+        assert is_met(any_of((other, fact_is(1))), *state) == bound
+        assert is_met(any_of((other, fact_is(1, False))), *state)
+        assert not is_met(all_of((other, fact_is(0), fact_is(0, False))), *state)
+
+
 FACT = st.integers(0, 4)
-leaf = st.builds(FactIs, FACT, st.booleans()) | st.builds(
-    NumberIs, st.integers(0, 1), st.sampled_from([">=", "<=", ">", "<"]), st.integers(-2, 2).map(float)
+leaf = st.builds(fact_is, FACT, st.booleans()) | st.builds(
+    number_is, st.integers(0, 1), st.sampled_from([">=", "<=", ">", "<"]), st.integers(-2, 2).map(float)
 )
 expression = st.recursive(
     leaf,
     lambda inner: st.one_of(
-        st.builds(Not, inner),
-        st.builds(AllOf, st.lists(inner, max_size=3).map(tuple)),
-        st.builds(AnyOf, st.lists(inner, max_size=3).map(tuple)),
+        st.builds(all_of, st.lists(inner, max_size=3).map(tuple)),
+        st.builds(any_of, st.lists(inner, max_size=3).map(tuple)),
     ),
     max_leaves=4,
 )
 effects = st.tuples(
     st.dictionaries(FACT, st.booleans(), max_size=2),
     st.dictionaries(st.integers(0, 1), st.sampled_from([-1.0, 2.0]), max_size=1),
-).map(lambda pair: (*[SetFact(*item) for item in pair[0].items()], *[ChangeNumber(*item) for item in pair[1].items()]))
+).map(lambda pair: [*pair[0].items(), *pair[1].items()])
 parts = st.tuples(st.lists(expression, max_size=2).map(tuple), effects, st.sampled_from([0.0, 0.5, 1.0, 2.0]))
 
 
@@ -213,7 +226,7 @@ parts = st.tuples(st.lists(expression, max_size=2).map(tuple), effects, st.sampl
 def questions(draw):
     """Draw a problem of 5 facts, 2 numbers and a few actions, with a state to plan from."""
     drawn = draw(st.lists(parts, max_size=7))
-    actions = tuple(PlanningAction(f"action {index}", *part) for index, part in enumerate(drawn))
+    actions = tuple(planning_action(f"action {index}", *part) for index, part in enumerate(drawn))
     goals = tuple(PlanningGoal(f"goal {index}", draw(expression)) for index in range(2))
     problem = PlanningProblem(tuple("abcde"), ("x", "y"), actions, goals)
     facts = np.array(draw(st.lists(st.booleans(), min_size=5, max_size=5)))
@@ -267,31 +280,31 @@ def test_following_a_plan_the_rest_of_it_stays_the_best_plan(question):
 
 
 def test_an_action_that_serves_two_goals_is_not_counted_twice():
-    prepare = PlanningAction("prepare", (), (SetFact(2),), cost=1.0)
-    both = PlanningAction("both", (FactIs(2),), (SetFact(0), SetFact(1)), cost=3.0)
-    singles = (PlanningAction("a", (), (SetFact(0),), cost=2.5), PlanningAction("b", (), (SetFact(1),), cost=2.5))
-    problem = one_fact_problem(*singles, prepare, both, goal=AllOf((FactIs(0), FactIs(1))))
+    prepare = planning_action("prepare", (), ((2, True),), cost=1.0)
+    both = planning_action("both", (fact_is(2),), ((0, True), (1, True)), cost=3.0)
+    singles = (planning_action("a", (), ((0, True),), cost=2.5), planning_action("b", (), ((1, True),), cost=2.5))
+    problem = one_fact_problem(*singles, prepare, both, goal=all_of((fact_is(0), fact_is(1))))
     assert solve(problem) == Plan((2, 3), 4.0)
 
 
 def test_what_only_one_of_two_ways_needs_is_not_asked_of_both():
-    cheap = PlanningAction("cheap", (FactIs(1),), (SetFact(0),), cost=1.0)
-    dear = PlanningAction("dear", (FactIs(2), NumberIs(0, ">=", 1.0)), (SetFact(0),), cost=1.0)
-    way = PlanningAction("way", (), (SetFact(2), ChangeNumber(0, 1.0)), cost=1.0)
+    cheap = planning_action("cheap", (fact_is(1),), ((0, True),), cost=1.0)
+    dear = planning_action("dear", (fact_is(2), number_is(0, ">=", 1.0)), ((0, True),), cost=1.0)
+    way = planning_action("way", (), ((2, True), (0, 1.0)), cost=1.0)
     problem = one_fact_problem(cheap, dear, way)  # nothing sets the fact that the first way needs
     assert solve(problem) == Plan((2, 1), 2.0)
 
 
 def test_large_changes_bridge_a_gap_in_one_step():
-    crawl = PlanningAction("crawl", (), (ChangeNumber(0, 1.0),), cost=1.0)
-    warm_up = PlanningAction("warm up", (), (SetFact(1),), cost=0.5)
-    leap = PlanningAction("leap", (FactIs(1),), (ChangeNumber(0, 4.0),), cost=2.0)
-    assert solve(one_fact_problem(crawl, warm_up, leap, goal=NumberIs(0, ">=", 3.0))) == Plan((1, 2), 2.5)
+    crawl = planning_action("crawl", (), ((0, 1.0),), cost=1.0)
+    warm_up = planning_action("warm up", (), ((1, True),), cost=0.5)
+    leap = planning_action("leap", (fact_is(1),), ((0, 4.0),), cost=2.0)
+    assert solve(one_fact_problem(crawl, warm_up, leap, goal=number_is(0, ">=", 3.0))) == Plan((1, 2), 2.5)
 
 
 def test_plans_are_told_apart_by_every_number_they_depend_on():
-    step = PlanningAction("step", (), (ChangeNumber(1, 1.0),))
-    goal = PlanningGoal("far", AllOf((NumberIs(0, ">=", 0.0), NumberIs(1, ">=", 2.0))))
+    step = planning_action("step", (), ((1, 1.0),))
+    goal = PlanningGoal("far", all_of((number_is(0, ">=", 0.0), number_is(1, ">=", 2.0))))
     search = ForwardSearch(PlanningProblem((), ("fixed", "moved"), (step,), (goal,)))
     answers = [
         search.plan(np.zeros(0, bool), np.array(reading), [0]) for reading in ([0.0, 1.0], [0.0, 0.0], [-1.0, 1.0])
@@ -306,11 +319,9 @@ def test_the_estimate_never_exceeds_what_is_left_and_never_jumps(seed):
     answer = search.plan(facts, numbers, [0])
     if not isinstance(answer, Plan):
         return
-    task = PlanTask(
-        [guarded_action(*item) for item in enumerate(problem.actions)], make_guard(problem.goals[0].condition), 1
-    )
+    task = PlanTask(problem.actions, problem.goals[0].condition, 1)
     states = [task.start(*search.read_state(facts, numbers))]
-    steps = {step.action: step for step in task.steps}
+    steps = {step.number: step for step in task.steps}
     for index in answer.actions:
         states.append(task.after(steps[index], *states[-1]))
     left = [task.estimate(*state) for state in states]

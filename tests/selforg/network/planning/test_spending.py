@@ -9,17 +9,14 @@ from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.guards import guarded_action, make_guard
 from selforg.network.planning.planner import Planner
 from selforg.network.planning.problem import (
-    AllOf,
-    ChangeNumber,
-    FactIs,
-    NumberIs,
-    PlanningAction,
     PlanningGoal,
     PlanningProblem,
-    SetFact,
+    all_of,
+    fact_is,
+    number_is,
+    planning_action,
 )
 from selforg.network.planning.search import ForwardSearch, Plan, plan_by_priority
 from selforg.network.planning.spending import SpendingSearch, spent_numbers
@@ -33,23 +30,24 @@ def drawn_problem(chance, above=True):
     sign, relation = (-1.0, ">=") if above else (1.0, "<=")
     actions = []
     for name in range(5):
-        pre = [FactIs(int(fact), bool(chance.integers(2))) for fact in chance.choice(FACTS, chance.integers(3), False)]
+        pre = [fact_is(int(fact), bool(chance.integers(2))) for fact in chance.choice(FACTS, chance.integers(3), False)]
         if chance.random() < 0.7:
-            pre.append(NumberIs(0, relation, -sign * 0.5 * float(chance.integers(4))))
-        effects = [SetFact(int(fact), bool(chance.random() < 0.7)) for fact in chance.choice(FACTS, 2, False)]
+            pre.append(number_is(0, relation, -sign * 0.5 * float(chance.integers(4))))
+        effects = [(int(fact), bool(chance.random() < 0.7)) for fact in chance.choice(FACTS, 2, False)]
         if chance.random() < 0.7:
-            effects.append(ChangeNumber(0, sign * 0.5 * float(chance.integers(1, 4))))
-        actions.append(PlanningAction(f"a{name}", tuple(pre), tuple(effects), float(chance.integers(1, 4))))
+            effects.append((0, sign * 0.5 * float(chance.integers(1, 4))))
+        actions.append(planning_action(f"a{name}", tuple(pre), tuple(effects), float(chance.integers(1, 4))))
     goals = [
-        PlanningGoal(f"g{k}", AllOf((FactIs(k), NumberIs(0, relation, -sign * 0.5 * float(chance.integers(3))))), k + 1)
+        PlanningGoal(
+            f"g{k}", all_of((fact_is(k), number_is(0, relation, -sign * 0.5 * float(chance.integers(3))))), k + 1
+        )
         for k in range(2)
     ]
     return PlanningProblem(tuple(f"f{k}" for k in range(FACTS)), ("fuel",), tuple(actions), tuple(goals))
 
 
 def spent_of(problem):
-    steps = [guarded_action(k, action) for k, action in enumerate(problem.actions)]
-    return spent_numbers(PlanTask(steps, make_guard(AllOf(tuple(g.condition for g in problem.goals))), 1))
+    return spent_numbers(PlanTask(problem.actions, all_of(g.condition for g in problem.goals), 1))
 
 
 @pytest.mark.parametrize("above", [True, False])
@@ -79,10 +77,10 @@ def test_plans_are_those_of_the_whole_search_and_hold_for_their_class(above):
 
 
 def test_numbers_that_are_filled_up_or_asked_to_be_low_are_not_spent():
-    use = PlanningAction("use", (NumberIs(0, ">=", 1.0),), (ChangeNumber(0, -1.0), SetFact(0)))
-    fill = PlanningAction("fill", (), (ChangeNumber(0, 1.0),))
-    empty = PlanningGoal("empty", NumberIs(0, "<=", 0.0))
-    done = PlanningGoal("done", FactIs(0))
+    use = planning_action("use", (number_is(0, ">=", 1.0),), ((0, -1.0), (0, True)))
+    fill = planning_action("fill", (), ((0, 1.0),))
+    empty = PlanningGoal("empty", number_is(0, "<=", 0.0))
+    done = PlanningGoal("done", fact_is(0))
     (spent,) = spent_of(PlanningProblem(("done",), ("fuel",), (use,), (done,)))
     assert (spent.above, spent.edge, spent.grid) == (True, 10**9, 10**9)
     assert not spent_of(PlanningProblem(("done",), ("fuel",), (use, fill), (done,)))
