@@ -60,8 +60,8 @@ def snapshot(worlds: Worlds, world: int) -> dict[str, np.ndarray]:
         "events": worlds.collisions.events[world],
         "readings": network.readings[rows],
         "executing": network.executing[rows],
-        "values": network.state.values[rows, :],  # activations and their terms
-        "row_values": network.state.row_values[rows, :],
+        "values": network.state.values[rows],  # activations and their terms
+        "row_values": network.state.row_values[rows],
         "inner": np.concatenate(
             [content.network.state.values[rows, 0] for c in worlds.coordinators for content in c.contents], axis=1
         ),

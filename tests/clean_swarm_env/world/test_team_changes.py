@@ -47,9 +47,8 @@ def _without_last(steps):
     cut = []
     for step in steps:
         part = {name: value if name in rows else value[..., :-1, :] if value.ndim > 1 else value[:-1]
-                for name, value in step.items() if name not in {"values", "row_values", "inner"}}  # fmt: skip
-        cut.append(part | {"values": step["values"][:, :-1], "row_values": step["row_values"][:, :-1],
-                           "inner": step["inner"][:, :-1]})  # fmt: skip
+                for name, value in step.items() if name != "values"}  # fmt: skip
+        cut.append(part | {"values": step["values"][:-1]})
     return cut
 
 
