@@ -106,7 +106,7 @@ def lattice(settings: PhysicsSettings, rng: np.random.Generator) -> NDArray[np.f
 def physics_seconds_per_tick(worlds: int, robots: int, width: float, ticks: int, seed: int = 0) -> float:
     """Return the CPU seconds of our physics for the same, with headings, drives and collision counts."""
     physics, drive = Physics(PhysicsSettings(worlds, robots, width, width)), DifferentialDrive(worlds * robots)
-    counter, commands = CollisionCounter(worlds, robots, width, width), Commands.none(worlds * robots, 2)
+    counter, commands = CollisionCounter(worlds, robots, width, width), Commands(worlds * robots, 2)
     rng = np.random.default_rng(seed)
     places, headings = lattice(physics.settings, rng), np.zeros(robots)
     for world in range(worlds):

@@ -75,7 +75,7 @@ class Physics:
     >>> physics = Physics(PhysicsSettings(worlds=1, robots=2))
     >>> physics.place(0, np.array([[1.0, 5.0], [9.0, 5.0]]), np.zeros(2))
     >>> drive, counter = DifferentialDrive(rows=2), CollisionCounter(worlds=1, robots=2, width=11.0, height=11.0)
-    >>> commands = Commands.none(rows=2, dim=2)
+    >>> commands = Commands(rows=2, dim=2)
     >>> commands.vectors[:, 0], commands.commanded[:] = 1.0, True
     >>> for tick in range(5):
     ...     physics.tick(0.2 * tick, 4, commands.packed, drive, counter)

@@ -13,7 +13,7 @@ def substep(physics, speed, turn_rate):
     drive = DifferentialDrive(rows)
     drive.speed[:], drive.turn_rate[:] = speed, turn_rate
     counter = CollisionCounter(settings.worlds, settings.robots, settings.width, settings.height)
-    physics.tick(0.0, 1, Commands.none(rows, 2).packed, drive, counter)
+    physics.tick(0.0, 1, Commands(rows, 2).packed, drive, counter)
 
 
 def count(counter, positions, present=None):
