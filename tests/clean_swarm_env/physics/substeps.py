@@ -16,8 +16,7 @@ def substep(physics, speed, turn_rate):
     physics.tick(0.0, 1, Commands(rows, 2).packed, drive, counter)
 
 
-def count(counter, positions, present=None):
+def count(counter, positions, present=True):
     """Count all worlds once: the robots `present` (R,) or all, at positions (R, 2)."""
-    there = np.ones(len(positions), np.bool_) if present is None else present
     for world in range(len(counter.samples)):
-        count_world(world, positions, there, counter.packed.words)
+        count_world(world, positions, np.full(len(positions), present), counter.packed.words)
