@@ -1,6 +1,6 @@
-"""Array types, so that signatures say which numbers an array holds, and marks, which say what becomes of an array.
+"""Array types, and the marks KEPT, CLOCKED, SCRATCH, READ and OUTSIDE, which say what becomes of an array.
 
-A class declares its arrays by type, shape and mark; `selforg.declared` reads that:
+A class declares its arrays by type, shape and mark; `selforg.declared` finds all that is declared below an object:
 
     class Flock:
         places: Annotated[Floats, "W sheep 2", KEPT]  # [m]

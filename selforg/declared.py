@@ -1,4 +1,4 @@
-"""What classes declare about their arrays (`selforg.arrays`), and the one walk that finds all of it below an object."""
+"""Finding what classes declare about arrays by the marks of `selforg.arrays` (KEPT, OUTSIDE, ...), in one walk."""
 
 from __future__ import annotations
 

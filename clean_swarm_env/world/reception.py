@@ -1,4 +1,4 @@
-"""Delivery of the robots' messages, world by world, and errors of the poses that they send.
+"""What each world asks of delivery: ranges, losses, streams, errors of poses; `gradients.delivery` has the rules.
 
 Messages are poses, and the pheromones of the patrol.
 

@@ -1,4 +1,4 @@
-"""Delivery: which rows receive what is spread, and when.
+"""Delivery: the rules by which what a row spreads reaches other rows; `world.reception` sets them for worlds.
 
 With ideal delivery (the default) all rows of a team share one content. With a limited range, losses or a delay every
 row has a content of its own, and what is spread is stored once for each row that receives it. Poses are spread to all

@@ -1,20 +1,20 @@
 """Mechanisms that deposit: they leave a static gradient at the own pose while they move by another rule."""
 
 from dataclasses import dataclass
-from typing import Annotated, Unpack, final
+from typing import Unpack, final
 
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import READ, Floats, Ints
+from selforg.arrays import Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
-from selforg.gradients.store import columns as c
 from selforg.mechanisms.base import MECHANISMS, SpeedOptions
 from selforg.mechanisms.chemotaxis import ChemotaxisGe
 from selforg.mechanisms.exploration import Exploration
 from selforg.mechanisms.following import AvoidAll, FollowMinReach
 from selforg.mechanisms.formula import FormulaMechanism
+from selforg.mechanisms.spreading import Carried, Spreader
 
 
 @dataclass(frozen=True)
@@ -38,20 +38,10 @@ class Pheromone:
 class DepositingMechanism(FormulaMechanism):
     """A movement mechanism that also deposits: call `deposit` after `move`, which must not see it in the same tick."""
 
-    _message: Annotated[Floats, "MESSAGE", READ]
-    _tag: Annotated[Ints, "TAG", READ]
-
     def __init__(self, buffer: SoBuffer, *, pheromone: Pheromone, **options: Unpack[SpeedOptions]) -> None:
         super().__init__(buffer, **options)
         self.pheromone = pheromone
-        self._message = np.zeros(c.MESSAGE_COLUMNS)
-        self._message[c.DIFFUSION] = pheromone.diffusion
-        self._message[c.MESSAGE_FAR + c.FAR_FACTOR] = pheromone.evaporation_factor
-        self._message[c.MESSAGE_FAR + c.FAR_PERIOD] = pheromone.evaporation_period
-        self._tag = np.zeros(c.TAG_COLUMNS, dtype=np.int64)
-        self._tag[c.TAG_CHANNEL] = self.buffer.channel_code(pheromone.channel)
-        self._tag[c.TAG_SIGN] = pheromone.attraction
-        self._tag[c.TAG_KEY] = -1
+        self._spreader = Spreader(self.buffer, Carried(key="", moving=False, **vars(pheromone)))
 
     @final
     def deposit(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
@@ -60,7 +50,7 @@ class DepositingMechanism(FormulaMechanism):
         Rows without a pose leave none.
         """
         chosen: Ints = np.arange(self.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        self.buffer.deposit(chosen, self._message, self._tag, float(now))
+        self._spreader.deposit(float(now), chosen)
 
 
 @MECHANISMS.register

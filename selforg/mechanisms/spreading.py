@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import READ, Floats, Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
 from selforg.gradients.rows import set_times
@@ -51,29 +51,39 @@ class Carried:
 class Spreader:
     """Spreads one kind of gradient from the own pose of many rows at once."""
 
+    _messages: Annotated[Floats, "1 MESSAGE", READ]
+    _tags: Annotated[Ints, "1 TAG", READ]
+
     def __init__(self, buffer: SoBuffer, carried: Carried) -> None:
-        self.carried = carried
-        self._buffer = buffer
-        self._key = buffer.keys.code(carried.key) if carried.key else -1
+        self.carried, self._buffer = carried, buffer
+        key = buffer.keys.code(carried.key) if carried.key else -1
+        self._messages, self._tags = buffer.blank(1, carried.channel)
+        self._messages[:, c.DIFFUSION], self._messages[:, c.GOAL_RADIUS] = carried.diffusion, carried.goal_radius
+        far = self._messages[:, c.MESSAGE_FAR :]
+        far[:, c.FAR_FACTOR], far[:, c.FAR_PERIOD] = carried.evaporation_factor, carried.evaporation_period
+        tags = self._tags
+        tags[:, c.TAG_SIGN], tags[:, c.TAG_MOVING], tags[:, c.TAG_KEY] = carried.attraction, carried.moving, key
 
     def spread(self, now: float, rows: Ints, values: Floats | None = None, diffusions: Floats | None = None) -> None:
         """Spread from `rows` (R,) that know their pose; values (R,) to carry, diffusions (R,) [m] of their own."""
         if len(rows) == 0:
             return
-        buffer, carried = self._buffer, self.carried
-        messages, tags = buffer.blank(len(rows), carried.channel)
-        far = messages[:, c.MESSAGE_FAR :]
+        buffer = self._buffer
+        messages, tags = np.repeat(self._messages, len(rows), axis=0), np.repeat(self._tags, len(rows), axis=0)
         messages[:, c.X : c.X + 3] = buffer.poses.own[rows, 0, c.X : c.X + 3]
-        messages[:, c.DIFFUSION] = carried.diffusion if diffusions is None else diffusions
-        messages[:, c.GOAL_RADIUS] = carried.goal_radius
-        far[:, c.FAR_FACTOR], far[:, c.FAR_PERIOD] = carried.evaporation_factor, carried.evaporation_period
         set_times(messages, now)
-        far[:, c.FAR_VALUE] = 0.0 if values is None else values
-        tags[:, c.TAG_SOURCE], tags[:, c.TAG_SIGN] = rows, carried.attraction
-        tags[:, c.TAG_MOVING], tags[:, c.TAG_KEY] = carried.moving, self._key
-        if buffer.on_deposit is not None and not carried.moving and diffusions is None:
+        tags[:, c.TAG_SOURCE] = rows
+        if values is not None:
+            messages[:, c.MESSAGE_FAR + c.FAR_VALUE] = values
+        if diffusions is not None:
+            messages[:, c.DIFFUSION] = diffusions
+        elif buffer.on_deposit is not None and not self.carried.moving:
             buffer.on_deposit(rows, messages[0], tags[0])
         buffer.spread(messages, tags, now)
+
+    def deposit(self, now: float, rows: Ints) -> None:
+        """Leave it at the newest pose of each of `rows` (R,); rows without a pose leave none."""
+        self._buffer.deposit(rows, self._messages[0], self._tags[0], now)
 
 
 @MECHANISMS.register

@@ -98,10 +98,6 @@ class DecisionMechanism(Mechanism):
         chosen = np.asarray(rows, dtype=np.int64)
         self.values[chosen], self.state_codes[chosen] = self._first_values[chosen], self._first_state
 
-    def state_names(self, decision: Decision) -> list[str]:
-        """Return the names of the decided states, (R,)."""
-        return [self.states[code] for code in decision.states]
-
     def _spread(self, now: float, rows: Ints) -> None:
         """Tell the others; called by `spread` with the rows that know their pose, after values are taken over."""
         if self._spreader:

@@ -54,10 +54,10 @@ def test_b5_without_own_pose_gossip_and_quorum_decide_alone_and_spread_nothing()
     decision = gossip.spread(0.2, np.array([0]))
     assert (decision.decided.tolist(), decision.values.tolist()) == ([True], [4.0])
     decision = quorum.spread(0.2, np.array([0]))
-    assert (decision.decided.tolist(), decision.values.tolist(), quorum.state_names(decision)) == (
+    assert (decision.decided.tolist(), decision.values.tolist(), decision.states.tolist()) == (
         [True],
         [0.0],
-        ["True"],
+        [quorum.states.index("True")],
     )
     assert quorum.state_codes[0] == 0  # what it would be is not taken over
     assert len(world.buffer) == stored
