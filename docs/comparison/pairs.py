@@ -9,10 +9,9 @@ from docs.comparison.manifest import Pairs
 from docs.comparison.runs import pair_folder
 from selector.documents.fields import JOINT
 from selforg.arrays import Floats
-from train.analysis.claims import Claim, claims_of
 from train.analysis.family_report import excesses_of
 from train.deciders.named import FIXED
-from train.evaluation.choosing.claims import family_runs
+from train.evaluation.claims import Claim, claims_of, family_runs
 from train.reports.text_table import markdown_table
 
 

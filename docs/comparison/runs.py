@@ -15,7 +15,7 @@ from selector.documents.reading import as_yaml, read_mapping
 from selector.documents.writing import write_whole
 from selector.knowledge import load_knowledge
 from train.deciders.named import FIXED, MACHINE, POLICY
-from train.evaluation.choosing.look_ahead import LOOKING
+from train.evaluation.look_ahead import LOOKING
 from train.learning.config import TrainingConfig
 from train.running.finished_runs import JOURNAL, natural_order, runs_of
 

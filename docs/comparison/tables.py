@@ -12,14 +12,13 @@ from scipy.stats import trim_mean
 from docs.comparison.manifest import Ablations, Manifest
 from docs.comparison.pairs import pairs_table
 from docs.comparison.runs import CONFIGURED, CPU_TIMES, looked_ahead_file
-from train.analysis.claims import Claim, claims_of
 from train.analysis.family_report import excesses_of, limit_ratios, unfinished_of
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
 from train.deciders.named import FIXED
-from train.evaluation.choosing.claims import family_runs
-from train.evaluation.choosing.look_ahead import LOOKING, shares_of
+from train.evaluation.claims import Claim, claims_of, family_runs
 from train.evaluation.entrants import RANDOM
+from train.evaluation.look_ahead import LOOKING, shares_of
 from train.reports.text_table import interval_cell, markdown_table
 
 TOLERANCE = 1.02

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.load import load_robustness
-from train.analysis.robustness_report import RobustnessReport, RobustnessRuns
+from train.analysis.robustness_report import RobustnessReport
 from train.analysis.strategy_comparison import Estimate
 from train.reports.figures import draw_robustness
 
@@ -29,14 +29,12 @@ def report_of(summary: dict[str, Any]) -> RobustnessReport:
     }
     robustness = load_robustness(summary["experiment"])
     assert robustness is not None
-    scenarios = tuple(f"test-{k + 1}" for k in range(summary["scenarios"]))
-    conditions = {label: (label,) for label in next(iter(estimates.values()))}
-    return RobustnessReport(RobustnessRuns(robustness, summary["seed"], scenarios, conditions), estimates)
+    return RobustnessReport(robustness, summary["seed"], summary["scenarios"], estimates)
 
 
 def table(report: RobustnessReport) -> str:
     """Return one table as Markdown: duration with its interval, share completed if not all, collision events."""
-    labels = list(report.runs.conditions)
+    labels = report.strategies
     lines = [f"| | {' | '.join(labels)} |", "|---" * (len(labels) + 1) + "|"]
     for name, by_label in report.estimates.items():
         cells = []

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from typing import Any, Final
 
@@ -24,7 +24,7 @@ from train.analysis.intervals import Ratio
 from train.analysis.statistics import Summary, summarise
 from train.analysis.strategy_comparison import BestFixed, StrategyComparison, compare_strategies
 from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies
-from train.running.runs import RunRecord
+from train.running.runs import RunRecord, under
 
 LIMITS = (0.5, 2.0)
 """Shares of the time limit by which items that are left are priced once more."""
@@ -66,6 +66,11 @@ class FamilyRuns:
     def missions(self) -> list[MissionConfig]:
         """The missions (K,) of the scenarios."""
         return [self.family.scenario(self.seed, k, "test").mission for k in range(self.scenarios)]
+
+    def within(self, variant: str) -> FamilyRuns:
+        """Return the runs in a variant of the family."""
+        named = {label: tuple(under(variant, own) for own in names) for label, names in self.conditions.items()}
+        return replace(self, conditions=named)
 
     def table(self, figure: Figure) -> dict[str, Floats]:
         """Return label -> a figure (S, K, V) of all results."""
@@ -158,11 +163,6 @@ def _measured(_: MissionConfig, result: MissionResult, measure: str) -> float:
     return result.measures[measure]
 
 
-def unfinished(mission: MissionConfig, results: Sequence[MissionResult]) -> float | None:
-    """Return the share of missions that were not completed, or missed a target; None where garbage keeps coming."""
-    return None if mission.continuous else 1.0 - float(np.mean([result.completed for result in results]))
-
-
 def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
     """Return label -> whether missions (S, K, V) were not completed, 1 or 0; nothing where garbage keeps coming."""
     if runs.missions[0].continuous:
@@ -173,6 +173,14 @@ def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
 def excesses_of(runs: FamilyRuns, limits: float = 1.0) -> dict[str, Floats]:
     """Return label -> excess costs (S, K, V) [s], items that are left priced by the time limit times `limits`."""
     return runs.table(lambda mission, r: r.excess_s + (limits - 1.0) * left_cost(mission, r.garbage_done))
+
+
+def excess_ratios(runs: FamilyRuns, against: Mapping[str, str]) -> dict[str, Ratio]:
+    """Return label -> ratio of the mean excess to that of what it is compared with; nothing for the latter."""
+    means = {label: own.mean(axis=2) for label, own in excesses_of(runs).items()}
+    return {
+        label: Ratio.of(means[label], means[other].mean(axis=0)) for label, other in against.items() if label != other
+    }
 
 
 def limit_ratios(runs: FamilyRuns, best: BestFixed) -> dict[str, tuple[Ratio, ...]]:

@@ -10,62 +10,49 @@ import numpy as np
 import scipy.stats
 
 from clean_swarm_env.config.families import RobustnessConfig
-from clean_swarm_env.world.mission import MissionResult
+from selforg.arrays import Floats
+from train.analysis.family_report import FIGURES, FamilyRuns
 from train.analysis.intervals import TAIL, Interval
 from train.analysis.strategy_comparison import Estimate
-from train.running.runs import RunKey, under
 
-ROBUSTNESS_FIGURES = ("completed", "duration_s", "collision_events")
-"""Share of missions completed, duration or time limit [s], and collision events of a mission at the first distance."""
-
-
-@dataclass(frozen=True)
-class RobustnessRuns:
-    """The runs of an evaluation under disturbances."""
-
-    robustness: RobustnessConfig
-    seed: int
-    scenarios: tuple[str, ...]
-    """(K,) names."""
-    conditions: Mapping[str, tuple[str, ...]]
-    """Label of a strategy -> (S,) names of its members."""
+ROBUSTNESS_FIGURES = {"completed": "completed", "duration_s": "duration_s", "collision_events": "events"}
+"""Share of missions completed, duration or time limit [s], and collision events of a mission at the first distance; the
+names that they have among FIGURES."""
 
 
 @dataclass(frozen=True)
 class RobustnessReport:
     """All results of an evaluation under disturbances."""
 
-    runs: RobustnessRuns
+    robustness: RobustnessConfig
+    seed: int
+    scenarios: int
+    """K."""
     estimates: Mapping[str, Mapping[str, Mapping[str, Estimate]]]
     """Disturbance -> label of a strategy -> figure of ROBUSTNESS_FIGURES -> its mean and interval."""
 
+    @property
+    def strategies(self) -> list[str]:
+        """Labels of the strategies."""
+        return list(next(iter(self.estimates.values())))
+
     @classmethod
-    def of(cls, runs: RobustnessRuns, results: Mapping[RunKey, MissionResult]) -> RobustnessReport:
-        """Compute everything from the results."""
-        period = 1.0 / runs.robustness.mission.world.control_rate
-        estimates = {
-            name: {
-                label: _estimates(
-                    [[results[scenario, under(name, own)] for scenario in runs.scenarios] for own in members], period
-                )
-                for label, members in runs.conditions.items()
+    def of(cls, robustness: RobustnessConfig, runs: FamilyRuns) -> RobustnessReport:
+        """Compute everything from the runs; means over members and worlds count once a scenario."""
+        estimates = {}
+        for name in robustness.disturbed:
+            tables = [runs.within(name).table(FIGURES[figure]) for figure in ROBUSTNESS_FIGURES.values()]
+            estimates[name] = {
+                label: _estimates(*(table[label].mean(axis=2) for table in tables)) for label in runs.conditions
             }
-            for name in runs.robustness.disturbed
-        }
-        return cls(runs, estimates)
+        return cls(robustness, runs.seed, runs.scenarios, estimates)
 
 
-def _estimates(results: list[list[MissionResult]], period: float) -> dict[str, Estimate]:
-    """Return the figures of results (S, K) of S members on K scenarios; means over members count once a scenario."""
-    durations = np.array([[r.duration_s for r in row] for row in results])
-    events = np.array([[r.collision_events_per_s[0] * r.ticks * period for r in row] for row in results])
-    completed = np.array([[r.completed for r in row] for row in results])
+def _estimates(completed: Floats, durations: Floats, events: Floats) -> dict[str, Estimate]:
+    """Return the figures of S members on K scenarios, each (S, K)."""
     share = float(completed.mean())
-    return {
-        "completed": Estimate(share, wilson(share, completed.shape[1])),
-        "duration_s": Estimate.of(durations),
-        "collision_events": Estimate.of(events),
-    }
+    found = (Estimate(share, wilson(share, completed.shape[1])), Estimate.of(durations), Estimate.of(events))
+    return dict(zip(ROBUSTNESS_FIGURES, found, strict=True))
 
 
 def wilson(share: float, scenarios: int) -> Interval:
@@ -79,11 +66,10 @@ def wilson(share: float, scenarios: int) -> Interval:
 
 def robustness_summary_json(report: RobustnessReport) -> str:
     """Return the content of `summary.json`."""
-    runs = report.runs
     content = {
-        "experiment": runs.robustness.name,
-        "seed": runs.seed,
-        "scenarios": len(runs.scenarios),
+        "experiment": report.robustness.name,
+        "seed": report.seed,
+        "scenarios": report.scenarios,
         "disturbances": {
             name: {
                 label: {figure: asdict(estimate) for figure, estimate in own.items()} for label, own in by_label.items()

@@ -52,7 +52,7 @@ def evaluate_command(
     from train.evaluation import pipeline
     from train.evaluation.base import Evaluation
     from train.evaluation.experiment import ExperimentEvaluation
-    from train.evaluation.family import FamilyEvaluation, RobustnessEvaluation
+    from train.evaluation.family import FamilyEvaluation
 
     evaluation: Evaluation
     if family is not None:
@@ -61,7 +61,7 @@ def evaluate_command(
     elif (robustness := load_robustness(experiment, given.directories)) is not None:
         unused = {"--starts": starts, "--condition": condition, "--store": values["store"], "--learn": values["learn"]}
         _check_absent("with experiments without disturbances", unused)
-        evaluation = RobustnessEvaluation(given.request(experiment, strategies=robustness.strategies), robustness)
+        evaluation = FamilyEvaluation(given.request(experiment, strategies=robustness.strategies), robustness)
     else:
         evaluation = ExperimentEvaluation(given.request(experiment, starts=starts, conditions=tuple(condition or ())))
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))

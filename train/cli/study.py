@@ -43,9 +43,9 @@ def headroom_command(
         raise ConfigurationError("--situations: expected components of the observation, got none")
     check_named(given.directories, families=family, knowledge=given.values["knowledge"])
     from train.evaluation import pipeline  # imports SciPy and Numba
-    from train.evaluation.choosing.headroom import HeadroomEvaluation, Searched
+    from train.evaluation.headroom import HeadroomEvaluation
 
-    evaluation = HeadroomEvaluation(given.request(family, scenarios=judged), Searched(names, searched))
+    evaluation = HeadroomEvaluation(given.request(family, scenarios=judged), names, searched)
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
 
 
@@ -64,7 +64,7 @@ def look_ahead_command(
     check_named(given.directories, families=family, knowledge=given.values["knowledge"])
     from selector.documents.errors import validated  # these import SciPy and Numba
     from train.evaluation import pipeline
-    from train.evaluation.choosing.look_ahead import LookAheadEvaluation, LookingAhead
+    from train.evaluation.look_ahead import LookAheadEvaluation, LookingAhead
 
     times = {"base": base, "copies": copies, "hold": hold, "horizon": horizon}
     looking = validated(LookingAhead, times, "look-ahead", own=True)
@@ -88,9 +88,9 @@ def periods_command(
         raise ConfigurationError(f"--period: expected at least two different ones, got {period}")
     check_named(given.directories, strategy, families=family, knowledge=given.values["knowledge"])
     from train.evaluation import pipeline  # imports SciPy and Numba
-    from train.evaluation.choosing.periods import PeriodsEvaluation
+    from train.evaluation.family import FamilyEvaluation
 
-    evaluation = PeriodsEvaluation(given.request(family, strategies=tuple(strategy)), period)
+    evaluation = FamilyEvaluation(given.request(family, strategies=tuple(strategy)), periods=period)
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
 
 
@@ -102,7 +102,7 @@ def claims_command(
     ] = "",
 ) -> None:
     """Compare strategies over several families, with intervals and p-values that are corrected for their number."""
-    from train.evaluation.choosing.claims import claims_over, claims_table  # imports SciPy and Numba
+    from train.evaluation.claims import claims_over, claims_table  # imports SciPy and Numba
     from train.reports.text_table import on_terminal
 
     wide_console().print(on_terminal(claims_table(*claims_over(results, strategy, against))))

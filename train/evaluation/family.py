@@ -1,6 +1,6 @@
-"""The evaluation of strategies on a family of scenarios, alone or under disturbances.
+"""The evaluation of strategies on a family of scenarios, alone, under disturbances, or with other decision periods.
 
-All strategies and all disturbances get the same scenarios.
+All strategies get the same scenarios, in each variant of the family.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 
@@ -20,13 +19,13 @@ from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
-from train.analysis.robustness_report import RobustnessReport, RobustnessRuns, robustness_summary_json
+from train.analysis.robustness_report import RobustnessReport, robustness_summary_json
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
-from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named
-from train.reports.family_tables import family_tables, robustness_tables
+from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
+from train.reports.family_tables import excess_publication, family_tables, heading_of, robustness_tables
 from train.reports.write_report import Publication
 from train.request import Request
 from train.running.needs import Workload, check_needs
@@ -36,11 +35,18 @@ from train.running.runs import RunRecord, under
 class FamilyEvaluation(Evaluation):
     """Strategies on the scenarios of a family; other strategies and scenarios can be added later.
 
+    Args:
+        request: the request.
+        family: the family, unless it is the one that the request names; it may have disturbances.
+        periods: lengths of a decision period [s] to compare, the others with the first; none are compared without.
+        settings: what the identity says besides of the evaluation.
+
     Attributes:
         family: the family.
         goal: the goal that the strategies choose options for.
         options: its options.
         entrants: the strategies.
+        variants: families under which they run; see `variants_of`.
 
     """
 
@@ -48,8 +54,15 @@ class FamilyEvaluation(Evaluation):
     beside_baselines = True
     """Whether Off and Random come beside the strategies that are asked for."""
 
-    def __init__(self, request: Request, family: FamilyConfig | None = None) -> None:
+    def __init__(
+        self,
+        request: Request,
+        family: FamilyConfig | None = None,
+        periods: Sequence[float] = (),
+        **settings: object,
+    ) -> None:
         super().__init__(request)
+        self.periods = periods
         self.family = family or load_family(request.name, request.directories).with_knowledge(request.knowledge)
         with within(request.name):
             missions = (request.scenarios or self.family.scenarios) * request.worlds * max(len(request.strategies), 1)
@@ -59,13 +72,14 @@ class FamilyEvaluation(Evaluation):
         self.mission = self.family.mission.model_copy(update={"store": ""})
         self.problem = DecidedGoal(self.batch, request.goal).problem
         self.goal, self.options = self.problem.goal, self.problem.options
+        self.variants = variants_of(self.family, periods)
         self.entrants = entrants_of(request.strategies, self.options)
-        if self.beside_baselines and not (request.scoring or request.store.learn):
+        if self.beside_baselines and not (periods or request.scoring or request.store.learn):
             self.entrants = with_baselines(self.entrants, self.options, self.mission)
         check_fit(self.entrants, self.batch, self.problem, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
-        self.stem = f"{self.family.name}-seed{request.seed}"
+        self.stem = f"{self.family.name}-seed{request.seed}{'-periods' if periods else ''}"
         fixed = {f"{FIXED}:{option}": {self.goal: option} for option in self.options}
         self.scored = fixed if request.scoring else {}
         store = replace(request.store, url=request.store.url or self.family.mission.store or None)
@@ -84,17 +98,10 @@ class FamilyEvaluation(Evaluation):
                 entrant.label: [decider_named(member, request.directories).identity for member in entrant.members]
                 for entrant in self.entrants
             },
-            **self.settings(),
+            **({"periods": list(periods)} if periods else {}),
+            **settings,
         }
         self.identify(identity, directories=[str(path) for path in self.directories])
-
-    def settings(self) -> Mapping[str, Any]:
-        """Return what the identity says of this evaluation besides family, seed, goal and strategies."""
-        return {}
-
-    def variants(self) -> Mapping[str, FamilyConfig]:
-        """Return the families under which every strategy runs, by name; one without a name is the family itself."""
-        return {"": self.family}
 
     def remarks(self) -> list[str]:
         """Return what strategies never take, and which have learned nothing and do not here."""
@@ -104,7 +111,7 @@ class FamilyEvaluation(Evaluation):
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the tasks for all missing runs; each has scenarios of one member in one variant of the family."""
         tasks = []
-        for variant, family in self.variants().items():
+        for variant, family in self.variants.items():
             drawn = cache(partial(self.scenario, family))
             for condition, member in self._members():
                 name = under(variant, condition)
@@ -155,42 +162,41 @@ class FamilyEvaluation(Evaluation):
         return [each for entrant in self.entrants for each in zip(entrant.conditions, entrant.members, strict=True)]
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
-        """Return the means of each strategy, and how the strategies compare with fixed options."""
-        runs = FamilyRuns(
+        """Return how the strategies compare: with each other, under disturbances, or by their decision periods."""
+        runs = self.runs(records, {entrant.label: entrant.conditions for entrant in self.entrants})
+        if self.periods:
+            return periods_publication(runs, list(self.variants))
+        from train.reports.figures import draw_front, draw_robustness  # waits: the runs need no Matplotlib
+
+        heading = heading_of(self.family)
+        if isinstance(self.family, RobustnessConfig):
+            found = RobustnessReport.of(self.family, runs)
+            return Publication(
+                heading, robustness_tables(found), robustness_summary_json(found), draw_robustness(found)
+            )
+        report = family_report_of(runs)
+        return Publication(heading, family_tables(report), family_summary_json(report), draw_front(report))
+
+    def runs(self, records: Sequence[RunRecord], conditions: Mapping[str, tuple[str, ...]]) -> FamilyRuns:
+        """Return the finished runs; `conditions`: see there."""
+        return FamilyRuns(
             family=self.family,
             goal=self.goal,
             seed=self.request.seed,
             scenarios=len(self.scenarios) // self.request.worlds,
             worlds=self.request.worlds,
-            conditions={entrant.label: entrant.conditions for entrant in self.entrants},
+            conditions=conditions,
             fixed=tuple(entrant.label for entrant in self.entrants if entrant.fixed),
             records=records,
         )
-        from train.reports.figures import draw_front  # waits: the runs need no Matplotlib
-
-        report = family_report_of(runs)
-        heading = f"# {self.family.name}\n\n{self.family.description}\n\n"
-        return Publication(heading, family_tables(report), family_summary_json(report), draw_front(report))
 
 
-class RobustnessEvaluation(FamilyEvaluation):
-    """Strategies on the scenarios of a family, without and under each of several disturbances."""
-
-    def __init__(self, request: Request, robustness: RobustnessConfig) -> None:
-        super().__init__(request, robustness)
-        self._robustness = robustness
-
-    def variants(self) -> Mapping[str, FamilyConfig]:
-        """Return the family without and under each disturbance."""
-        return self._robustness.disturbed
-
-    def publication(self, records: Sequence[RunRecord]) -> Publication:
-        """Return completion, duration and collisions of each strategy under each disturbance, and the picture."""
-        from train.reports.figures import draw_robustness  # waits: the runs need no Matplotlib
-
-        conditions = {entrant.label: entrant.conditions for entrant in self.entrants}
-        runs = RobustnessRuns(self._robustness, self.request.seed, tuple(self.scenarios), conditions)
-        report = RobustnessReport.of(runs, {record.key: record.result for record in records})
-        heading = f"# {self.family.name}\n\n{self.family.description}\n\n"
-        grids, summary = robustness_tables(report), robustness_summary_json(report)
-        return Publication(heading, grids, summary, draw_robustness(report))
+def periods_publication(runs: FamilyRuns, periods: Sequence[str]) -> Publication:
+    """Return the excess costs of each strategy with each length of a decision period, beside those with the first."""
+    named, against = dict[str, tuple[str, ...]](), {}
+    for label, names in runs.conditions.items():
+        for period in periods:
+            named[f"{label}, {period}"] = tuple(under(period, name) for name in names)
+            against[f"{label}, {period}"] = f"{label}, {periods[0]}"
+    head = f"ratio to {periods[0]}"
+    return excess_publication(replace(runs, conditions=named), against, "decision periods", head)

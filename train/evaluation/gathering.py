@@ -9,16 +9,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.families import RobustnessConfig
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import validated
 from train.deciders.named import FIXED
 from train.evaluation.base import Asked, Evaluation
-from train.evaluation.choosing.look_ahead import LookAheadEvaluation, LookingAhead
-from train.evaluation.choosing.periods import PeriodsEvaluation
 from train.evaluation.experiment import ExperimentEvaluation
-from train.evaluation.family import FamilyEvaluation, RobustnessEvaluation
+from train.evaluation.family import FamilyEvaluation
 from train.evaluation.identity import Identity
+from train.evaluation.look_ahead import LookAheadEvaluation, LookingAhead
 from train.memory import NO_STORE, StoreRequest
 from train.request import ALL, Request, RunShare
 from train.running.finished_runs import JOURNAL, runs_of
@@ -107,14 +105,8 @@ def _rebuilt(request: Request, identity: Identity, asked: Asked, folder: Path) -
         experiment = validated(ExperimentConfig, identity.content("configuration"), f"{where}.configuration")
         return ExperimentEvaluation(replace(request, scenarios=None), experiment, asked)
     family, request = identity.family(folder), replace(request, strategies=(FIXED,), goal=identity.goal)
-    evaluation: FamilyEvaluation
     if held := identity.content("look_ahead"):
         return LookAheadEvaluation(request, validated(LookingAhead, held, f"{where}.look_ahead"), family)
-    if identity.periods:
-        evaluation = PeriodsEvaluation(request, identity.periods, family)
-    elif isinstance(family, RobustnessConfig):
-        evaluation = RobustnessEvaluation(request, family)
-    else:
-        evaluation = FamilyEvaluation(request, family)
+    evaluation = FamilyEvaluation(request, family, identity.periods)
     evaluation.entrants = identity.entrants
     return evaluation

@@ -12,7 +12,7 @@ from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from selector.documents.errors import validated
 from selector.documents.fields import Positive
 from train.evaluation.entrants import Entrant
-from train.evaluation.trial_task import with_periods
+from train.evaluation.trial_task import variants_of
 from train.running.run_folder import MANIFEST, Json
 from train.running.runs import under
 
@@ -71,15 +71,10 @@ class Identity(BaseModel):
         return validated(FamilyConfig, held, where)
 
     def runs(self, family: FamilyConfig) -> dict[str, tuple[FamilyConfig, str]]:
-        """Return condition -> variant of the family, and member with its digest; see `FamilyEvaluation.variants`."""
-        variants: Mapping[str, FamilyConfig] = {"": family}
-        if isinstance(family, RobustnessConfig):
-            variants = family.disturbed
-        elif self.periods:
-            variants = with_periods(family, self.periods)
+        """Return condition -> variant of the family, and member with its digest; see `variants_of`."""
         return {
             under(name, condition): (variant, member)
-            for name, variant in variants.items()
+            for name, variant in variants_of(family, self.periods).items()
             for entrant, members in zip(self.entrants, self.strategies.values(), strict=True)
             for condition, member in zip(entrant.conditions, members, strict=True)
         }

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, place_of
+from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, Scenario, Split, place_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
@@ -115,9 +115,14 @@ def identities(tasks: Sequence[RunTask | TrialTask]) -> dict[str, str]:
     return {task.condition: task.named.identity for task in tasks if isinstance(task, TrialTask)}
 
 
-def with_periods(family: FamilyConfig, periods: Sequence[float]) -> dict[str, FamilyConfig]:
-    """Return the family with decision periods [s] of other lengths, by name; DocumentError for one that cannot be."""
-    found = {}
+def variants_of(family: FamilyConfig, periods: Sequence[float] = ()) -> Mapping[str, FamilyConfig]:
+    """Return the families under which strategies run, by name; one without a name is the family itself.
+
+    They have other disturbances, or decision periods [s] of other lengths; DocumentError for one that cannot be.
+    """
+    if isinstance(family, RobustnessConfig):
+        return family.disturbed
+    found = {} if periods else {"": family}
     for period in periods:
         changed = {**family.mission.model_dump(), "decision_period": period}
         mission = validated(MissionConfig, changed, "--period", own=True)

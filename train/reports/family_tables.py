@@ -3,14 +3,28 @@
 Of strategies under disturbances there is a table for each strategy, with a row for each disturbance.
 """
 
+import json
+from collections.abc import Mapping, Sequence
+
+from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.tasks.cleaning.cost import LEFT_LIMITS
-from train.analysis.family_report import LIMITS, PRICES, FamilyReport, Front
+from train.analysis.family_report import (
+    LIMITS,
+    PRICES,
+    FamilyReport,
+    FamilyRuns,
+    Front,
+    excess_ratios,
+    excesses_of,
+    unfinished_of,
+)
 from train.analysis.intervals import too_few
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
 from train.reports.task_tables import measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
+from train.reports.write_report import Publication
 
 MEANS = {
     "items": "items",
@@ -123,18 +137,53 @@ def _prices(report: FamilyReport, front: Front) -> Grid:
 
 def robustness_tables(report: RobustnessReport) -> list[Grid]:
     """Return the tables in the order of the strategies."""
-    runs, grids = report.runs, []
+    grids = []
     heads = ("disturbance", *(text for head, _ in MULTIPLES.values() for text in (head, "95 %")))
-    for label in runs.conditions:
+    for label in report.strategies:
         rows = []
         for name, by_label in report.estimates.items():
             cells = (
                 cell for figure, (_, factor) in MULTIPLES.items() for cell in _cells(by_label[label][figure], factor)
             )
             rows.append((name, *cells))
-        title = f"{label}: {len(runs.scenarios)} scenarios, seed {runs.seed}; {INTERVALS}"
+        title = f"{label}: {report.scenarios} scenarios, seed {report.seed}; {INTERVALS}"
         grids.append(Grid(title, heads, rows))
     return grids
+
+
+def excess_publication(
+    runs: FamilyRuns, against: Mapping[str, str], title: str, head: str, notes: Sequence[str] = ()
+) -> Publication:
+    """Return the table of the excess of each strategy, beside that of what it is compared with, and the figures.
+
+    Args:
+        runs: the runs.
+        against: label -> label of what it is compared with; itself for what others are compared with.
+        title: what is compared.
+        head: title of the column of ratios.
+        notes: lines below the table.
+
+    """
+    family, left, ratios = runs.family, unfinished_of(runs), excess_ratios(runs, against)
+    rows, summary = [], dict[str, dict[str, object]]()
+    for label, own in excesses_of(runs).items():
+        excess, share = float(own.mean()), float(left[label].mean()) if left else None
+        summary[label] = {"excess_s": excess, "unfinished": share}
+        cells = ("1", "")
+        if label in ratios:
+            ratio = ratios[label]
+            summary[label] |= {"against": against[label], **ratio.content}
+            cells = (EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}", interval_cell(ratio.ci95))
+        rows.append((label, share_cell(share), f"{excess:.1f}", *cells))
+    heads = ("strategy", "unfinished", "excess s", head, "95 %")
+    grid = Grid(f"{family.name}: {title}", heads, rows, notes=(*notes, *too_few(list(ratios.values()))))
+    content = {"family": family.name, "strategies": summary, "notes": list(notes)}
+    return Publication(heading_of(family), [grid], json.dumps(content, indent=2) + "\n")
+
+
+def heading_of(family: FamilyConfig) -> str:
+    """Return the first lines of `table.md`."""
+    return f"# {family.name}\n\n{family.description}\n\n"
 
 
 def _cells(estimate: Estimate, factor: float) -> tuple[str, str]:

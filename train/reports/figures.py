@@ -79,7 +79,7 @@ def _frame(axes: Axes, front: Front) -> None:
 def draw_robustness(report: RobustnessReport) -> bytes:
     """Return a column for each kind of disturbance, and a row for each figure."""
     kinds: dict[str, list[Disturbance]] = {}
-    for disturbance in report.runs.robustness.disturbances:
+    for disturbance in report.robustness.disturbances:
         kinds.setdefault(disturbance.kind, []).append(disturbance)
     size = (1.5 + 2.8 * len(kinds), 8.0)
     with panels(len(ROBUSTNESS_FIGURES), len(kinds), size, shared=True) as (figure, axes):
@@ -96,7 +96,7 @@ def draw_robustness(report: RobustnessReport) -> bytes:
 
 
 def _draw_levels(axes: Axes, report: RobustnessReport, figure: str, levels: list[Disturbance]) -> None:
-    names, labels = [UNDISTURBED, *(level.name for level in levels)], list(report.runs.conditions)
+    names, labels = [UNDISTURBED, *(level.name for level in levels)], report.strategies
     for k, label in enumerate(labels):
         estimates = [report.estimates[name][label][figure] for name in names]
         places = np.arange(len(names)) + SIDEWAYS * (k - (len(labels) - 1) / 2)

@@ -15,7 +15,7 @@ from selector.documents.find import load_file
 from selector.documents.reading import read_mapping
 from tests.train.learning.trainings import written
 from train.analysis.family_report import excesses_of
-from train.evaluation.choosing.claims import family_runs
+from train.evaluation.claims import family_runs
 from train.learning.config import TrainingConfig
 
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
-from train.analysis.claims import claims_of, holm
-from train.evaluation.choosing.claims import claims_over
+from train.evaluation.claims import claims_of, claims_over, holm
 
 
 def test_holm_is_between_nothing_and_bonferroni():

@@ -24,7 +24,7 @@ from tests.paths import TRAINED
 from train import cli
 from train.analysis.statistics import share_cell
 from train.deciders.named import decider_named
-from train.evaluation.choosing.claims import claims_over, claims_table
+from train.evaluation.claims import claims_over, claims_table
 from train.reports.text_table import markdown
 from train.running.trials import TrialSettings, run_trials
 

@@ -8,13 +8,12 @@ from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from tests.train.commands import run, told
 from tests.train.records import record
-from train.evaluation.choosing import headroom
-from train.evaluation.choosing.headroom import (
+from train.evaluation import headroom
+from train.evaluation.headroom import (
     RULE_FOUND,
     SINGLE,
     HeadroomEvaluation,
     RuleTask,
-    Searched,
     scenario_kinds,
 )
 from train.request import Request
@@ -23,7 +22,7 @@ SITUATIONS = ("free_far", "free_near", "carrying_far", "carrying_near")
 
 
 def evaluation_of(situations=SITUATIONS, scenarios=4, searched=2, name="random-bumpers", family=None, **more):
-    return HeadroomEvaluation(Request(name, scenarios=scenarios, **more), Searched(situations, searched), family)
+    return HeadroomEvaluation(Request(name, scenarios=scenarios, **more), situations, searched, family)
 
 
 def played(evaluation, excess):

@@ -11,7 +11,7 @@ from selector.strategies.policy_file import save_policy
 from tests.selector.strategies.policies import exported, untrained
 from train import cli
 from train.deciders.named import decider_named
-from train.evaluation.choosing.look_ahead import LookAheadEvaluation, LookingAhead, LookingTeam
+from train.evaluation.look_ahead import LookAheadEvaluation, LookingAhead, LookingTeam
 from train.request import Request
 from train.running.runs import RunRecord
 from train.running.trials import TrialSettings, run_trials

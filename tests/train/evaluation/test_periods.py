@@ -6,13 +6,13 @@ import pytest
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from tests.train.commands import told
-from train.evaluation.choosing.periods import PeriodsEvaluation
-from train.evaluation.trial_task import with_periods
+from train.evaluation.family import FamilyEvaluation
+from train.evaluation.trial_task import variants_of
 from train.request import Request
 
 
 def test_a_fixed_option_costs_the_same_and_chance_does_not():
-    evaluation = PeriodsEvaluation(Request("random", ("Random", "fixed:ORCA"), 1, scenarios=2), (1.0, 0.2, 5.0))
+    evaluation = FamilyEvaluation(Request("random", ("Random", "fixed:ORCA"), 1, scenarios=2), periods=(1.0, 0.2, 5.0))
     records = [record for task in evaluation.tasks({}) for record in task.run()]
     [grid] = evaluation.publication(records).grids
     cells = {label: cells for label, *cells in grid.rows}
@@ -26,7 +26,7 @@ def test_a_fixed_option_costs_the_same_and_chance_does_not():
 
 
 def test_options_are_held_for_a_period():
-    batch = Batch(with_periods(load_family("random"), [4.0])["4 s"].mission)
+    batch = Batch(variants_of(load_family("random"), [4.0])["4 s"].mission)
     batch.reset([1])
     options = np.arange(batch.rows)
     held = [worlds.coordinators[0].held.copy() for worlds in batch.ticks(options)]

@@ -13,7 +13,8 @@ from selector.documents.errors import DocumentError
 from tests.paths import ROOT
 from tests.train.commands import run
 from tests.train.records import record
-from train.analysis.robustness_report import RobustnessReport, RobustnessRuns, wilson
+from train.analysis.family_report import FamilyRuns
+from train.analysis.robustness_report import RobustnessReport, wilson
 from train.evaluation.repeat import task_of
 from train.running.runs import under
 
@@ -85,14 +86,14 @@ def test_the_interval_of_a_share_is_by_the_scenarios_however_many_members_do_the
         expected = scipy.stats.binomtest(done, scenarios).proportion_ci(method="wilson")
         assert wilson(done / scenarios, scenarios) == pytest.approx((expected.low, expected.high))
     family = load_robustness("robustness")
-    names = tuple(f"test-{k + 1}" for k in range(10))
-    completed = {
-        (name, under(disturbance, member)): record(name, completed=name != "test-1").result
-        for name in names
+    records = [
+        record(name, under(disturbance, member), completed=name != "test-1")
+        for name in (f"test-{k + 1}" for k in range(10))
         for disturbance in family.disturbed
         for member in ("a", "b", "c")
-    }
-    found = RobustnessReport.of(RobustnessRuns(family, 0, names, {"one": ("a",), "three": ("a", "b", "c")}), completed)
+    ]
+    members = {"one": ("a",), "three": ("a", "b", "c")}
+    found = RobustnessReport.of(family, FamilyRuns(family, "", 0, 10, 1, members, (), records))
     assert found.estimates["none"]["three"] == found.estimates["none"]["one"]
     assert found.estimates["none"]["one"]["duration_s"].ci95 == (10.0, 10.0)
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
@@ -34,9 +34,9 @@ from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 from train.deciders.named import FIXED, POLICY
 from train.evaluation.base import Done
-from train.evaluation.choosing.excesses import ExcessComparison
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.trial_task import TrialTask
+from train.reports.family_tables import excess_publication
 from train.reports.write_report import Publication
 from train.request import Request
 from train.running.runs import RunRecord
@@ -154,7 +154,8 @@ class LookAheadEvaluation(FamilyEvaluation):
     def __init__(self, request: Request, looking: LookingAhead, family: FamilyConfig | None = None) -> None:
         self._looking = looking
         policy = (looking.base,) if looking.base.startswith(f"{POLICY}:") else ()
-        super().__init__(replace(request, strategies=(FIXED, *policy)), family)
+        strategies = replace(request, strategies=(FIXED, *policy))
+        super().__init__(strategies, family, look_ahead=looking.model_dump())
         self.stem += "-look-ahead"
         if not policy and looking.base not in self.options:
             raise ConfigurationError(f"--base: {unknown('option', looking.base, self.options)}")
@@ -163,10 +164,6 @@ class LookAheadEvaluation(FamilyEvaluation):
             expected = "an option or a policy that chooses options"
             raise ConfigurationError(f"--base: expected {expected}, got {looking.base}")
         first.team()  # a base that does not fit is an error
-
-    def settings(self) -> Mapping[str, Any]:
-        """Return how teams look ahead."""
-        return {"look_ahead": self._looking.model_dump()}
 
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the tasks for all missing runs; those that look ahead come first, each with one scenario."""
@@ -183,10 +180,10 @@ class LookAheadEvaluation(FamilyEvaluation):
         labels, base = [LOOKING, *(entrant.label for entrant in self.entrants)], as_member(self._looking.base)
         for name in self.scenarios:
             taken += Counter(done[name, LOOKING].counts)
-        results = {label: [[done[name, label].result for name in self.scenarios]] for label in labels}
-        compared = ExcessComparison(self.family, results, dict.fromkeys(labels, base))
+        runs, against = self.runs(records, {label: (label,) for label in labels}), dict.fromkeys(labels, base)
         notes = (f"taken by the look-ahead: {shares_of(taken)}",)
-        return compared.publication(f"look-ahead on {len(self.scenarios)} scenarios", f"ratio to {base}", notes)
+        title = f"look-ahead on {len(self.scenarios)} scenarios"
+        return excess_publication(runs, against, title, f"ratio to {base}", notes)
 
 
 def as_member(alternative: str) -> str:

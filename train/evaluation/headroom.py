@@ -14,19 +14,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
+from train.analysis.family_report import excess_ratios
 from train.deciders.decider import Decider, TeamsDecider, columns_of
 from train.deciders.rules import RuleDecider
 from train.evaluation.base import Done
-from train.evaluation.choosing.excesses import ExcessComparison
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
+from train.reports.family_tables import excess_publication
 from train.reports.write_report import Publication
 from train.request import Request
 from train.running.runs import RunRecord
@@ -38,21 +38,11 @@ MOST_ROUNDS = 5
 
 
 @dataclass(frozen=True)
-class Searched:
-    """What a search of headroom goes by."""
-
-    situations: tuple[str, ...] = ()
-    """Components of the observation, of which the largest tells the situation of a robot; empty: kinds of scenarios."""
-    scenarios: int = 16
-    """T."""
-
-
-@dataclass(frozen=True)
 class RuleTask(TrialTask):
     """Scenarios on which each team follows one rule."""
 
     situations: tuple[str, ...] = ()
-    """See `Searched`."""
+    """See `HeadroomEvaluation`."""
     rules: Mapping[str, Sequence[int]] = field(default_factory=dict)
     """Name of a scenario -> its rule (S,): the number of an option for each situation."""
 
@@ -81,23 +71,23 @@ class HeadroomEvaluation(FamilyEvaluation):
 
     Args:
         request: the request; its scenarios judge what is found.
-        searched: what the search goes by.
+        situations: components of the observation, of which the largest tells the situation of a robot; none: kinds of
+            scenarios.
+        searched: number of scenarios of the search.
         family: the family, unless it is the one that the request names.
 
     """
 
     growing = ""
 
-    def __init__(self, request: Request, searched: Searched, family: FamilyConfig | None = None) -> None:
-        self._searched = searched
-        super().__init__(request, family)
+    def __init__(
+        self, request: Request, situations: tuple[str, ...], searched: int, family: FamilyConfig | None = None
+    ) -> None:
+        super().__init__(request, family, headroom={"situations": list(situations), "scenarios": searched})
+        self._situations, self._searched = situations, searched
         self._drawn = partial(self.scenario, self.family)
-        columns_of(self.problem, searched.situations, "--situations")
+        columns_of(self.problem, situations, "--situations")
         self.stem += "-headroom"
-
-    def settings(self) -> Mapping[str, Any]:
-        """Return the situations and scenarios of the search."""
-        return {"headroom": {"situations": list(self._searched.situations), "scenarios": self._searched.scenarios}}
 
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the tasks that the search needs next; once it is over, those that judge what was found."""
@@ -116,9 +106,8 @@ class HeadroomEvaluation(FamilyEvaluation):
         """Return the costs of the rule found, Off and Random beside those of the best single choice."""
         done = {record.key: record for record in records}
         labels = [SINGLE, RULE_FOUND, *(entrant.label for entrant in self.entrants)]
-        results = {label: [[done[name, label].result for name in self.scenarios]] for label in labels}
-        compared = ExcessComparison(self.family, results, dict.fromkeys(labels, SINGLE))
-        ratio = compared.ratio(RULE_FOUND)
+        runs, against = self.runs(records, {label: (label,) for label in labels}), dict.fromkeys(labels, SINGLE)
+        ratio = excess_ratios(runs, against)[RULE_FOUND]
         ends = "" if ratio.ci95 is None else " [{:.1%}, {:.1%}]".format(*(1.0 - end for end in reversed(ratio.ci95)))
         cases = self._cases(done)
         notes = (
@@ -127,12 +116,12 @@ class HeadroomEvaluation(FamilyEvaluation):
             f"best single choice: {self.options[self._single(done)]}",
             "best choices: " + ", ".join(f"{case} {self.options[option]}" for case, option in cases.items()),
         )
-        return compared.publication("headroom", "ratio to the best single choice", notes)
+        return excess_publication(runs, against, "headroom", "ratio to the best single choice", notes)
 
     @property
     def _singles(self) -> Ints:
         """The rules (O, S) of one option each."""
-        return np.repeat(np.arange(len(self.options))[:, None], max(len(self._searched.situations), 1), axis=1)
+        return np.repeat(np.arange(len(self.options))[:, None], max(len(self._situations), 1), axis=1)
 
     def _single(self, done: Done) -> int:
         """Return the best single option."""
@@ -140,7 +129,7 @@ class HeadroomEvaluation(FamilyEvaluation):
 
     def _cases(self, done: Done) -> dict[str, int]:
         """Return the best option for each case."""
-        situations = self._searched.situations
+        situations = self._situations
         if situations:
             return dict(zip(situations, self._rule(done).tolist(), strict=True))
         excesses, kinds = self._excesses(self._singles, done), np.array(scenario_kinds(self._scenarios("train")))
@@ -148,7 +137,7 @@ class HeadroomEvaluation(FamilyEvaluation):
 
     def _rule(self, done: Done) -> Ints:
         """Return the best rule (S,) for situations."""
-        rule = np.full(len(self._searched.situations), self._single(done))
+        rule = np.full(len(self._situations), self._single(done))
         for _ in range(MOST_ROUNDS):
             before = rule.copy()
             for situation in range(len(rule)):
@@ -162,14 +151,14 @@ class HeadroomEvaluation(FamilyEvaluation):
     def _judged(self, done: Done) -> Ints:
         """Return the rules (K, S) that are judged, one for each test scenario."""
         cases = self._cases(done)
-        if self._searched.situations:
+        if self._situations:
             return np.tile(np.array(list(cases.values())), (len(self.scenarios), 1))
         single = self._single(done)
         return np.array([[cases.get(kind, single)] for kind in scenario_kinds(self._scenarios("test"))])
 
     def _excesses(self, rules: Ints, done: Done) -> Floats:
         """Return the excess costs (Q, T) of `rules` (Q, S) on the scenarios of the search; Lacking for a new rule."""
-        names = [scenario_name("train", k) for k in range(self._searched.scenarios)]
+        names = [scenario_name("train", k) for k in range(self._searched)]
         conditions = [" / ".join(self.options[option] for option in rule) for rule in rules]
         tasks = [
             task
@@ -190,12 +179,12 @@ class HeadroomEvaluation(FamilyEvaluation):
         for first in range(0, len(left), TASK_SCENARIOS):
             part = [self._drawn(name) for name in left[first : first + TASK_SCENARIOS]]
             settings = vars(self.task(part, condition, ""))
-            found.append(RuleTask(**settings, situations=self._searched.situations, rules=rule_of))
+            found.append(RuleTask(**settings, situations=self._situations, rules=rule_of))
         return found
 
     def _scenarios(self, split: Split) -> list[Scenario]:
         """Return the scenarios of the search, or those that judge."""
-        count = self._searched.scenarios if split == "train" else len(self.scenarios)
+        count = self._searched if split == "train" else len(self.scenarios)
         return [self._drawn(scenario_name(split, k)) for k in range(count)]
 
 
