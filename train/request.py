@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -13,14 +14,14 @@ from rich.console import Console
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.plain import short
-from train.cluster.bits import WorkerBits
-from train.cluster.dask_engine import DaskEngine
 from train.memory import NO_STORE, StoreRequest
+from train.running.bits import WorkerBits, noted_bits
+from train.running.commands import FAILED, INTERRUPTED
+from train.running.dask_engine import DaskEngine
 from train.running.engine import Engine, WorkerLost
-from train.running.exit_codes import FAILED, INTERRUPTED
 from train.running.needs import ALONE, Machine
 from train.running.processes import Processes
-from train.running.run_folder import SHARE_FOLDERS
+from train.running.run_folder import COMMAND, SHARE_FOLDERS, WORKERS, Json, RunFolder
 from train.running.runs import RunKey
 
 ALL = "all"
@@ -113,6 +114,21 @@ class Request:
         """What does the missions: processes of this machine, or workers at the place that it names."""
         place = self.machine.place
         return Processes(self.machine.workers) if place is None else DaskEngine(place, self.bits)
+
+    @contextmanager
+    def results(self, directory: Path, manifest: Json, growing: str = "") -> Iterator[RunFolder]:
+        """Give the run folder of the results, new or to resume, which no other command writes meanwhile.
+
+        It notes the CPUs that take part.
+        """
+        self.bits.add(noted_bits(directory))
+        folder = RunFolder(directory, {**manifest, COMMAND: [*self.words]}, resume=self.resume, growing=growing)
+        with folder.alone():
+            folder.note(WORKERS, self.bits.cpus)  # now, for shares that begin while this one runs
+            try:
+                yield folder
+            finally:
+                folder.note(WORKERS, self.bits.cpus)
 
     def command(self, directory: Path, *more: str) -> str:
         """Return the command that goes on with the results in a directory."""

@@ -19,7 +19,7 @@ from clean_swarm_env.world.mission import MissionRun
 from selector.documents.arrays import load_arrays, save_arrays
 from tests.paths import TRAINED
 from tests.train.records import record
-from train.running.provenance import fingerprints, versions
+from train.running.run_folder import fingerprints, versions
 
 CANARY = """
 from pathlib import Path

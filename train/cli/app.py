@@ -25,7 +25,7 @@ from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
 from train.cli import evaluate, knowledge, look, machine, play, repeat, run, study, train
 from train.cli.options import Configs, error_console, print_error
-from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
+from train.running.commands import BAD_INPUT, FAILED, INTERRUPTED
 
 TRUST, READ_TASKS = "--trust", "--import"
 """Options of all commands: to let files name code, and to read tasks of the user's own from a file."""

@@ -96,11 +96,11 @@ def gather_command(
     any_bits: AnyBits = False,
 ) -> None:
     """Merge the results of all shares, as if one command had done all runs: runs, tables, figure."""
-    from train.cluster.bits import WorkerBits
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.gathering import first_share, held_evaluation
     from train.memory import StoreRequest
     from train.request import Request
+    from train.running.bits import WorkerBits
     from train.running.needs import Machine
 
     share, folder = first_share(directory)

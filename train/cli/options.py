@@ -143,9 +143,9 @@ class GivenOptions:
     def request(self, name: str, **more: Any) -> "Request":  # noqa: ANN401  (fields of a request)
         """Return the request for an experiment, a family, a training or a study, with `more` of its fields."""
         from clean_swarm_env.recording.recorder import RecordSettings  # these import SQLAlchemy and Numba
-        from train.cluster.bits import WorkerBits
         from train.memory import StoreRequest
         from train.request import Request, RunShare, without_secrets
+        from train.running.bits import WorkerBits
         from train.running.needs import Machine
         from train.running.runs import usable_cpus
 

@@ -16,7 +16,7 @@ from train.cli.options import (
     check_whole,
     wide_console,
 )
-from train.running.exit_codes import FINISHED
+from train.running.commands import FINISHED
 
 COMMON = ("seed", "knowledge", "goal", *KEEPING)
 """Options of headroom, look-ahead and periods."""

@@ -12,10 +12,9 @@ from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.fields import Closed, Flag
 from selector.strategies.strategy import DecisionStrategy
 from train.memory import Memory, as_plain
-from train.reports.write_report import Publication
+from train.reports.text_table import Publication
 from train.request import Request
-from train.running.provenance import fingerprints, versions
-from train.running.run_folder import LEARNED_BEFORE
+from train.running.run_folder import LEARNED_BEFORE, fingerprints, versions
 from train.running.runs import Job, RunKey, RunRecord
 
 OWN_STARTS = "own starts"

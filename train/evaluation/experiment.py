@@ -26,9 +26,9 @@ from train.evaluation.base import OWN_STARTS, Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT
 from train.evaluation.trial_task import TrialTask, experiment_tasks, identities
 from train.reports.experiment_tables import all_tables
-from train.reports.write_report import Publication
+from train.reports.text_table import Publication
 from train.request import Request
-from train.running.needs import Workload, check_needs, needs_of
+from train.running.needs import check_needs, needs_of
 from train.running.runs import RunRecord, RunTask, forcing
 
 
@@ -60,7 +60,7 @@ class ExperimentEvaluation(Evaluation):
                 with within(f"condition {task.condition!r}"):
                     task.team()
             largest = max((task.first.mission for task in tasks), key=lambda mission: needs_of(mission).memory)
-            check_needs(Workload(largest, len(tasks)), request.machine)
+            check_needs(largest, len(tasks), request.machine)
         self._missions = {task.keys[0]: task.first.mission for task in tasks}
         deciders = identities(tasks)
         identity = {
@@ -160,7 +160,7 @@ def with_starts(experiment: ExperimentConfig, request: Request) -> tuple[Experim
         return experiment, asked, ""
     count = request.scenarios or experiment.scenarios
     with within(request.name):
-        check_needs(Workload(experiment.mission, count * len(experiment.conditions)), request.machine)
+        check_needs(experiment.mission, count * len(experiment.conditions), request.machine)
         drawn = tuple(random_start(experiment.mission, request.seed, index) for index in range(count))
     told = f"{count} random start configurations of seed {request.seed}"
     asked = Asked(scoring=request.scoring, starts="random starts", starts_from=told)

@@ -26,9 +26,9 @@ from train.evaluation.base import Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
 from train.reports.family_tables import excess_publication, family_tables, heading_of, robustness_tables
-from train.reports.write_report import Publication
+from train.reports.text_table import Publication
 from train.request import Request
-from train.running.needs import Workload, check_needs
+from train.running.needs import check_needs
 from train.running.runs import RunRecord, under
 
 
@@ -66,7 +66,7 @@ class FamilyEvaluation(Evaluation):
         self.family = family or load_family(request.name, request.directories).with_knowledge(request.knowledge)
         with within(request.name):
             missions = (request.scenarios or self.family.scenarios) * request.worlds * max(len(request.strategies), 1)
-            check_needs(Workload(self.family.largest, missions, min(TASK_SCENARIOS, missions)), request.machine)
+            check_needs(self.family.largest, missions, request.machine, min(TASK_SCENARIOS, missions))
             first = self.family.scenario(0, 0, "test").mission.model_copy(update={"store": ""})
             self.batch = Batch(first, directories=request.directories)
         self.mission = self.family.mission.model_copy(update={"store": ""})

@@ -27,7 +27,7 @@ from train.evaluation.base import Done
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
 from train.reports.family_tables import excess_publication
-from train.reports.write_report import Publication
+from train.reports.text_table import Publication
 from train.request import Request
 from train.running.runs import RunRecord
 from train.running.trials import TrialSettings

@@ -37,7 +37,7 @@ from train.evaluation.base import Done
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.trial_task import TrialTask
 from train.reports.family_tables import excess_publication
-from train.reports.write_report import Publication
+from train.reports.text_table import Publication
 from train.request import Request
 from train.running.runs import RunRecord
 

@@ -18,18 +18,16 @@ from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.task import task_class
 from selector.store.exact_sums import REWARD_LIMIT
-from train.cluster.bits import noted_bits, noting, own_bits
 from train.evaluation.base import Evaluation
 from train.evaluation.gathering import gathered
 from train.memory import Memory
 from train.reports.knowledge_tables import learned_scores
-from train.reports.text_table import on_terminal
-from train.reports.write_report import publish
+from train.reports.text_table import on_terminal, publish
+from train.running.bits import noted_bits, own_bits
+from train.running.commands import FINISHED, progress
 from train.running.engine import WorkerLost, compile_first
-from train.running.exit_codes import FINISHED
 from train.running.finished_runs import Results
-from train.running.progress import progress
-from train.running.run_folder import ASKED, CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
+from train.running.run_folder import ASKED, CHOSEN_OPTIONS, LEARNED_BEFORE, default_directory
 from train.running.runs import Job, RunKey, RunRecord
 
 NO_CONTEXT = np.zeros((1, 0))
@@ -47,17 +45,16 @@ def evaluate(evaluation: Evaluation, console: Console) -> int:
         evaluation.memory.check_new()
     for remark in () if share is not None and share.gathers else evaluation.remarks():
         Console(stderr=True, highlight=False, soft_wrap=True).print(remark, markup=False)
-    manifest = {**evaluation.manifest, ASKED: evaluation.asked.model_dump(), COMMAND: list(request.words)}
+    manifest = {**evaluation.manifest, ASKED: evaluation.asked.model_dump()}
     if share is not None and share.gathers:
         known, learned = gathered(evaluation, root, share.count)
         manifest |= {LEARNED_BEFORE: learned} if LEARNED_BEFORE in manifest else {}
-    for place in [root] if share is None else share.folders(root):
+    for place in () if share is None else share.folders(root):
         request.bits.add(noted_bits(place))
     if share is not None and not share.gathers:
         request.bits.add(own_bits())
         root = share.folder(root)
-    folder = RunFolder(root, manifest, resume=request.resume, growing=evaluation.growing)
-    with noting(folder, request.bits):
+    with request.results(root, manifest, evaluation.growing) as folder:
         return _evaluated(evaluation, Results(folder, evaluation.mistake, known), console)
 
 

@@ -21,9 +21,16 @@ from selforg.registry import unknown
 from train.evaluation.identity import DIGEST, Identity
 from train.evaluation.trial_task import TrialTask, experiment_tasks, scenario_named
 from train.running.finished_runs import JOURNAL, runs_of
-from train.running.needs import ALONE, Workload, check_needs
-from train.running.provenance import fingerprints, versions
-from train.running.run_folder import CHOSEN_OPTIONS, LEARNED_BEFORE, MANIFEST, RECORDINGS, read_manifest
+from train.running.needs import ALONE, check_needs
+from train.running.run_folder import (
+    CHOSEN_OPTIONS,
+    LEARNED_BEFORE,
+    MANIFEST,
+    RECORDINGS,
+    fingerprints,
+    read_manifest,
+    versions,
+)
 from train.running.runs import RunKey, RunTask
 
 Repeated = RunTask | TrialTask
@@ -215,7 +222,7 @@ def record_run(task: Repeated, output: Path, *, minds: bool = True) -> Path:
         raise ConfigurationError(f"{output}: exists already; expected a new file")
     if not output.parent.is_dir():
         raise ConfigurationError(f"{output}: cannot be written (no such directory)")
-    check_needs(Workload(task.first.mission, 1), ALONE, "the run cannot be repeated here")
+    check_needs(task.first.mission, 1, ALONE, hint="the run cannot be repeated here")
     with writing_to(output, anew=True):
         task.recorded(RecordSettings(output.parent, minds, name=output.name)).run()
     return output

@@ -17,7 +17,7 @@ from selector.documents.errors import DocumentError
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import NamedDecider, decider_named
 from train.request import Request
-from train.running.needs import ALONE, Workload, check_needs
+from train.running.needs import ALONE, check_needs
 
 ENVIRONMENT = "clean_swarm_env.registration:CleanSwarm-v0"
 """Id by which Minari makes the environment of a dataset again, in a program that has not imported ours."""
@@ -61,7 +61,7 @@ def write_dataset(
         settings["directories"] = [str(directory.resolve()) for directory in request.directories]
     team = gymnasium.make(ENVIRONMENT, disable_env_checker=True, **settings)
     mission = team.unwrapped.batch.mission  # type: ignore[attr-defined]
-    check_needs(Workload(mission, missions), ALONE, "fewer --missions need less")
+    check_needs(mission, missions, ALONE, hint="fewer --missions need less")
     collector = minari.DataCollector(team, record_infos=True)
     figures = [_mission(collector, request.seed + number, named, on_mission) for number in range(missions)]
     text = _description(request, collector.unwrapped.batch, figures)

@@ -16,17 +16,14 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
-from train.cluster.bits import noted_bits, noting
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.memory import Memory, as_plain
 from train.request import Request
+from train.running.commands import FINISHED, progress
 from train.running.engine import WorkerLost
-from train.running.exit_codes import FINISHED
-from train.running.needs import Workload, check_needs
-from train.running.progress import progress
-from train.running.provenance import versions
-from train.running.run_folder import COMMAND, LEARNED_BEFORE, RunFolder
+from train.running.needs import check_needs
+from train.running.run_folder import LEARNED_BEFORE, versions
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": (), "es": (), "design": ()}
 """Packages that a learner needs besides those of all runs."""
@@ -48,7 +45,7 @@ def run_training(learner: str, request: Request, made: Callable[[TrainingJob], T
     for task in config.tasks:
         with within(f"{request.name}: tasks"):
             largest = task.load(request.directories).largest
-            check_needs(Workload(largest, task.worlds * request.machine.workers, task.worlds), request.machine)
+            check_needs(largest, task.worlds * request.machine.workers, request.machine, task.worlds)
     identity = {
         "learner": learner,
         "seed": request.seed,
@@ -60,31 +57,29 @@ def run_training(learner: str, request: Request, made: Callable[[TrainingJob], T
     known = {} if memory is None else {LEARNED_BEFORE: as_plain(memory.knowledge.learned)}
     stem = f"{Path(request.name).stem[:MOST_LETTERS]}-{learner}-seed{request.seed}"
     directory = request.output or Path("results") / stem
-    request.bits.add(noted_bits(directory))
-    manifest = {"identity": identity, **known, COMMAND: list(request.words)}
-    folder = RunFolder(directory, manifest, resume=request.resume)
-    job = TrainingJob(
-        config, request.seed, folder, directories=request.directories, record=request.record, memory=memory
-    )
-    try:
-        compile_once(lambda: run_through(Batch()))  # before the bar and the workers
-        bar = progress("decisions", TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions)
-        with noting(folder, request.bits), bar as update, request.engine.rounds() as done:
-            parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
-            training = made(replace(job, on_progress=lambda now: update(completed=now), parts=parts, done=done))
-            update(completed=training.decisions)
-            while not training.finished:
-                training.advance()
-                _print(console, training.history.entries[-1])
-    except ValueError:  # the configuration is wrong: nothing has been learned
-        folder.discard()
-        raise
-    except (KeyboardInterrupt, WorkerLost) as end:
-        return request.ended(end, folder.path)
-    finally:
-        if memory is not None:
-            memory.close()
-    exported = training.export(shlex.join(folder.words))
+    with request.results(directory, {"identity": identity, **known}) as folder:
+        job = TrainingJob(
+            config, request.seed, folder, directories=request.directories, record=request.record, memory=memory
+        )
+        try:
+            compile_once(lambda: run_through(Batch()))  # before the bar and the workers
+            bar = progress("decisions", TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions)
+            with bar as update, request.engine.rounds() as done:
+                parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
+                training = made(replace(job, on_progress=lambda now: update(completed=now), parts=parts, done=done))
+                update(completed=training.decisions)
+                while not training.finished:
+                    training.advance()
+                    _print(console, training.history.entries[-1])
+        except ValueError:  # the configuration is wrong: nothing has been learned
+            folder.discard()
+            raise
+        except (KeyboardInterrupt, WorkerLost) as end:
+            return request.ended(end, folder.path)
+        finally:
+            if memory is not None:
+                memory.close()
+        exported = training.export(shlex.join(folder.words))
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
     return FINISHED
 

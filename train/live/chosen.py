@@ -24,7 +24,7 @@ from selector.documents.reading import read_mapping
 from selforg.registry import unknown
 from train.deciders.named import decider_named
 from train.evaluation.identity import DIGEST
-from train.running.provenance import fingerprints
+from train.running.run_folder import fingerprints
 
 STRATEGY = "MaxScore"
 """The strategy of missions unless another one is named."""

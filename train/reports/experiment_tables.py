@@ -1,6 +1,6 @@
 """The tables of an evaluation: the paper's Table 1, ratios between conditions, and comparisons with measurements.
 
-`train.reports.write_report` writes them into `table.md`.
+`train.reports.text_table` writes them into `table.md`.
 """
 
 from collections.abc import Callable, Mapping

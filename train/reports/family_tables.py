@@ -23,8 +23,7 @@ from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
 from train.reports.task_tables import measures_grids
-from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
-from train.reports.write_report import Publication
+from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
 
 MEANS = {
     "items": "items",

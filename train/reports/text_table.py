@@ -1,12 +1,14 @@
-"""Tables of text, shown on a terminal or as Markdown."""
+"""Tables of text, shown on a terminal or as Markdown, and the report of which they are: files and printed tables."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rich import box
-from rich.console import Group, RenderableType
+from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
+
+from train.running.run_folder import RunFolder
 
 EMPTY_CELL = "-"
 """Text of a cell without a figure."""
@@ -59,3 +61,29 @@ def on_terminal(grid: Grid) -> RenderableType:
 
 def _line(cells: Sequence[str]) -> str:
     return f"| {' | '.join(cells)} |"
+
+
+@dataclass(frozen=True)
+class Publication:
+    """Results that an evaluation writes and prints."""
+
+    heading: str
+    """First lines of `table.md`."""
+    grids: Sequence[Grid]
+    """The tables of `table.md` and of the terminal."""
+    summary: str
+    """Content of `summary.json`."""
+    figure: bytes | None = None
+    """Content of `figure.png`."""
+
+
+def publish(publication: Publication, folder: RunFolder, console: Console) -> None:
+    """Write the files of a report, and print its tables."""
+    folder.write("summary.json", publication.summary)
+    folder.write("table.md", publication.heading + "\n".join(markdown(grid) for grid in publication.grids))
+    if publication.figure is not None:
+        folder.write("figure.png", publication.figure)
+    for grid in publication.grids:
+        console.print(on_terminal(grid), soft_wrap=True)
+        console.print()
+    console.print(f"results in {folder.path}", soft_wrap=True, highlight=False)

@@ -92,36 +92,37 @@ ALONE = Machine()
 """One process."""
 
 
-@dataclass(frozen=True)
-class Workload:
-    """Missions to run."""
-
-    mission: MissionConfig
-    """The largest of them."""
-    missions: int
-    """Their number."""
-    worlds: int = 1
-    """Worlds side by side in each process."""
-
-
-def check_needs(workload: Workload, machine: Machine, hint: str = "--force starts them anyway") -> None:
+def check_needs(
+    largest: MissionConfig,
+    missions: int,
+    machine: Machine,
+    worlds: int = 1,
+    hint: str = "--force starts them anyway",
+) -> None:
     """Raise ConfigurationError if missions need more memory or time than the limits, unless they are forced.
 
-    The limits are those of memory, of the time of all missions (`LONGEST`), and of a control period (`LONGEST_TICK`);
-    `hint` ends the text.
+    The limits are those of memory, of the time of all missions (`LONGEST`), and of a control period (`LONGEST_TICK`).
+
+    Args:
+        largest: the largest of the missions.
+        missions: their number.
+        machine: what they may use.
+        worlds: worlds side by side in each process.
+        hint: end of the text.
+
     """
     if machine.forced:
         return
-    needs, processes = needs_of(workload.mission), min(machine.workers, workload.missions)
-    at_once = processes * workload.worlds
-    tick_time = workload.worlds * needs.tick_time
+    needs, processes = needs_of(largest), min(machine.workers, missions)
+    at_once = processes * worlds
+    tick_time = worlds * needs.tick_time
     estimates = (
         ("memory", processes * PROCESS + at_once * needs.memory, memory_of_machine(), _bytes),
-        ("time", workload.missions * needs.time / processes, LONGEST, _duration),
+        ("time", missions * needs.time / processes, LONGEST, _duration),
         ("time for a control period, in which Ctrl-C waits", tick_time, LONGEST_TICK, _duration),
     )
     size = f"{needs.robots} robots, {needs.items} items and {needs.ticks} ticks"
-    _check(f"{workload.missions} missions, {at_once} at a time, of up to {size}", estimates, hint)
+    _check(f"{missions} missions, {at_once} at a time, of up to {size}", estimates, hint)
 
 
 def check_file(output: Path, amount: float, what: str, hint: str) -> str:

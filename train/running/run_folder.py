@@ -1,17 +1,22 @@
-"""Run folders: directories with the results of an evaluation or a training.
+"""Run folders: directories with the results of an evaluation or a training, and what their manifests say of the origin.
 
 `identity` in `manifest.json` says which evaluation or training has the directory. A directory is used again only for
 the same identity and only to resume. A directory with other files is refused and not changed.
 """
 
+import hashlib
 import json
 import os
-from collections.abc import Iterator, Mapping
+import platform
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.types import ConfigurationError
+from selector.documents.errors import DocumentError
+from selector.documents.find import SHIPPED
 from selector.documents.reading import read_json
 from selector.documents.writing import remove_parts, write_whole
 from selector.knowledge import learned_from
@@ -38,6 +43,10 @@ SHARE_FOLDERS = "shares"
 """Directory below a run folder in which commands keep the run folders of their shares."""
 CHOSEN_OPTIONS = "choices.jsonl"
 """File with the options that served each mission of an evaluation that learned."""
+PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
+"""Packages that every result depends on."""
+FINGERPRINTED = ("knowledge", "mechanisms", "robots")
+"""Kinds of files on which a run depends, besides its configuration."""
 
 Json = dict[str, Any]
 
@@ -96,9 +105,9 @@ class RunFolder:
             os.close(number)
 
     def note(self, key: str, value: Json) -> None:
-        """Keep a value in the manifest beside the identity, unless it is empty or there already."""
-        content = read_manifest(self.path)
-        if value and content.get(key) != value:
+        """Keep a value in the manifest beside the identity, unless it is empty, or the directory was discarded."""
+        content = read_manifest(self.path) if value and self.path.exists() else {key: value}
+        if content.get(key) != value:
             self.write(MANIFEST, json.dumps({**content, key: value}, indent=2) + "\n")
 
     def discard(self) -> None:
@@ -171,3 +180,27 @@ def _difference(held: object, wanted: object, key: str = "") -> str:
     if isinstance(held, list) or isinstance(wanted, list):
         return f"{key} differ"
     return f"{key}: expected {wanted!r}, got {held!r}"
+
+
+def versions(more: Sequence[str] = (), needed_by: str = "results need", extra: str = "") -> dict[str, str]:
+    """Return the versions of Python, of the packages that every result depends on, and of `more` packages.
+
+    Raises:
+        DocumentError: a package is not installed, which the `extra` has if there is one; `needed_by` begins the text.
+
+    """
+    try:
+        return {"python": platform.python_version(), **{name: version(name) for name in (*PACKAGES, *more)}}
+    except PackageNotFoundError as error:
+        install = "pip install -c constraints.txt " + (f"'.[{extra}]'" if extra else ".")
+        raise DocumentError(f"{needed_by} {error.name}, which is not installed: {install}") from error
+
+
+def fingerprints(directories: Sequence[Path] = ()) -> dict[str, str]:
+    """Return file -> SHA-256 of the fingerprinted files, both shipped and in the user's directories."""
+    found = {}
+    for root in (SHIPPED, *directories):
+        for path in sorted(path for kind in FINGERPRINTED for path in (root / kind).glob("*.yaml")):
+            name = (path.relative_to(root) if root == SHIPPED else path).as_posix()
+            found[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return found

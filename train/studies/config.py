@@ -13,7 +13,7 @@ from selector.documents.errors import impossible
 from selector.documents.fields import LARGEST_NUMBER, Closed, DocumentName, Flag, Label, Name, Number, Positive
 from selector.documents.find import load_file
 from train.learning.racing import RaceConfig
-from train.running.provenance import versions
+from train.running.run_folder import versions
 
 WholeNumber = Annotated[int, Field(strict=True, ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
 Method = Literal["random", "TPE", "CMA-ES", "NSGA-II", "MAP-Elites"]

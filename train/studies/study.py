@@ -14,18 +14,15 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compiled_before
 from selector.documents.errors import within
-from train.cluster.bits import noted_bits, noting
 from train.deciders.decided_goal import DecidedGoal
 from train.evaluation.trial_task import TASK_SCENARIOS
-from train.reports.write_report import Publication, publish
+from train.reports.text_table import Publication, publish
 from train.request import Request
+from train.running.commands import FINISHED, progress
 from train.running.engine import WorkerLost, compile_first
-from train.running.exit_codes import FINISHED
 from train.running.finished_runs import Results
-from train.running.needs import Workload, check_needs
-from train.running.progress import progress
-from train.running.provenance import fingerprints
-from train.running.run_folder import COMMAND, RunFolder, default_directory
+from train.running.needs import check_needs
+from train.running.run_folder import default_directory, fingerprints
 from train.studies.conclusion import UNCHANGED, Conclusion, FoundKnowledge, conclude
 from train.studies.config import StudyConfig, study_versions
 from train.studies.missions import STAGES, Candidate, CandidateTasks, MissionField, TaskMaker
@@ -58,10 +55,8 @@ def run_study(study: StudyConfig, request: Request, console: Console, make: Task
         "files": fingerprints(directories),
     }
     directory = request.output or default_directory(f"{study.name}-seed{request.seed}", resume=request.resume)
-    request.bits.add(noted_bits(directory))
-    folder = RunFolder(directory, {"identity": identity, COMMAND: list(request.words)}, resume=request.resume)
-    tasks = CandidateTasks(family, request.seed, space.goals[0], folder, directories)
-    with noting(folder, request.bits):
+    with request.results(directory, {"identity": identity}) as folder:
+        tasks = CandidateTasks(family, request.seed, space.goals[0], folder, directories)
         results = Results(folder, tasks.mistake, journal=MISSIONS)
         try:
             arms, conclusion = _searched(study, request, space, results, make or tasks, family.mission)
@@ -118,5 +113,5 @@ def _checked(study: StudyConfig, request: Request) -> tuple[FamilyConfig, StudyS
         for goal in space.goals:
             DecidedGoal(Batch(family.scenario(0, 0, "train").mission, directories=directories), goal)
         most = study.trials * len(study.methods) * study.race.block * study.race.blocks
-        check_needs(Workload(family.largest, most, TASK_SCENARIOS), request.machine)
+        check_needs(family.largest, most, request.machine, TASK_SCENARIOS)
     return family, space

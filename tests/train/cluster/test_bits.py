@@ -8,11 +8,11 @@ import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
 from tests.paths import ROOT
-from train.cluster.bits import WorkerBits, noted_bits, own_bits
+from train.running.bits import WorkerBits, noted_bits, own_bits
 
 
 def test_another_process_has_the_same_fingerprint():
-    code = "from train.cluster.bits import own_bits; print(*own_bits())"
+    code = "from train.running.bits import own_bits; print(*own_bits())"
     printed = subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     assert printed.split() == list(own_bits())
 

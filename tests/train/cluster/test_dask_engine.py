@@ -12,9 +12,9 @@ import pytest
 from clean_swarm_env.config.types import ConfigurationError
 from tests.train.cluster.loopback import ENVIRONMENT, QUIET, loopback_cluster, until
 from tests.train.learning.trainings import written
-from train.cluster import dask_engine
-from train.cluster.bits import WorkerBits
-from train.cluster.dask_engine import DaskEngine
+from train.running import dask_engine
+from train.running.bits import WorkerBits
+from train.running.dask_engine import DaskEngine
 
 
 def evaluate(folder: Path, *words: str) -> subprocess.Popen[str]:

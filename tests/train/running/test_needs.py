@@ -10,7 +10,7 @@ from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
 from train.evaluation.repeat import record_run
 from train.running import needs
-from train.running.needs import Machine, Workload, check_needs, needs_of
+from train.running.needs import Machine, check_needs, needs_of
 from train.running.runs import RunTask
 
 LARGE = {"world": {"width": 1000.0, "height": 1000.0}, "robots": {"count": 2000}}
@@ -21,32 +21,32 @@ def mission(**changes):
 
 
 @pytest.mark.parametrize(
-    ("workload", "expected"),
+    ("largest", "missions", "worlds", "expected"),
     [
-        (Workload(mission(**LARGE, delivery={"loss": 0.1}), 1), r"3\.0 GB|of memory"),
-        (Workload(mission(time_limit=1e7), 10_000), r"at most 7\.0 days of time, got about"),
-        (Workload(mission(**LARGE, delivery={"loss": 0.1}, time_limit=60.0), 1, 25), "of memory"),
+        (mission(**LARGE, delivery={"loss": 0.1}), 1, 1, r"3\.0 GB|of memory"),
+        (mission(time_limit=1e7), 10_000, 1, r"at most 7\.0 days of time, got about"),
+        (mission(**LARGE, delivery={"loss": 0.1}, time_limit=60.0), 1, 25, "of memory"),
     ],
 )
-def test_what_is_too_much_is_refused_in_words_unless_forced(workload, expected, monkeypatch):
+def test_what_is_too_much_is_refused_in_words_unless_forced(largest, missions, worlds, expected, monkeypatch):
     monkeypatch.setattr(needs, "memory_of_machine", lambda: 1e9)
     with pytest.raises(ConfigurationError, match=expected) as caught:
-        check_needs(workload, Machine(2))
-    assert f"of up to {workload.mission.rows} robots, 10 items and" in str(caught.value)
+        check_needs(largest, missions, Machine(2), worlds)
+    assert f"of up to {largest.rows} robots, 10 items and" in str(caught.value)
     assert "--force" in str(caught.value)
-    check_needs(workload, Machine(2, forced=True))
+    check_needs(largest, missions, Machine(2, forced=True), worlds)
 
 
 def test_periods_in_which_nobody_can_interrupt_are_refused(monkeypatch):
     monkeypatch.setattr(needs, "memory_of_machine", lambda: 1e12)
     crowd = mission(**LARGE, delivery={"loss": 0.1}, time_limit=60.0)
     with pytest.raises(ConfigurationError, match="in which Ctrl-C waits"):
-        check_needs(Workload(crowd, 1, 2), Machine())
+        check_needs(crowd, 1, Machine(), 2)
 
 
 def test_what_ships_needs_little(monkeypatch):
     monkeypatch.setattr(needs, "memory_of_machine", lambda: 2e9)
-    check_needs(Workload(mission(), 200), Machine(2))
+    check_needs(mission(), 200, Machine(2))
     assert needs_of(mission()).ticks == 15_000
 
 

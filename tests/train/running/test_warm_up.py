@@ -18,8 +18,7 @@ from selforg.gradients.store import tables
 from tests.train import fake_mission
 from train.evaluation import pipeline
 from train.evaluation.base import Asked, Evaluation
-from train.reports.text_table import Grid
-from train.reports.write_report import Publication
+from train.reports.text_table import Grid, Publication
 from train.request import Request
 from train.running.engine import compile_first
 from train.running.runs import RunTask

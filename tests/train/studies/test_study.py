@@ -14,10 +14,10 @@ from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore
 from tests.train.commands import run
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
-from train.cluster.bits import WorkerBits
 from train.memory import StoreRequest
 from train.request import Request
-from train.running.exit_codes import FINISHED, INTERRUPTED
+from train.running.bits import WorkerBits
+from train.running.commands import FINISHED, INTERRUPTED
 from train.running.needs import Machine
 from train.running.run_folder import WORKERS, RunFolder, read_manifest
 from train.studies.config import load_study

@@ -12,7 +12,7 @@ pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
 from tests.train.studies.synthetic import SyntheticTask, synthetic
 from tests.train.studies.test_study import contents, request_of, studied
-from train.running.exit_codes import FINISHED
+from train.running.commands import FINISHED
 from train.running.needs import Machine
 
 

@@ -6,8 +6,7 @@ else may differ between machines: versions of libraries, sources of ours, a brok
 
 import hashlib
 import platform
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.warm_up import compile_once
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from selector.documents.plain import short
-from train.running.run_folder import MANIFEST, WORKERS, RunFolder, read_manifest
+from train.running.run_folder import MANIFEST, WORKERS, read_manifest
 
 FAMILIES = ("crowded", "table1")
 """Families whose first training scenario is run."""
@@ -52,17 +51,6 @@ def noted_bits(directory: Path) -> dict[str, str]:
         where = f"{directory / MANIFEST}: {WORKERS}"
         raise ConfigurationError(f"{where}: expected fingerprints with CPUs, got {short(noted)}")
     return noted
-
-
-@contextmanager
-def noting(folder: RunFolder, bits: WorkerBits) -> Iterator[None]:
-    """Keep other commands from writing a directory, and note the CPUs that take part there."""
-    with folder.alone():
-        folder.note(WORKERS, bits.cpus)  # now, for shares that begin while this one runs
-        try:
-            yield
-        finally:
-            folder.note(WORKERS, bits.cpus)
 
 
 @cache

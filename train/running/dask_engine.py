@@ -20,7 +20,7 @@ from typing import Any
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.plain import short
 from selector.documents.trust import current_permission, permitting
-from train.cluster.bits import WorkerBits, own_bits
+from train.running.bits import WorkerBits, own_bits
 from train.running.engine import Round, WorkerLost
 from train.running.runs import RunRecord, Work
 
@@ -84,7 +84,7 @@ class DaskEngine:
         def remote(directory: str, pickled: bytes) -> Any:  # noqa: ANN401
             from clean_swarm_env.siblings import call  # here: Dask ends a worker that cannot read a function
 
-            return call("train.cluster.dask_engine", "do_task", directory, pickled)
+            return call("train.running.dask_engine", "do_task", directory, pickled)
 
         work = partial(client.submit, remote, os.getcwd(), pure=False)
         given = {work(pickle.dumps((task, current_permission()))): task for task in tasks}

@@ -1,4 +1,4 @@
-"""The progress bar of commands, on the standard error."""
+"""The ends of commands and what they show meanwhile: exit codes, and the progress bar on the standard error."""
 
 from __future__ import annotations
 
@@ -8,6 +8,12 @@ from functools import partial
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+FINISHED = 0
+FAILED = 1
+BAD_INPUT = 2
+INTERRUPTED = 130
+"""Code of a program that Ctrl-C ended."""
 
 
 @contextmanager

@@ -1,1 +1,0 @@
-"""Work beyond one machine: engines on clusters, and the check that all CPUs give equal bits."""
