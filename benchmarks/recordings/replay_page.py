@@ -22,8 +22,8 @@ from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from docs.figures.draw_replay import chromium, opened
 from docs.figures.draw_replay import record as record_pair
+from train.evaluation.trial_task import experiment_tasks
 from train.replay.page_file import write_page
-from train.running.runs import tasks_of
 
 MANY = 1000
 REPEATS = 5
@@ -41,7 +41,7 @@ def many(folder: Path) -> list[RecordedMission]:
 
 def longest(folder: Path) -> list[RecordedMission]:
     """Record the missions of Table 1; return the longest."""
-    for task in tasks_of(load_experiment("table1"), 0):
+    for task in experiment_tasks(load_experiment("table1"), 0):
         task.recorded(RecordSettings(folder / "table1", minds=True)).run()
     return [max(map(RecordedMission, (folder / "table1").iterdir()), key=lambda run: run.frames)]
 

@@ -26,6 +26,8 @@ CLEANING: Final = "Cleaning"
 """Name of the task of missions that name none."""
 OWN_FILES: Final = "CLEAN_SWARM_IMPORT"
 """Environment variable with the files of the user's own tasks, which worker processes read, too."""
+OWN_TASK: Final = "; a task of your own: --import FILE.py"
+"""What follows the error of an unknown name."""
 
 
 class TaskSettings(Closed):
@@ -67,7 +69,7 @@ def find_task(name: str) -> type[TaskKind]:
     try:
         return _registered().find(name)
     except UnknownNameError as error:
-        raise DocumentError(f"{error}; a task of your own: --import FILE.py, in Python imports=") from error
+        raise DocumentError(f"{error}{OWN_TASK}, in Python imports=") from error
 
 
 def task_stories() -> dict[str, str]:
@@ -113,7 +115,7 @@ def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), w
     if name_or_path in missions or name_or_path in task_names():
         return None
     known = dict.fromkeys((*found, *missions, *task_names()))
-    raise DocumentError(where + unknown(f"{KINDS[kind].called} or task", name_or_path, tuple(known)))
+    raise DocumentError(where + unknown(f"{KINDS[kind].called} or task", name_or_path, tuple(known)) + OWN_TASK)
 
 
 def import_tasks(files: Iterable[str | os.PathLike[str]]) -> None:

@@ -26,12 +26,13 @@ from tests.train import fake_mission
 from tests.train.commands import told
 from tests.train.live.sessions import SMALL, play_of
 from train.deciders.models import ModelDecider
+from train.evaluation import trial_task
 from train.evaluation.gathering import gathered, held_evaluation
 from train.evaluation.repeat import record_run
+from train.evaluation.trial_task import experiment_tasks
 from train.live.session import Session
 from train.replay.export import export
 from train.request import Request, RunShare
-from train.running import runs
 from train.running.finished_runs import JOURNAL
 from train.running.run_folder import MANIFEST
 
@@ -47,7 +48,7 @@ def held(folder):
 @pytest.fixture
 def shares(monkeypatch, tmp_path, capsys):
     """A directory of three shares of an experiment of four runs."""
-    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
+    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission)
     monkeypatch.chdir(tmp_path)
     for number in range(1, COUNT + 1):
         words = ("evaluate", "--scenarios", 2, "--workers", 1, "--output", "whole", "--share", f"{number}/{COUNT}")
@@ -178,7 +179,7 @@ def test_a_full_disk_names_the_file_and_leaves_nothing_that_the_next_try_refuses
     experiment = load_experiment("table1")
     mission = experiment.mission.model_copy(update={"time_limit": 6.0})
     small = experiment.model_copy(update={"mission": mission, "starts": (random_start(mission, 1, 0),)})
-    task = runs.tasks_of(small, 0)[0]
+    task = experiment_tasks(small, 0)[0]
     packages = (("new.mcap", "mcap"), ("new", "pyarrow"))
     writers = [(Path("new.swarm"), partial(record_run, task))]
     writers += [(Path(name), export_whole) for name, package in packages if find_spec(package)]

@@ -6,14 +6,13 @@ import pytest
 
 from tests.train import fake_mission
 from tests.train.cluster.loopback import loopback_cluster
-from train.evaluation import pipeline
-from train.running import runs
+from train.evaluation import pipeline, trial_task
 
 
 @pytest.fixture
 def fake_missions(monkeypatch):
     """Let missions of experiments take no time."""
-    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
+    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission)
     monkeypatch.setattr(pipeline, "compiled_before", lambda: True)  # a warm-up would be one more fake mission
 
 

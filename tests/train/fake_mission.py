@@ -55,7 +55,7 @@ if __name__ == "__main__":
     # spawned workers find the function by this module's name, not by __main__
     from tests.train import fake_mission
     from train.cli import main
-    from train.running import runs
+    from train.evaluation import trial_task
 
-    runs.run_mission = fake_mission.run_mission
+    trial_task.run_mission = fake_mission.run_mission
     main()

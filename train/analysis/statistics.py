@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import scipy.stats
 
 from selforg.arrays import Flags, Floats
 from train.analysis.intervals import Interval, MeanError
@@ -83,17 +82,6 @@ def by_scenario(values: Floats, scenarios: Sequence[str]) -> Floats:
         if np.isfinite(value):
             found.setdefault(FURTHER_WORLD.sub(r"\1", name), []).append(value)
     return np.array([np.mean(own) for own in found.values()])
-
-
-def half_width(count: float, variance: float) -> float | None:
-    """Return half the width of the 95 % interval of a mean by Student; None for less than two numbers.
-
-    Args:
-        count: of the numbers.
-        variance: their mean squared deviation from their mean.
-
-    """
-    return float(scipy.stats.t.ppf(0.975, count - 1) * np.sqrt(variance / (count - 1))) if count > 1 else None
 
 
 def share_cell(share: float | None) -> str:

@@ -58,11 +58,6 @@ class MeasuredStrategy:
         }
 
 
-def reached(measured: Sequence[MeasuredStrategy]) -> bool:
-    """Return whether every target is met, and every baseline that is to be beaten is."""
-    return all(one.met and one.beats is not False for one in measured)
-
-
 def measured_strategies(
     measures: Sequence[Measure], values: Mapping[str, Mapping[str, Floats]], baseline: str
 ) -> list[MeasuredStrategy]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.config.tasks import task_names
+from clean_swarm_env.config.tasks import OWN_TASK, task_names
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.task import task_class
 from selector.documents.find import files_of
@@ -29,7 +29,7 @@ def scored_missions(request: Request) -> Sequence[Evaluation]:
         return (ExperimentEvaluation(request),)
     if not path and name not in (*families, *files_of("missions", directories), *task_names()):
         known = dict.fromkeys((*families, *experiments, *task_names()))
-        raise ConfigurationError(unknown("family, experiment or task", name, tuple(known)))
+        raise ConfigurationError(unknown("family, experiment or task", name, tuple(known)) + OWN_TASK)
     mission = load_family(name, directories).mission
     goals = task_class(mission).goals(mission, directories)
     return [FamilyEvaluation(replace(request, strategies=(FIXED,), goal=goal)) for goal in goals]

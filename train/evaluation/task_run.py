@@ -13,7 +13,7 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import own_mission, random_starts
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import find_task, task_names, with_changes
+from clean_swarm_env.config.tasks import OWN_TASK, find_task, task_names, with_changes
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.config.world import GroundKind
 from clean_swarm_env.world.task import coordinators_of
@@ -24,7 +24,7 @@ from selector.knowledge import Knowledge
 from selector.strategies.unlearned import MaxScore
 from selforg.registry import unknown
 from train.analysis.family_report import FamilyRuns, family_report_of
-from train.analysis.task_report import MeasuredStrategy, reached
+from train.analysis.task_report import MeasuredStrategy
 from train.deciders.named import FIXED
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.pipeline import mission_score
@@ -74,11 +74,6 @@ class TaskRun(Request):
         own = self.own_mission.model_dump()
         return validated(MissionConfig, with_changes(own, _without_none(given)), self.name, own=True)
 
-    @property
-    def of_baseline(self) -> MissionConfig:
-        """The same mission with the task's own knowledge, which has the baseline."""
-        return self.mission.model_copy(update={"knowledge": self.own_mission.knowledge})
-
 
 def _without_none(given: dict[str, Any]) -> dict[str, Any]:
     parts = {key: _without_none(value) if isinstance(value, dict) else value for key, value in given.items()}
@@ -109,7 +104,7 @@ class TaskOutcome:
     @property
     def reached(self) -> bool:
         """Whether every target is met and every baseline that is to be beaten is."""
-        return reached(self.measured)
+        return all(one.met and one.beats is not False for one in self.measured)
 
     @property
     def content(self) -> dict[str, Any]:
@@ -151,7 +146,7 @@ def run_task(request: TaskRun) -> TaskOutcome:
 
     """
     if request.name not in tasks_to_run():
-        raise ConfigurationError(unknown("task with a baseline", request.name, tasks_to_run()))
+        raise ConfigurationError(unknown("task with a baseline", request.name, tasks_to_run()) + OWN_TASK)
     mission = request.mission
     expert = knowledge_of(mission, request.directories)
     changed = "" if setting_of(mission) == setting_of(request.own_mission) else f", {setting_of(mission)}"
@@ -162,7 +157,8 @@ def run_task(request: TaskRun) -> TaskOutcome:
     if memory is not None:
         memory.check_new([option])
     family, names = random_starts(mission), (f"{FIXED}:{option}", BASELINE)
-    tasks = _tasks(request, family, names[0]) + _tasks(request, random_starts(request.of_baseline), BASELINE)
+    of_baseline = mission.model_copy(update={"knowledge": request.own_mission.knowledge})  # which has the baseline
+    tasks = _tasks(request, family, names[0]) + _tasks(request, random_starts(of_baseline), BASELINE)
     if request.record is not None:
         tasks = [task.recorded(request.record) for task in tasks]
     records = list(in_turn(tasks))
@@ -239,11 +235,11 @@ def as_page(outcomes: Sequence[TaskOutcome]) -> str:
         runs=_runs(outcomes[0].request),
         reached=sum(outcome.reached for outcome in outcomes),
         count=len(outcomes),
-        table=as_markdown(outcomes),
+        table=_tables(outcomes),
     )
 
 
-def as_markdown(outcomes: Sequence[TaskOutcome]) -> str:
+def _tables(outcomes: Sequence[TaskOutcome]) -> str:
     """Return a table of the measures of all tasks, and a table of the tasks, as Markdown."""
     lines = [f"| task, option | {' | '.join(MEASURE_HEADS)} |", "|---" * (len(MEASURE_HEADS) + 1) + "|"]
     for outcome in outcomes:

@@ -14,8 +14,10 @@ import numpy as np
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, Scenario, Split, place_of
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError, validated
 from selector.documents.plain import short
 from selector.strategies.problem import Problem
@@ -23,7 +25,7 @@ from selforg.arrays import Ints
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import Decider
 from train.deciders.named import FIXED, NamedDecider, decider_named
-from train.running.runs import Job, RunRecord, RunTask, tasks_of
+from train.running.runs import Job, RunRecord, RunTask
 from train.running.trials import TrialSettings, each_trial
 
 TASK_SCENARIOS = 25
@@ -100,13 +102,21 @@ def scenario_named(family: FamilyConfig, seed: int, name: str) -> Scenario:
 def experiment_tasks(
     experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()
 ) -> list[RunTask | TrialTask]:
-    """Return a task for every condition on every start; ConfigurationError for a start that does not fit."""
-    members = {each.name: own for each in experiment.conditions if (own := each.deciders[1])}
+    """Return a task for every condition on every start; ConfigurationError for a start that does not fit.
+
+    Where a machine or policy decides for its own goal, options of the highest score serve the others.
+    """
     found: list[RunTask | TrialTask] = []
-    for run in tasks_of(experiment, seed, directories):
-        named = (run.experiment, seed, run.scenarios, run.condition)
-        decided = run.condition in members
-        found.append(TrialTask(*named, members[run.condition], directories=directories) if decided else run)
+    for start in experiment.starts:
+        scenario = Scenario(start.id, run_seed(seed, start.id), for_start(experiment.mission, start), start)
+        for condition in experiment.conditions:
+            strategy, member = condition.deciders
+            named = (experiment.name, seed, (scenario,), condition.name)
+            if member:
+                found.append(TrialTask(*named, member, directories=directories))
+            else:
+                given = (condition.scores, strategy, run_mission)
+                found.append(RunTask(*named, *given, directories=directories))
     return found
 
 

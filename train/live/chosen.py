@@ -11,7 +11,7 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.tasks import task_names
+from clean_swarm_env.config.tasks import OWN_TASK, task_names
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.file import SUFFIX
@@ -150,7 +150,8 @@ def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) 
     elif name in task_names():
         of_family = False
     else:
-        raise ConfigurationError(f"play: {unknown('mission, family or task', name, playable(directories))}")
+        known = unknown("mission, family or task", name, playable(directories))
+        raise ConfigurationError(f"play: {known}{OWN_TASK}")
     if of_family:
         return load_family(name, directories).scenario(seed, number - 1, "test")
     mission = load_mission(name, directories)

@@ -18,7 +18,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.writing import write_whole
 from train.running.needs import check_file
 
-MODULES = ("recording", "course", "world", "mind", "charts", "page", "live", "main")
+MODULES = ("recording", "course", "world", "mind", "charts", "page", "live")
 """The modules in the order in which they are joined: each imports earlier ones only."""
 
 

@@ -14,7 +14,7 @@ from selector.store import Key, StoredKnowledge, StoreError
 from selector.store.stored_knowledge import LearnedEntry
 from selector.strategies.problem import Problem
 from selforg.registry import unknown
-from train.analysis.statistics import half_width
+from train.analysis.intervals import MeanError
 from train.reports.text_table import EMPTY_CELL, Grid
 
 
@@ -70,7 +70,8 @@ def learned_scores(knowledge: Knowledge, title: str, mission: MissionConfig) -> 
         problem = Problem.of(knowledge, goal)
         for k, option in enumerate(knowledge.options(goal)):
             count, mean, variance = problem.rewards[:, k].tolist()
-            half = half_width(count, variance)
+            spread = None if count < 2 else MeanError(int(count), math.sqrt(variance / (count - 1)), count - 1)
+            half = None if spread is None else spread.half_width()
             score = EMPTY_CELL if not count else _with_interval(mean, half, ".4f")
             cost, limit = EMPTY_CELL, mission.time_limit
             if count:

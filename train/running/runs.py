@@ -13,12 +13,10 @@ from typing import Annotated, Any, Protocol, Self
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionResult, MissionRun, run_mission
+from clean_swarm_env.world.mission import MissionResult, MissionRun
 from clean_swarm_env.world.task import task_class
 from selector.coordination.selection import BY_SCORE
 from selector.documents.fields import LARGEST_NUMBER
@@ -247,29 +245,6 @@ class RunTask(Job):
 def forcing(options: Mapping[str, str]) -> dict[str, dict[str, float]]:
     """Return scores by which `options` serve their goals; goal -> option."""
     return {goal: {option: HIGHEST_SCORE} for goal, option in options.items()}
-
-
-def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()) -> list[RunTask]:
-    """Return a task for every condition on every start; ConfigurationError for a start that does not fit.
-
-    Where a machine or policy decides for its own goal, options of the highest score serve the others.
-    """
-    starts = experiment.starts
-    scenarios = [Scenario(one.id, run_seed(seed, one.id), for_start(experiment.mission, one), one) for one in starts]
-    return [
-        RunTask(
-            experiment.name,
-            seed,
-            (scenario,),
-            condition.name,
-            condition.scores,
-            condition.deciders[0],
-            run_mission,
-            directories=directories,
-        )
-        for scenario in scenarios
-        for condition in experiment.conditions
-    ]
 
 
 def usable_cpus() -> int:

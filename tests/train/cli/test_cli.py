@@ -16,7 +16,7 @@ from selector.documents.find import KINDS, files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
 from tests.train.commands import told
-from train.running import runs
+from train.evaluation import trial_task
 
 FILES = {"manifest.json", "runs.jsonl", "runs.csv", "summary.json", "table.md", "figure.png"}
 
@@ -203,23 +203,23 @@ def test_resuming_something_else_is_refused(run, tmp_path, change):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(run, tmp_path, monkeypatch, workers):
-    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission_but_not_2)
+    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission_but_not_2)
     words = ("evaluate", "--scenarios", 3, "--workers", workers, "--output", tmp_path / "r")
     with pytest.raises(ZeroDivisionError, match="scenario 2"):
         run(*words)
     assert {r["scenario"] for r in _rows(tmp_path / "r")} >= ({"1"} if workers == 1 else set())
-    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
+    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission)
     assert run(*words, "--resume")[0] == 0
     assert len(_rows(tmp_path / "r")) == 6
 
 
 def test_a_mission_that_kills_three_workers_is_named_and_keeps_the_finished_runs(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission_but_die_on_2)
+    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission_but_die_on_2)
     words = ("evaluate", "--scenarios", 3, "--condition", "RepulsionGradient", "--output", tmp_path / "r")
     code, _, err = run(*words, "--workers", 2)
     assert code == 1
     assert "scenario 2, condition RepulsionGradient: its worker died 3 times: " in err
-    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
+    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission)
     assert run(*words, "--resume", "--workers", 1)[0] == 0
     assert len(_rows(tmp_path / "r")) == 3
 

@@ -81,8 +81,8 @@ def test_a_directory_is_free_again_when_its_command_ends_or_is_killed(tmp_path):
 def test_a_clock_that_jumps_changes_neither_rows_nor_times(tmp_path):
     jumping = "import time, itertools; c = itertools.cycle((4e9, 0.0, 1.7e9)); time.time = lambda: next(c); "
     command = jumping + (
-        "from tests.train import fake_mission; from train.running import runs; from train.cli import main; "
-        "runs.run_mission = fake_mission.run_mission; main()"
+        "from tests.train import fake_mission; from train.evaluation import trial_task; from train.cli import main; "
+        "trial_task.run_mission = fake_mission.run_mission; main()"
     )
     words = ("evaluate", "--scenarios", "3", "--workers", "1", "--output")
     environment = {**os.environ, "FAKE_SECONDS": "0", "PYTHONPATH": str(ROOT)}

@@ -17,11 +17,11 @@ from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
 from train.analysis.statistics import summarise
-from train.analysis.task_report import MeasuredStrategy, reached
-from train.cli import run as run_cli
+from train.analysis.task_report import MeasuredStrategy
 from train.cli.app import app
+from train.cli.run import ARENAS
 from train.evaluation import task_run
-from train.evaluation.task_run import TaskRun, as_markdown, as_page, run_task, tasks_to_run
+from train.evaluation.task_run import TaskOutcome, TaskRun, as_page, run_task, tasks_to_run
 
 runner = CliRunner()
 ORIGINAL = load_knowledge("original")
@@ -127,23 +127,24 @@ def test_a_baseline_is_beaten_by_an_interval_only():
 
 
 def test_a_task_is_reached_by_all_of_its_measures():
-    measures = find_task("MaxValue").measures
+    measures, asked = find_task("MaxValue").measures, TaskRun("MaxValue")
     good = [compared(measure, [1.0, 1.0, 0.5], [9.0, 8.0, 9.0]) for measure in measures]
     bad = compared(measures[1], [5.0, 6.0, 5.0], [9.0, 8.0, 9.0])
-    assert reached(good)
-    assert not reached((good[0], bad))
+    assert TaskOutcome(asked, "GossipMax", good).reached
+    assert not TaskOutcome(asked, "GossipMax", (good[0], bad)).reached
 
 
 def test_page_and_content_of_a_real_outcome():
     outcome = run_task(TaskRun("FindBarycenter", scenarios=3, seed=7))
-    assert as_markdown([outcome]).count("\n| FindBarycenter") == 2
-    assert "over 3 runs of seed 7" in " ".join(as_page([outcome]).split())
+    page = as_page([outcome])
+    assert page.count("\n| FindBarycenter") == 3
+    assert "over 3 runs of seed 7" in " ".join(page.split())
     assert outcome.content["reached"] == outcome.reached
 
 
 def test_the_command_knows_every_kind_of_ground():
-    assert run_cli.ARENAS == ("torus", "open")
-    assert {TaskRun(name).mission.world.ground for name in tasks_to_run()} == set(run_cli.ARENAS)
+    assert ARENAS == ("torus", "open")
+    assert {TaskRun(name).mission.world.ground for name in tasks_to_run()} == set(ARENAS)
 
 
 def test_the_page_in_the_docs_is_about_the_tasks_as_they_are():
@@ -227,6 +228,7 @@ def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_pa
         done = own("evaluate", "--family", mission, cwd=tmp_path)
         assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done.stderr
     assert "unknown family or task 'Shepherding'" in done.stderr
+    assert "a task of your own: --import FILE.py" in done.stderr
     done = own("list", "--import", "no.py", cwd=tmp_path)
     assert "expected a file of Python code with a task" in done.stderr
     example = (ROOT / "examples" / "own_task.py").read_text()

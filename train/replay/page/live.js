@@ -1,6 +1,6 @@
 // @ts-check
-/** The page of a session that runs now: it takes frames from its server as they are made, and gives it orders. */
-import { addBlock, blocksIn, bytesOf, readRecording, showPresent } from "./recording.js";
+/** The page of a session that runs now, which takes frames from its server and gives it orders; and the beginning of all pages. */
+import { addBlock, blocksIn, bytesOf, checksums, readRecording, showPresent } from "./recording.js";
 import { countsOf, eventsOf } from "./course.js";
 import { plain } from "./world.js";
 import { Page, SPEEDS, element } from "./page.js";
@@ -242,4 +242,17 @@ export function follow() {
       look();
     });
   });
+}
+
+try {
+  const page = element("live") ? await follow() : new Page(
+    await Promise.all([...document.querySelectorAll("script[type='text/plain']")].map((file) => readRecording(bytesOf(file.textContent ?? "")))),
+  );
+  page.start();
+  const runs = page.shown.map(({ run }) => run);
+  Object.assign(globalThis, { replay: { page, runs, checksums: () => runs.map(checksums), events: () => page.shown.map(({ events }) => events) } });
+  document.body.dataset.ready = "true";
+} catch (error) {
+  element("panel").textContent = `The recording cannot be shown: ${error instanceof Error ? error.message : error}`;
+  throw error;
 }
