@@ -23,7 +23,7 @@ from selector.documents.plain import plain
 from selector.documents.reading import read_mapping
 from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
-from train.cli import evaluate, knowledge, look, machine, play, repeat, run, study, train
+from train.cli import evaluate, knowledge, look, machine, play, repeat, study, train
 from train.cli.options import Configs, error_console, print_error
 from train.running.commands import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -91,7 +91,7 @@ def _group(summary: str) -> typer.Typer:
 app = typer.Typer(cls=_Grouped, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     "run": {
-        "run": (run.run_command, "a task beside its baseline, by its measures (seconds)"),
+        "run": (evaluate.run_command, "a task beside its baseline, by its measures (seconds)"),
         "evaluate": (evaluate.evaluate_command, "an experiment, or strategies on a family (1 to 60 min)"),
         "play": (play.play_command, "a mission in the browser, changed by hand (starts in seconds)"),
     },

@@ -1,13 +1,27 @@
-"""`clean-swarm evaluate`: an experiment under all its conditions, or strategies on a family of scenarios."""
+"""`clean-swarm evaluate` and `run`: an experiment, strategies on a family of scenarios, a task beside its baseline."""
 
+import json as json_format
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from rich.console import Console
 
 from clean_swarm_env.config.types import ConfigurationError
-from train.cli.options import KEEPING, GivenOptions, asking, check_named, check_whole, wide_console
+from selector.documents.writing import write_whole
+from train.cli.options import (
+    KEEPING,
+    MOST_SEED,
+    Configs,
+    GivenOptions,
+    Learn,
+    RunStore,
+    asking,
+    check_named,
+    check_whole,
+    wide_console,
+)
 
 MOST_WORLD_SEEDS = 100
 
@@ -71,3 +85,82 @@ def _check_absent(where: str, given: Mapping[str, object]) -> None:
     for name, value in given.items():
         if value:
             raise ConfigurationError(f"{name}: expected {where} only")
+
+
+MOST_ROBOTS, MOST_RUNS, MOST_SECONDS = 10_000, 10_000, 1e7
+"""The bounds of missions."""
+ARENAS = ("torus", "open")
+
+
+def run_command(
+    task: Annotated[str | None, typer.Argument(help="Name of a task; --all runs every one.", metavar="[TASK]")] = None,
+    every: Annotated[bool, typer.Option("--all", help="Run every task and print the table of them all.")] = False,
+    robots: Annotated[int | None, typer.Option(help="Number of robots; the task's own unless given.")] = None,
+    seconds: Annotated[float | None, typer.Option(help="Simulated time [s]; the task's own unless given.")] = None,
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    runs: Annotated[int, typer.Option(help="Number of runs, each from a start of its own.")] = 20,
+    option: Annotated[
+        str | None, typer.Option(help="Option that serves the goal; the one of the highest score unless given.")
+    ] = None,
+    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the task's own.")] = None,
+    arena: Annotated[str | None, typer.Option(help="torus or open; the task's own unless given.")] = None,
+    store: RunStore = None,
+    learn: Learn = False,
+    configs: Configs = None,
+    output: Annotated[Path | None, typer.Option(help="Markdown file to write the table of all tasks to.")] = None,
+    record: Annotated[
+        Path | None, typer.Option(help="Directory for a recording of every run, mechanism and baseline.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Run a task by an option and by its baseline: the measures of its success, their targets and the difference."""
+    for name, given in (("--option", option), ("--robots", robots), ("--seconds", seconds)):
+        if every and given is not None:
+            raise ConfigurationError(f"{name}: expected one task, not --all")
+    if output is not None and not every:
+        raise ConfigurationError("--output: expected --all, got one task")
+    check_whole({"--robots": (robots, 1, MOST_ROBOTS), "--seed": (seed, 0, MOST_SEED), "--runs": (runs, 1, MOST_RUNS)})
+    if seconds is not None and not 0.0 < seconds <= MOST_SECONDS:
+        raise ConfigurationError(f"--seconds: expected a positive number up to {MOST_SECONDS:g}, got {seconds:g}")
+    if arena is not None and arena not in ARENAS:
+        raise ConfigurationError(f"--arena: expected {' or '.join(ARENAS)}, got {arena!r}")
+    from clean_swarm_env.recording.recorder import RecordSettings
+    from train.evaluation.task_run import TaskRun, as_page, outcome_grid, run_task, tasks_to_run  # imports Numba
+    from train.memory import StoreRequest
+    from train.reports.knowledge_tables import learned_scores
+    from train.reports.text_table import on_terminal
+
+    if (task is None) is not every:
+        known = f"; the tasks are {', '.join(tasks_to_run())}" if task is None else ""
+        raise ConfigurationError(f"run: expected a task or --all, got {'both' if every else 'neither'}{known}")
+    outcomes, directories = [], tuple(configs or ())
+    with Console(stderr=True).status("running") as status:
+        for name in tasks_to_run() if every else (str(task),):
+            status.update(f"running {name}")
+            ground: Any = arena  # which has been checked
+            asked = TaskRun(
+                name,
+                seed=seed,
+                scenarios=runs,
+                knowledge=knowledge,
+                directories=directories,
+                store=StoreRequest(store, learn),
+                record=None if record is None else RecordSettings(record.resolve()),
+                option=option,
+                robots=robots,
+                seconds=seconds,
+                ground=ground,
+            )
+            outcomes.append(run_task(asked))
+    if json:
+        plain = [outcome.content for outcome in outcomes]
+        typer.echo(json_format.dumps(plain if every else plain[0], indent=2))
+    elif output is not None:
+        write_whole(output, as_page(outcomes).encode())
+        typer.echo(f"{len(outcomes)} tasks in {output}")
+    else:
+        for outcome in outcomes:
+            wide_console().print(on_terminal(outcome_grid(outcome)))
+            if outcome.known is not None:
+                table = learned_scores(outcome.known, "known at the beginning", outcome.request.mission)
+                wide_console().print(on_terminal(table))

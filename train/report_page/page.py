@@ -11,6 +11,7 @@ from importlib.resources import files
 from typing import Final
 
 import numpy as np
+from markdown_it import MarkdownIt
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
@@ -41,6 +42,8 @@ PAGE = """<!DOCTYPE html>
 {body}
 </body></html>
 """
+MARKDOWN: Final = MarkdownIt("zero").enable(["heading", "table"])
+"""Reads Markdown; all else that it may hold, such as HTML, is text."""
 NOT_CHECKED = (
     "The manifest of the directory. Whether the runs are of this configuration is not checked here; "
     "clean-swarm gather and --resume check it."
@@ -182,23 +185,8 @@ def scenario_map(values: Floats, conditions: Sequence[str], scenarios: Sequence[
 
 def html_of_markdown(text: str) -> str:
     """Return headings, tables and paragraphs of Markdown as HTML: what `table.md` has."""
-    parts: list[str] = []
-    table: list[str] = []
-    for line in [*text.splitlines(), ""]:
-        if line.startswith("|"):
-            cells = [escape(cell.strip()) for cell in line.strip("|").split("|")]
-            if not all(re.fullmatch(":?-+:?", cell) for cell in cells):
-                tag = "td" if table else "th"
-                table.append("<tr>" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells) + "</tr>")
-            continue
-        if table:
-            parts.append(f'<div class="wide"><table>{"".join(table)}</table></div>')
-            table = []
-        if line.startswith("#"):
-            parts.append(f"<h3>{escape(line.lstrip('# '))}</h3>")
-        elif line:
-            parts.append(_note(line))
-    return "".join(parts)
+    headings = re.sub(r"^#+ ", "### ", text, flags=re.MULTILINE)
+    return f'<div class="wide note">{MARKDOWN.render(headings)}</div>'
 
 
 def _note(text: str) -> str:

@@ -12,7 +12,7 @@ from selforg.arrays import Floats
 from train.analysis.intervals import Interval, too_few
 from train.analysis.report import Report
 from train.analysis.statistics import COST, distance_metrics, share_cell
-from train.reports.task_tables import measures_grids
+from train.reports.task_tables import VERDICTS, measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid
 
 TITLES = {
@@ -57,7 +57,7 @@ def table_1(report: Report) -> Grid:
         heads += [f"{name}\n{head}" for head in (*shown.values(), *((f"{source} s", "coll/s") if beside else ()))]
     columns = [column for group in groups for column in group]
     scenarios = report.figures.scenarios
-    rows = [(scenario, *(_scenario(column, scenario) for column in columns)) for scenario in scenarios]
+    rows = [(scenario, *(_two(column.by_scenario.get(scenario)) for column in columns)) for scenario in scenarios]
     summary = [(what, *(_summary(column, take) for column in columns)) for what, take in SUMMARIES.items()]
     done = ["targets met" if report.measured_by_task else "completed"]
     for completed, group in zip(report.figures.completed, groups, strict=True):
@@ -86,7 +86,7 @@ def ratios(report: Report) -> Grid:
 def measured_means(report: Report) -> Grid:
     """Return our means beside the measured means; no rows without measured figures."""
     rows = [
-        (m.metric, m.condition, *map(_number, (m.ours, m.measured, m.ratio)), _interval(m.ci95), _yes(m.agrees))
+        (m.metric, m.condition, *map(_number, (m.ours, m.measured, m.ratio)), _interval(m.ci95), VERDICTS[m.agrees])
         for m in report.means
     ]
     heads = ("figure", "condition", "ours", "measured", "ratio", "95 % interval", "agree")
@@ -101,7 +101,7 @@ def measured_ratios(report: Report) -> Grid:
             f"{r.a} / {r.b}",
             f"{_number(r.ours.ratio)} {_interval(r.ours.ci95)}",
             f"{_number(r.measured.ratio)} {_interval(r.measured.ci95)}",
-            _yes(r.agrees),
+            VERDICTS[r.agrees],
         )
         for r in report.ratios
     ]
@@ -149,16 +149,12 @@ def _notes(report: Report) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _scenario(column: _Column, scenario: str) -> str:
-    return _two(column.by_scenario[scenario]) if scenario in column.by_scenario else EMPTY_CELL
-
-
 def _summary(column: _Column, take: Callable[[Floats], float]) -> str:
-    return _two(take(column.values)) if column.values.size else EMPTY_CELL
+    return _two(take(column.values) if column.values.size else None)
 
 
-def _two(value: float) -> str:
-    return f"{value:.2f}"
+def _two(value: float | None) -> str:
+    return EMPTY_CELL if value is None else f"{value:.2f}"
 
 
 def _number(value: float | None) -> str:
@@ -170,7 +166,3 @@ def _number(value: float | None) -> str:
 
 def _interval(interval: Interval | None) -> str:
     return EMPTY_CELL if interval is None else f"[{_number(interval[0])}, {_number(interval[1])}]"
-
-
-def _yes(agrees: bool | None) -> str:
-    return EMPTY_CELL if agrees is None else "yes" if agrees else "no"
