@@ -142,56 +142,41 @@ def _compared_with_measured(
     figures: Figures, measured: Measured, conditions: Sequence[ConditionConfig], metrics: Sequence[str]
 ) -> tuple[list[MeanBesideMeasured], list[RatioBesideMeasured]]:
     """Compare each metric under each condition, and its ratio between any two conditions, with what was measured."""
-    theirs = {
-        (condition.name, metric): _measured_values(figures, measured, condition, metric)
+    found = {
+        (condition.name, metric): _beside_measured(figures, measured, condition, metric)
         for condition in conditions
         for metric in metrics
     }
-    means = [_mean(figures, condition.name, metric, theirs) for condition in conditions for metric in metrics]
+    means = [_mean(*key, values) for key, values in found.items() if values[2].any()]
     pairs = itertools.combinations([condition.name for condition in conditions], 2)
-    ratios = [_ratio(figures, a, b, metric, theirs) for a, b in pairs for metric in metrics]
-    return [mean for mean in means if mean is not None], [ratio for ratio in ratios if ratio is not None]
+    ratios = [_ratio(a, b, metric, found[a, metric], found[b, metric]) for a, b in pairs for metric in metrics]
+    return means, [ratio for ratio in ratios if ratio is not None]
 
 
-Values = dict[tuple[str, str], tuple[Floats, Flags]]
-"""Condition and metric -> measured values (K,), and whether each of them exists (K,)."""
+Beside = tuple[Floats, Floats, Flags]
+"""Our values, the measured ones, and whether each of these exists (K,)."""
 
 
-def _measured_values(
-    figures: Figures, measured: Measured, condition: ConditionConfig, metric: str
-) -> tuple[Floats, Flags]:
+def _beside_measured(figures: Figures, measured: Measured, condition: ConditionConfig, metric: str) -> Beside:
     found = [measured.get(s, {}).get(condition.measured or "", {}).get(metric) for s in figures.scenarios]
-    return (
-        np.array([0.0 if value is None else value for value in found]),
-        np.array([value is not None for value in found]),
-    )
+    values, exist = [0.0 if value is None else value for value in found], [value is not None for value in found]
+    return figures.values[metric][figures.conditions.index(condition.name)], np.array(values), np.array(exist)
 
 
-def _ours(figures: Figures, condition: str, metric: str) -> Floats:
-    values: Floats = figures.values[metric][figures.conditions.index(condition)]
-    return values
-
-
-def _mean(figures: Figures, condition: str, metric: str, theirs: Values) -> MeanBesideMeasured | None:
-    values, exist = theirs[condition, metric]
-    if not exist.any():
-        return None
-    ours, values = _ours(figures, condition, metric)[exist], values[exist]
-    found = Ratio.of(ours, values)
+def _mean(condition: str, metric: str, beside: Beside) -> MeanBesideMeasured:
+    all_ours, all_values, exist = beside
+    ours, values = all_ours[exist], all_values[exist]
+    found, means = Ratio.of(ours, values), (float(ours.mean()), float(values.mean()))
     agrees = None if found.ci95 is None else found.ci95[0] <= 1.0 <= found.ci95[1]
-    count = int(exist.sum())
-    return MeanBesideMeasured(
-        condition, metric, count, float(ours.mean()), float(values.mean()), found.ratio, found.ci95, agrees
-    )
+    return MeanBesideMeasured(condition, metric, len(ours), *means, found.ratio, found.ci95, agrees)
 
 
-def _ratio(figures: Figures, a: str, b: str, metric: str, theirs: Values) -> RatioBesideMeasured | None:
-    (values_a, exist_a), (values_b, exist_b) = theirs[a, metric], theirs[b, metric]
+def _ratio(a: str, b: str, metric: str, first: Beside, second: Beside) -> RatioBesideMeasured | None:
+    (ours_a, values_a, exist_a), (ours_b, values_b, exist_b) = first, second
     both = exist_a & exist_b
     if not both.any():
         return None
-    ours = Ratio.of(_ours(figures, a, metric)[both], _ours(figures, b, metric)[both])
-    measured = Ratio.of(values_a[both], values_b[both])
+    ours, measured = Ratio.of(ours_a[both], ours_b[both]), Ratio.of(values_a[both], values_b[both])
     return RatioBesideMeasured(a, b, metric, int(both.sum()), ours, measured, _meet(ours.ci95, measured.ci95))
 
 

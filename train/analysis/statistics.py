@@ -56,15 +56,13 @@ def figures_of(
     """Arrange one record of every scenario (K) and condition (C) as arrays, in the given order."""
     at = {record.key: record.result for record in records}
     rows = [[at[scenario, condition] for scenario in scenarios] for condition in conditions]
-    values = {"duration_s": np.array([[r.duration_s for r in row] for row in rows])}
-    samples = np.array([[r.collision_samples_per_s for r in row] for row in rows])
-    events = np.array([[r.collision_events_per_s for r in row] for row in rows])
-    values |= {"collision_samples_per_s": samples[..., 0], "collision_events_per_s": events[..., 0]}
-    each_distance = np.moveaxis(np.concatenate([samples, events], axis=-1), -1, 0)
-    values |= dict(zip(distance_metrics(distances), each_distance, strict=True))
-    values[COST] = np.array([[r.cost_s for r in row] for row in rows])
+    plain = ("duration_s", "completed", COST, "collision_samples_per_s", "collision_events_per_s")
+    values = {name: np.array([[getattr(r, name) for r in row] for row in rows]) for name in plain}
+    each_distance = np.concatenate([values[name] for name in METRICS[1:]], axis=-1)
+    values |= {name: values[name][..., 0] for name in METRICS[1:]}
+    values |= dict(zip(distance_metrics(distances), np.moveaxis(each_distance, -1, 0), strict=True))
     values |= {name: np.array([[r.measures[name] for r in row] for row in rows]) for name in rows[0][0].measures}
-    completed = np.array([[r.completed for r in row] for row in rows])
+    completed = values.pop("completed")
     return Figures(tuple(conditions), tuple(scenarios), completed, values)
 
 

@@ -132,12 +132,11 @@ def score_command(
     if given.values["output"] is not None and len(names) > 1:
         raise ConfigurationError(f"--output: expected one name, got {len(names)}")
     from train.evaluation import pipeline  # these import SciPy, Numba and Matplotlib
-    from train.evaluation.scoring import scored_missions
     from train.memory import StoreRequest, store_url
 
     console, kept = wide_console(), StoreRequest(store_url(store), learn=True)
     for name in names:
-        for evaluation in scored_missions(given.request(name, store=kept, scoring=True)):
+        for evaluation in pipeline.scored_missions(given.request(name, store=kept, scoring=True)):
             code = pipeline.evaluate(evaluation, console)
             if code != FINISHED:
                 raise typer.Exit(code)

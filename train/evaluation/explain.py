@@ -5,7 +5,6 @@ The text fits into 80 columns: a table of the terms of each activation, and a tr
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -31,18 +30,12 @@ SHORTEST_STAY: Final = 1.0
 Inside = Coordinated | Nested
 
 
-@dataclass(frozen=True)
-class Before:
-    """What led to a step of a robot."""
+def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], RobotStep, dict[str, Any]]:
+    """Repeat a run up to `time` [s]; return what run it is, what the robot decided then, and what led to it.
 
-    stayed_s: float
-    """How long it has stayed within `STILL` of where it is [s]."""
-    running_s: dict[str, float]
-    """How long each behaviour that runs has been running, the step included [s]."""
-
-
-def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], RobotStep, Before]:
-    """Repeat a run up to `time` [s]; return what run it is, what the robot decided then, and what led to it."""
+    The latter is `stayed_s`, how long the robot has stayed within `STILL` of where it is [s], and `running_s`, how long
+    each behaviour that runs has been running, the step included [s].
+    """
     count = task.first.mission.rows
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
@@ -63,7 +56,7 @@ def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], 
         for b, behaviour in enumerate(worlds.network.model.behaviours)
         if running[-1][b]
     }
-    return names, step, Before(round(stayed * period, 9), ran)
+    return names, step, {"stayed_s": round(stayed * period, 9), "running_s": ran}
 
 
 def _latest(held: Flags) -> int:
@@ -71,12 +64,12 @@ def _latest(held: Flags) -> int:
     return len(held) - 1 - int(np.flatnonzero(~held).max(initial=-1))
 
 
-def as_json(names: dict[str, Any], step: RobotStep, before: Before) -> str:
+def as_json(names: dict[str, Any], step: RobotStep, before: dict[str, Any]) -> str:
     """Return a step as a JSON object; `plan` is null without a plan, `inner` if the network inside does not run."""
-    return json.dumps(names | step.as_mapping() | asdict(before), indent=2, allow_nan=False)
+    return json.dumps(names | step.as_mapping() | before, indent=2, allow_nan=False)
 
 
-def step_on_terminal(names: dict[str, Any], step: RobotStep, before: Before) -> RenderableType:
+def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, Any]) -> RenderableType:
     """Return the explanation for a terminal of 80 columns or more."""
     explanation, situation = step.network, names | step.as_mapping()
     inside: tuple[Inside, ...] = (*step.coordinators, *step.networks)
@@ -86,9 +79,10 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep, before: Before) -> 
     due = f"step {explanation.plan_index + 1} of {len(explanation.plan)} is due" if explanation.plan else ""
     stopped = "a collision stops it for {stopped_s:g} s, this step included" if situation["stopped_s"] else ""
     damaged = "collisions have damaged it" if situation["damaged"] else ""
-    stayed = f"it has stayed within {STILL:g} m for {before.stayed_s:g} s" if before.stayed_s >= SHORTEST_STAY else ""
+    long = before["stayed_s"] >= SHORTEST_STAY
+    stayed = f"it has stayed within {STILL:g} m for {before['stayed_s']:g} s" if long else ""
     where = STATES.get(step.state, stayed)
-    ran = [f"{name} has run for {seconds:g} s" for name, seconds in before.running_s.items()]
+    ran = [f"{name} has run for {seconds:g} s" for name, seconds in before["running_s"].items()]
     told = [where, "; ".join(ran), stopped.format(**situation), damaged, *header(explanation), due]
     facts = Text(f"{title}\n\n" + "\n".join(filter(None, told)))
     read = ", ".join(f"{name} {value:.4g}" for name, value in explanation.readings.items())

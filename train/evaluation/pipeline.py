@@ -1,28 +1,40 @@
 """The pipeline of all evaluations: check, tasks, runs, report.
 
-`evaluate` is the whole pipeline. Subclasses of `Evaluation` define the tasks and the report.
+`evaluate` is the whole pipeline; `scored_missions` are those that score every option of each goal. Subclasses of
+`Evaluation` define the tasks and the report.
 """
 
 import json
 from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.progress import MofNCompleteColumn
 
 from clean_swarm_env.config.known import knowledge_of
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import OWN_TASK, task_names
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.task import task_class
+from selector.documents.find import files_of
+from selector.documents.reading import read_mapping
 from selector.store.exact_sums import REWARD_LIMIT
+from selforg.registry import unknown
+from train.deciders.named import FIXED
 from train.evaluation.base import Evaluation
+from train.evaluation.experiment import ExperimentEvaluation
+from train.evaluation.family import FamilyEvaluation
 from train.evaluation.gathering import gathered
 from train.memory import Memory
 from train.reports.knowledge_tables import learned_scores
 from train.reports.text_table import on_terminal, publish
+from train.request import Request
 from train.running.bits import noted_bits, own_bits
 from train.running.commands import FINISHED, progress
 from train.running.engine import WorkerLost, compile_first
@@ -175,3 +187,20 @@ def mission_score(mission: MissionConfig, cost: float) -> float:
     The lowest score is the lowest reward that a store takes.
     """
     return max(task_class(mission).best_score - cost / mission.time_limit, -REWARD_LIMIT)
+
+
+def scored_missions(request: Request) -> Sequence[Evaluation]:
+    """Return the evaluations that score the options: of an experiment, or one for each goal of a family or a task."""
+    name, directories = request.name, request.directories
+    families, experiments = (files_of(kind, directories) for kind in ("families", "experiments"))
+    path = Path(name).suffix in (".yaml", ".yml")
+    if name not in families and (name in experiments or (path and "conditions" in read_mapping(Path(name)))):
+        if request.knowledge is not None:
+            raise ConfigurationError("--knowledge: expected a family or a task, got an experiment")
+        return (ExperimentEvaluation(request),)
+    if not path and name not in (*families, *files_of("missions", directories), *task_names()):
+        known = dict.fromkeys((*families, *experiments, *task_names()))
+        raise ConfigurationError(unknown("family, experiment or task", name, tuple(known)) + OWN_TASK)
+    mission = load_family(name, directories).mission
+    goals = task_class(mission).goals(mission, directories)
+    return [FamilyEvaluation(replace(request, strategies=(FIXED,), goal=goal)) for goal in goals]

@@ -41,22 +41,12 @@ class Stream:
         self._changed = threading.Condition()
         self.ended = False
 
-    def add(self, block: bytes) -> None:
-        """Append a block."""
+    def tell(self, *blocks: bytes, state: Mapping[str, Any] | None = None, ended: bool = False) -> None:
+        """Append blocks, replace the state if one is given, or tell all readers that nothing more comes."""
         with self._changed:
-            self._blocks.append(block)
-            self._changed.notify_all()
-
-    def tell(self, state: Mapping[str, Any]) -> None:
-        """Replace the state."""
-        with self._changed:
-            self.state = state
-            self._changed.notify_all()
-
-    def end(self) -> None:
-        """Tell all readers that nothing more comes."""
-        with self._changed:
-            self.ended = True
+            self._blocks += blocks
+            self.state = self.state if state is None else state
+            self.ended = ended
             self._changed.notify_all()
 
     def after(self, read: int, state: Mapping[str, Any] | None, seconds: float) -> list[bytes]:
@@ -149,7 +139,7 @@ class Conductor:
                 raise ValueError(self._failure)
         else:
             self._playing = kind == "play"
-        self.stream.tell(self._state())
+        self.stream.tell(state=self._state())
 
     def _open(self, name: object) -> None:
         """Run a session in place of the present one, which goes on if the other one cannot be had."""
@@ -169,19 +159,20 @@ class Conductor:
         self.stream = Stream(session.beginning, self._state())
 
     def _end(self) -> None:
-        self.stream.end()
+        self.stream.tell(ended=True)
         self.session.close()
 
     def _tick(self) -> None:
         try:
-            self.stream.add(self.session.tick())
+            self.stream.tell(self.session.tick())
         except Exception as error:  # a mistake of ours, or a full disk: this session cannot go on, another one can
             self._failure, self._playing = failed("the mission", error), False
-            self.stream.tell({**self.stream.state, "playing": False, "over": True, "failure": self._failure})
+            over = {**self.stream.state, "playing": False, "over": True, "failure": self._failure}
+            self.stream.tell(state=over)
             return
         if self.session.result is not None:
             self._playing = False
-            self.stream.tell(self._state())
+            self.stream.tell(state=self._state())
 
     def _state(self) -> dict[str, Any]:
         """Return what the page shows beside the frames; `now` is a frame of the present, before the next one is run."""
