@@ -5,7 +5,6 @@ Shapes: S members of a strategy (one for each seed of its training), K scenarios
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
@@ -139,6 +138,31 @@ class FamilyReport:
         """Return the share of a strategy's missions that were not completed; None where garbage keeps coming."""
         return float(self.left[label].mean()) if label in self.left else None
 
+    @property
+    def content(self) -> dict[str, Any]:
+        """Content of `summary.json`."""
+        runs, comparison = self.runs, self.comparison
+        content: dict[str, Any] = {
+            "family": runs.family.name,
+            "goal": runs.goal,
+            "scenarios": runs.scenarios,
+            "worlds": runs.worlds,
+            "seed": runs.seed,
+            "strategies": {
+                label: {name: asdict(summary) for name, summary in own.items()} for label, own in self.summaries.items()
+            },
+        }
+        if self.front is not None:
+            front = {"prices_s": PRICES, "excess_s": self.front.excesses, "undominated": self.front.undominated}
+            content["front"] = front
+        content |= by_strategy(self.measured)
+        if comparison is not None:
+            content["best_fixed"] = comparison.best_fixed.labels
+            content["limits"] = {label: [one.content for one in own] for label, own in self.limits.items()}
+            content["gap"] = None if comparison.gap is None else asdict(comparison.gap)
+            content["comparison"] = [standing.content for standing in comparison.standings]
+        return content
+
 
 def family_report_of(runs: FamilyRuns) -> FamilyReport:
     """Compute everything from the records."""
@@ -193,31 +217,6 @@ def limit_ratios(runs: FamilyRuns, best: BestFixed) -> dict[str, tuple[Ratio, ..
         label: tuple(Ratio.of(own[label].mean(axis=2), other) for own, other in zip(priced, yardsticks, strict=True))
         for label in runs.conditions
     }
-
-
-def family_summary_json(report: FamilyReport) -> str:
-    """Return the content of `summary.json`."""
-    runs, comparison = report.runs, report.comparison
-    content: dict[str, Any] = {
-        "family": runs.family.name,
-        "goal": runs.goal,
-        "scenarios": runs.scenarios,
-        "worlds": runs.worlds,
-        "seed": runs.seed,
-        "strategies": {
-            label: {name: asdict(summary) for name, summary in own.items()} for label, own in report.summaries.items()
-        },
-    }
-    if report.front is not None:
-        front = {"prices_s": PRICES, "excess_s": report.front.excesses, "undominated": report.front.undominated}
-        content["front"] = front
-    content |= by_strategy(report.measured)
-    if comparison is not None:
-        content["best_fixed"] = comparison.best_fixed.labels
-        content["limits"] = {label: [one.content for one in own] for label, own in report.limits.items()}
-        content["gap"] = None if comparison.gap is None else asdict(comparison.gap)
-        content["comparison"] = [standing.content for standing in comparison.standings]
-    return json.dumps(content, indent=2) + "\n"
 
 
 def priced_excess(mission: MissionConfig, result: MissionResult, price: float) -> float:

@@ -6,7 +6,6 @@ drawn in pairs); ratios between two conditions agree when their two intervals me
 """
 
 import itertools
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -111,10 +110,10 @@ def report_of(
     return Report(experiment, seed, figures, summaries, comparisons, *beside, measured, own_starts, of_task)
 
 
-def summary_json(report: Report) -> str:
-    """Return the content of `summary.json`; a missing figure is null."""
+def summary_of(report: Report) -> dict[str, Any]:
+    """Return the content of `summary.json`; a missing figure is None."""
     figures = report.figures
-    content: dict[str, Any] = {
+    return {
         **by_strategy(report.measured_by_task),
         "experiment": report.experiment.name,
         "seed": report.seed,
@@ -135,7 +134,6 @@ def summary_json(report: Report) -> str:
             {**asdict(ratio), "ours": ratio.ours.content, "measured": ratio.measured.content} for ratio in report.ratios
         ],
     }
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
 def _compared_with_measured(

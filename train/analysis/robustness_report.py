@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 import scipy.stats
@@ -36,6 +36,22 @@ class RobustnessReport:
         """Labels of the strategies."""
         return list(next(iter(self.estimates.values())))
 
+    @property
+    def content(self) -> dict[str, Any]:
+        """Content of `summary.json`."""
+        return {
+            "experiment": self.robustness.name,
+            "seed": self.seed,
+            "scenarios": self.scenarios,
+            "disturbances": {
+                name: {
+                    label: {figure: asdict(estimate) for figure, estimate in own.items()}
+                    for label, own in by_label.items()
+                }
+                for name, by_label in self.estimates.items()
+            },
+        }
+
     @classmethod
     def of(cls, robustness: RobustnessConfig, runs: FamilyRuns) -> RobustnessReport:
         """Compute everything from the runs; means over members and worlds count once a scenario."""
@@ -62,19 +78,3 @@ def wilson(share: float, scenarios: int) -> Interval:
     half = np.sqrt(squared * (share * (1.0 - share) / scenarios + squared / (4.0 * scenarios**2)))
     below, above = ((middle + side * half) / (1.0 + squared / scenarios) for side in (-1.0, 1.0))
     return max(float(below), 0.0), min(float(above), 1.0)
-
-
-def robustness_summary_json(report: RobustnessReport) -> str:
-    """Return the content of `summary.json`."""
-    content = {
-        "experiment": report.robustness.name,
-        "seed": report.seed,
-        "scenarios": report.scenarios,
-        "disturbances": {
-            name: {
-                label: {figure: asdict(estimate) for figure, estimate in own.items()} for label, own in by_label.items()
-            }
-            for name, by_label in report.estimates.items()
-        },
-    }
-    return json.dumps(content, indent=2) + "\n"

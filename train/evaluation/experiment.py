@@ -21,7 +21,7 @@ from selector.strategies.registry import StrategySpec, named
 from selector.strategies.streams import row_keys
 from selforg.network.planning.planner import check_planner
 from selforg.registry import unknown
-from train.analysis.report import report_of, summary_json
+from train.analysis.report import report_of, summary_of
 from train.evaluation.base import OWN_STARTS, Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT
 from train.evaluation.trial_task import TrialTask, experiment_tasks, identities
@@ -122,8 +122,7 @@ class ExperimentEvaluation(Evaluation):
             self.experiment, self.seed, records, self.asked.measured, own_starts=self.asked.starts == OWN_STARTS
         )
         about = f"{self.experiment.description}\nSeed {self.seed}; {self.asked.starts_from}."
-        heading = f"# {self.experiment.name}\n\n{about}\n\n"
-        return Publication(heading, all_tables(report), summary_json(report), draw_experiment(report))
+        return Publication(self.experiment.name, about, all_tables(report), summary_of(report), draw_experiment(report))
 
 
 def learning_strategy(condition: ConditionConfig) -> StrategySpec:

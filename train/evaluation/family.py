@@ -18,14 +18,14 @@ from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
-from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
-from train.analysis.robustness_report import RobustnessReport, robustness_summary_json
+from train.analysis.family_report import FamilyRuns, family_report_of
+from train.analysis.robustness_report import RobustnessReport
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
-from train.reports.family_tables import excess_publication, family_tables, heading_of, robustness_tables
+from train.reports.family_tables import excess_publication, family_tables, robustness_tables
 from train.reports.text_table import Publication
 from train.request import Request
 from train.running.needs import check_needs
@@ -168,14 +168,12 @@ class FamilyEvaluation(Evaluation):
             return periods_publication(runs, list(self.variants))
         from train.reports.figures import draw_front, draw_robustness  # waits: the runs need no Matplotlib
 
-        heading = heading_of(self.family)
+        named = (self.family.name, self.family.description)
         if isinstance(self.family, RobustnessConfig):
             found = RobustnessReport.of(self.family, runs)
-            return Publication(
-                heading, robustness_tables(found), robustness_summary_json(found), draw_robustness(found)
-            )
+            return Publication(*named, robustness_tables(found), found.content, draw_robustness(found))
         report = family_report_of(runs)
-        return Publication(heading, family_tables(report), family_summary_json(report), draw_front(report))
+        return Publication(*named, family_tables(report), report.content, draw_front(report))
 
     def runs(self, records: Sequence[RunRecord], conditions: Mapping[str, tuple[str, ...]]) -> FamilyRuns:
         """Return the finished runs; `conditions`: see there."""

@@ -3,10 +3,8 @@
 Of strategies under disturbances there is a table for each strategy, with a row for each disturbance.
 """
 
-import json
 from collections.abc import Mapping, Sequence
 
-from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.tasks.cleaning.cost import LEFT_LIMITS
 from train.analysis.family_report import (
     LIMITS,
@@ -177,12 +175,7 @@ def excess_publication(
     heads = ("strategy", "unfinished", "excess s", head, "95 %")
     grid = Grid(f"{family.name}: {title}", heads, rows, notes=(*notes, *too_few(list(ratios.values()))))
     content = {"family": family.name, "strategies": summary, "notes": list(notes)}
-    return Publication(heading_of(family), [grid], json.dumps(content, indent=2) + "\n")
-
-
-def heading_of(family: FamilyConfig) -> str:
-    """Return the first lines of `table.md`."""
-    return f"# {family.name}\n\n{family.description}\n\n"
+    return Publication(family.name, family.description, [grid], content)
 
 
 def _cells(estimate: Estimate, factor: float) -> tuple[str, str]:

@@ -1,7 +1,9 @@
 """Tables of text, shown on a terminal or as Markdown, and the report of which they are: files and printed tables."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from rich import box
 from rich.console import Console, Group, RenderableType
@@ -67,11 +69,13 @@ def _line(cells: Sequence[str]) -> str:
 class Publication:
     """Results that an evaluation writes and prints."""
 
-    heading: str
-    """First lines of `table.md`."""
+    name: str
+    """Title of `table.md`."""
+    about: str
+    """Text below the title."""
     grids: Sequence[Grid]
     """The tables of `table.md` and of the terminal."""
-    summary: str
+    summary: Mapping[str, Any]
     """Content of `summary.json`."""
     figure: bytes | None = None
     """Content of `figure.png`."""
@@ -79,8 +83,9 @@ class Publication:
 
 def publish(publication: Publication, folder: RunFolder, console: Console) -> None:
     """Write the files of a report, and print its tables."""
-    folder.write("summary.json", publication.summary)
-    folder.write("table.md", publication.heading + "\n".join(markdown(grid) for grid in publication.grids))
+    folder.write("summary.json", json.dumps(publication.summary, indent=2) + "\n")
+    heading = f"# {publication.name}\n\n{publication.about}\n\n"
+    folder.write("table.md", heading + "\n".join(markdown(grid) for grid in publication.grids))
     if publication.figure is not None:
         folder.write("figure.png", publication.figure)
     for grid in publication.grids:

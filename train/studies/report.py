@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -53,9 +52,11 @@ def study_tables(conclusion: Conclusion, space: StudySpace, importance: Importan
     return [_costs(conclusion), _comparison(conclusion), _values(conclusion, space, importance)]
 
 
-def study_summary_json(conclusion: Conclusion, space: StudySpace, arms: Sequence[Arm], importance: Importances) -> str:
+def study_summary(
+    conclusion: Conclusion, space: StudySpace, arms: Sequence[Arm], importance: Importances
+) -> dict[str, Any]:
     """Return the content of `summary.json`."""
-    content: dict[str, Any] = {
+    return {
         "results": [
             {
                 **_stated(result, space),
@@ -68,7 +69,6 @@ def study_summary_json(conclusion: Conclusion, space: StudySpace, arms: Sequence
         "importance": dict(importance),
         "missions": {arm.method: sum(trial.scenarios for trial in arm.trials) for arm in arms},
     }
-    return json.dumps(content, indent=2) + "\n"
 
 
 def trials_csv(arms: Sequence[Arm], space: StudySpace) -> str:

@@ -26,7 +26,7 @@ from train.running.run_folder import default_directory, fingerprints
 from train.studies.conclusion import UNCHANGED, Conclusion, FoundKnowledge, conclude
 from train.studies.config import StudyConfig, study_versions
 from train.studies.missions import STAGES, Candidate, CandidateTasks, MissionField, TaskMaker
-from train.studies.report import draw_study, importances, study_summary_json, study_tables, trials_csv
+from train.studies.report import draw_study, importances, study_summary, study_tables, trials_csv
 from train.studies.search import Arm, CandidateSearch, StudyTrial
 from train.studies.space import StudySpace
 
@@ -68,11 +68,11 @@ def run_study(study: StudyConfig, request: Request, console: Console, make: Task
         folder.write(f"knowledge/{study.name}.yaml", found.text())
         folder.write("trials.csv", trials_csv(arms, space))
         importance = importances(arms, space)
-        heading = f"# {study.name}\n\n{study.description}\nFamily {family.name}, seed {request.seed}.\n\n"
         publication = Publication(
-            heading,
+            study.name,
+            f"{study.description}\nFamily {family.name}, seed {request.seed}.",
             study_tables(conclusion, space, importance),
-            study_summary_json(conclusion, space, arms, importance),
+            study_summary(conclusion, space, arms, importance),
             draw_study(arms, conclusion, study.archive),
         )
         publish(publication, folder, console)

@@ -10,7 +10,7 @@ from PIL import Image
 from rich.console import Console
 
 from tests.train.records import experiment, record
-from train.analysis.report import report_of, summary_json
+from train.analysis.report import report_of, summary_of
 from train.reports.experiment_tables import all_tables, ratios, table_1
 from train.reports.figures import draw_experiment
 from train.reports.text_table import markdown, on_terminal
@@ -24,7 +24,7 @@ def _report(scenarios=4, conditions=("a", "b"), measured=None, scale=2.0, own_st
 
 
 def test_the_summary_has_the_form_of_the_issue():
-    content = json.loads(summary_json(_report(conditions=("a", "b", "c"))))
+    content = json.loads(json.dumps(summary_of(_report(conditions=("a", "b", "c")))))
     assert set(content["conditions"]) == {"a", "b", "c"}
     for figures in content["conditions"].values():
         assert (figures["n"], figures["completed"]) == (4, 4)
@@ -56,7 +56,7 @@ def test_what_does_not_exist_is_null_and_never_nan():
     given = experiment(scenarios=1)
     none = {"collision_samples_per_s": (0.0, 0.0), "collision_events_per_s": (0.0, 0.0)}
     report = report_of(given, 3, [record("1", c, **none) for c in "ab"], {}, own_starts=False)
-    content = json.loads(summary_json(report), parse_constant=pytest.fail)
+    content = json.loads(json.dumps(summary_of(report)), parse_constant=pytest.fail)
     assert content["conditions"]["a"]["duration_s"]["ci95"] is None
     assert [(c["ratio"], c["ci95"]) for c in content["comparisons"]] == [(1.0, None), (None, None), (None, None)]
     assert draw_experiment(report)
