@@ -23,7 +23,7 @@ from train.analysis.family_report import FamilyRuns, excesses_of, unfinished_of
 from train.analysis.intervals import TAIL, Interval, Ratio, too_few
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
-from train.evaluation.identity import Identity
+from train.evaluation.base import Identity
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import read_manifest

@@ -12,10 +12,9 @@ from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import validated
 from train.deciders.named import FIXED
-from train.evaluation.base import Asked, Evaluation
+from train.evaluation.base import Asked, Evaluation, Identity
 from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.family import FamilyEvaluation
-from train.evaluation.identity import Identity
 from train.evaluation.look_ahead import LookAheadEvaluation, LookingAhead
 from train.memory import NO_STORE, StoreRequest
 from train.request import ALL, Request, RunShare

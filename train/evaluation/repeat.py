@@ -18,7 +18,7 @@ from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text
 from selector.documents.writing import writing_to
 from selforg.registry import unknown
-from train.evaluation.identity import DIGEST, Identity
+from train.evaluation.base import DIGEST, Identity
 from train.evaluation.trial_task import TrialTask, experiment_tasks, scenario_named
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import ALONE, check_needs

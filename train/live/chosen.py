@@ -23,7 +23,7 @@ from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown
 from train.deciders.named import decider_named
-from train.evaluation.identity import DIGEST
+from train.evaluation.base import DIGEST
 from train.running.run_folder import fingerprints
 
 STRATEGY = "MaxScore"

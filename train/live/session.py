@@ -26,7 +26,7 @@ from selforg.registry import unknown
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import Decider
 from train.deciders.named import FIXED, LEARNED, MACHINE, POLICY, decider_named
-from train.evaluation.identity import DIGEST
+from train.evaluation.base import DIGEST
 from train.live.chosen import SPARE_ROBOTS, PlayedMission
 
 OFFERED = ("MaxScore", "Random", f"{FIXED}:Off")
