@@ -19,7 +19,7 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.wrappers import AllRobots
 
 EVENTS = [{"at": 30.0, "do": "fail", "robots": [1]}, {"at": 60.0, "do": "join", "robots": 1}]
-MISSION = {"base": "table1", "garbage": {"count": 4}, "knowledge": "avoidance", "events": EVENTS}
+MISSION = {"base": "table1", "task": {"garbage": {"count": 4}}, "knowledge": "avoidance", "events": EVENTS}
 SERVES = {"RepulsionFernandez-view2.0": ["patrol", "approach"]}
 ALGORITHMS = {"mappo": MappoConfig, "ippo": IppoConfig, "qmix": QmixConfig, "masac": MasacConfig}
 

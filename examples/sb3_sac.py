@@ -13,7 +13,7 @@ from stable_baselines3.common.vec_env import VecMonitor
 
 from clean_swarm_env.sb3 import RobotVecEnv
 
-MISSION = {"base": "table1", "garbage": {"count": 4}, "time_limit": 100.0}
+MISSION = {"base": "table1", "task": {"garbage": {"count": 4}}, "time_limit": 100.0}
 
 
 def make(worlds: int) -> VecMonitor:

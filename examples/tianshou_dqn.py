@@ -21,7 +21,7 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.wrappers import AllRobots, MaskedObservations
 
 EVENTS = [{"at": 30.0, "do": "fail", "robots": [1]}]
-MISSION = {"base": "table1", "garbage": {"count": 4}, "time_limit": 100.0, "events": EVENTS}
+MISSION = {"base": "table1", "task": {"garbage": {"count": 4}}, "time_limit": 100.0, "events": EVENTS}
 SERVES = {"RepulsionFernandez-view2.0": ["patrol", "approach"]}
 
 

@@ -25,7 +25,7 @@ SERVES = {"RepulsionFernandez-view2.0": ["patrol", "approach"]}
 
 def make() -> PettingZooWrapper:
     """Return missions of 100 s with masks, a global state, and all robots in every step."""
-    mission = {"base": "table1", "garbage": {"count": 4}, "time_limit": 100.0}
+    mission = {"base": "table1", "task": {"garbage": {"count": 4}}, "time_limit": 100.0}
     env = AllRobots(clean_swarm_v0.parallel_env(mission, knowledge="avoidance", action={"serves": SERVES}))
     return PettingZooWrapper(
         env, use_mask=False, return_state=True, categorical_actions=True, done_on_any=False, seed=1

@@ -85,7 +85,7 @@ def together(mode: str, folder: Path) -> Callable[[], float]:
 def long() -> Scenario:
     """Return a long mission of twenty robots, in which garbage keeps coming."""
     scenario = load_family("crowded").scenario(0, 0, "test")
-    changes = {"time_limit": 60.0 * LONG_MINUTES, "garbage": {"respawn": 5.0}}
+    changes = {"time_limit": 60.0 * LONG_MINUTES, "task": {"garbage": {"respawn": 5.0}}}
     mission = MissionConfig.model_validate(with_changes(scenario.mission.model_dump(), changes))
     return replace(scenario, mission=mission)
 

@@ -8,6 +8,7 @@ from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.coordinator import CoordinatorModel
@@ -21,13 +22,16 @@ def mission_of(robots: int, items_per_robot: float = 2.0) -> MissionConfig:
     mission = load_mission("table1")
     scale = sqrt(robots / mission.robots.count)
     width, height = mission.world.width * scale, mission.world.height * scale
+    stations = settings_of(mission).stations
     changes = {
         "world": {"width": width, "height": height},
         "robots": {"count": robots},
-        "garbage": {"count": round(items_per_robot * robots)},
-        "stations": {
-            "recycling": [x * scale for x in mission.stations.recycling],
-            "dump": [x * scale for x in mission.stations.dump],
+        "task": {
+            "garbage": {"count": round(items_per_robot * robots)},
+            "stations": {
+                "recycling": [x * scale for x in stations.recycling],
+                "dump": [x * scale for x in stations.dump],
+            },
         },
     }
     return MissionConfig.model_validate(with_changes(mission.model_dump(), changes))

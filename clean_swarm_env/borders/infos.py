@@ -50,7 +50,7 @@ def team_infos(batch: Batch) -> InfoColumns:
         "completed": completed.tolist(),
         "duration_s": times.copy(),
     }
-    of_items = {"dumped": progress.dumped, "garbage_done": task.items_done()}
+    of_items = {"dumped": progress.dumped, "garbage_done": task.item_arrays().done}
     columns |= {name: counts.tolist() for name, counts in of_items.items() if name in task.counted}
     columns |= {key_of(name): own.tolist() for name, own in values.items()}
     for end in batch.finished:  # such a world may have begun anew

@@ -7,28 +7,19 @@ batch of worlds can hold them.
 
 import re
 import zlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config.events import Event, Join, Land, Respawn
-from clean_swarm_env.config.family_events import (
-    ChangesConfig,
-    PlaceCount,
-    Span,
-    SpotCount,
-    draw_events,
-    random_spots,
-    random_stations,
-)
+from clean_swarm_env.config.events import Event, Join
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
-from clean_swarm_env.config.types import Items, Length, Point, Robots, Scenarios
+from clean_swarm_env.config.tasks import TaskSettings, find_task
+from clean_swarm_env.config.types import ArrivalRate, Items, Length, Point, Robots, Scenarios
 from selector.documents.errors import DocumentError, impossible, validated
-from selector.documents.fields import Closed, Label, Name
+from selector.documents.fields import Closed, Label, Name, Positive, Share
 from selector.documents.plain import short
 
 Split = Literal["train", "test"]
@@ -37,6 +28,15 @@ SCENARIO_NAME: Final = r"(?:train|test)-([1-9][0-9]{0,5})(?:\.([1-9][0-9]{0,2}))
 """Form of the name of a scenario: its number, and that of its world unless it is the first."""
 SCENARIO: Final = 0xFFFFFFFE
 """Spawn key of the draws of the scenario itself; the world draws from other keys of the same seed."""
+
+Change = Literal["join", "remove", "fail", "land", "respawn", "move_spots", "move_stations", "deliver"]
+Span = tuple[ArrivalRate, ArrivalRate]
+Changes = Annotated[int, Field(strict=True, ge=0, le=1000)]
+"""Events of a scenario; more of them would hardly differ in time."""
+SpotCount = Annotated[int, Field(strict=True, ge=0, le=100)]
+"""Spots of garbage; see `types.Spots`."""
+PlaceCount = Annotated[int, Field(strict=True, ge=1, le=100)]
+"""Places of the stations of a kind; as many as a kind may have."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,33 @@ class Scenario:
     def events(self) -> tuple[Event, ...]:
         """What changes during the mission."""
         return self.mission.events
+
+
+class ChangesConfig(Closed):
+    """Number, kinds and sizes of the events of a scenario."""
+
+    number: tuple[Changes, Changes] = (0, 0)
+    """Least and largest number of events."""
+    kinds: tuple[Change, ...] = ()
+    """Kinds of events, all equally likely."""
+    items: tuple[Items, Items] = (5, 5)
+    """Least and largest number of items that land at a time."""
+    respawn: Span = (0.0, 6.0)
+    """Least and largest rate at which garbage keeps coming after a change [1/min]."""
+    reach: tuple[Positive, Positive] = (2.0, 6.0)
+    """Least and largest range of messages after a change of the delivery [m]."""
+    loss: tuple[Share, Share] = (0.0, 0.9)
+    """Least and largest probability of a loss after a change of the delivery [-]."""
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        for name in ("number", "items", "respawn", "reach", "loss"):
+            least, most = getattr(self, name)
+            if least > most:
+                raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
+        if self.number[1] > 0 and not self.kinds:
+            raise impossible("kinds", "at least one kind of event", "none")
+        return self
 
 
 class FamilyConfig(Closed):
@@ -135,7 +162,7 @@ class FamilyConfig(Closed):
 
     @property
     def largest(self) -> MissionConfig:
-        """The mission with the most robots and items, on the first torus and without events."""
+        """The mission with the most robots, on the first torus and without events; items have room in it as in all."""
         return self._largest_on(self.tori[0])
 
     def _check_scenarios(self) -> None:
@@ -153,10 +180,9 @@ class FamilyConfig(Closed):
                 raise ValueError(f"{where}: {error}") from error
         self.scenario(0, 0, "train")
 
-    def _largest_on(self, size: tuple[float, float]) -> MissionConfig:
-        stations, garbage = self.mission.stations, {"count": self.items[1], "respawn": self.respawn[1]}
-        places = stations.places if self.stations == "given" else ((0.0, 0.0),) * len(stations.places)
-        return self._made(size, self._rows, garbage, places, ())
+    def _largest_on(self, size: Point) -> MissionConfig:
+        task, _ = find_task(self.mission.task.name).draw_scenario(self, size, self._rows, np.random.default_rng(0))
+        return self._made(size, self._rows, task, [])
 
     @property
     def tori(self) -> tuple[tuple[float, float], ...]:
@@ -164,65 +190,30 @@ class FamilyConfig(Closed):
         return tuple(dict.fromkeys(self.sizes or ((self.mission.world.width, self.mission.world.height),)))
 
     def _mission(self, rng: np.random.Generator) -> MissionConfig:
-        base, sizes = self.mission, self.sizes or self.tori
-        width, height = sizes[int(rng.integers(len(sizes)))]
+        sizes = self.sizes or self.tori
+        size = sizes[int(rng.integers(len(sizes)))]
         robots = int(rng.integers(self.robots[0], self.robots[1] + 1))
-        items = int(rng.integers(self.items[0], self.items[1] + 1))
-        respawn = float(rng.uniform(*self.respawn))
-        places = base.stations.places
-        if self.stations == "random":
-            places = self._random_places((width, height), rng)
-        spots = base.garbage.spots
-        if self.spots is not None:
-            spots = random_spots(int(rng.integers(self.spots[0], self.spots[1] + 1)), (width, height), rng)
-        drawn = draw_events(self.changes, (width, height), robots, len(spots), base.time_limit, rng)
-        garbage = {"count": items, "respawn": respawn, "spots": spots}
-        events = [event.model_dump() for event in base.events] or drawn
-        return self._made((width, height), robots, garbage, places, events)
+        task, drawn = find_task(self.mission.task.name).draw_scenario(self, size, robots, rng)
+        return self._made(size, robots, task, [event.model_dump() for event in self.mission.events] or drawn)
 
-    def _random_places(self, size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, ...]:
-        """Return the places of all stations on a torus of a `size` [m], in the order of `StationsConfig.places`."""
-        kinds, earlier = self.mission.stations.kinds, self.mission.stations.earlier
-        if self.station_places is None:
-            return random_stations(len(kinds), size, rng)
-        number = int(rng.integers(self.station_places[0], self.station_places[1] + 1))
-        drawn = random_stations(2 * number, size, rng)  # recycling and dump in turn
-        return tuple(drawn[2 * (k % number) + kind] for k, kind in zip(earlier, kinds, strict=True))
-
-    def _made(
-        self,
-        size: tuple[float, float],
-        robots: int,
-        garbage: dict[str, Any],
-        places: tuple[Point, ...],
-        events: Sequence[dict[str, Any]],
-    ) -> MissionConfig:
-        """Return the mission on a torus of a `size` [m] with stations at `places` [m]; DocumentError if impossible."""
+    def _made(self, size: Point, robots: int, task: TaskSettings, events: list[dict[str, Any]]) -> MissionConfig:
+        """Return the mission on a torus of a `size` [m]; DocumentError if it is impossible."""
         base = self.mission
         parts: dict[str, dict[str, Any]] = {
             "world": {"width": size[0], "height": size[1]},
             "robots": {"count": robots, "capacity": self._rows},
-            "garbage": {**garbage, "capacity": self._item_rows},
-            "stations": base.stations.at(places).model_dump(),
+            "delivery": {"own_contents": base.own_contents or "deliver" in self.changes.kinds},
         }
         merged = {name: {**getattr(base, name).model_dump(), **change} for name, change in parts.items()}
-        own_contents = base.own_contents or "deliver" in self.changes.kinds
-        delivery = {**base.delivery.model_dump(), "own_contents": own_contents}
-        whole = {**base.model_dump(), **merged, "name": self.name, "events": events, "delivery": delivery}
+        own = {"name": self.name, "task": task.model_dump(), "events": events}
+        whole = {**base.model_dump(), **merged, **own}
         return validated(MissionConfig, whole, f"{robots} robots on {size[0]:g} m x {size[1]:g} m", own=True)
 
     @property
     def _rows(self) -> int:
+        changes = self.changes.number[1] if "join" in self.changes.kinds else 0
         joining = sum(event.robots for event in self.mission.events if isinstance(event, Join))
-        return max(self.robots[1] + self.changes.most_joining + joining, self.mission.robots.capacity)
-
-    @property
-    def _item_rows(self) -> int:
-        events = self.mission.events
-        landing = sum(event.items for event in events if isinstance(event, Land))
-        coming = "respawn" in self.changes.kinds or any(isinstance(event, Respawn) for event in events)
-        continuous = self.respawn[1] > 0.0 or coming
-        return max(self.items[1] + landing, self.mission.garbage.capacity or (4 * self.items[1] if continuous else 0))
+        return max(self.robots[1] + changes + joining, self.mission.robots.capacity)
 
 
 class Disturbance(Closed):

@@ -12,7 +12,7 @@ from typing import Any
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import named_file, with_changes
+from clean_swarm_env.config.tasks import find_task, named_file, with_changes
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
 from selector.documents.find import find_file
@@ -54,9 +54,8 @@ def load_family(name_or_path: str, directories: Sequence[Path] = (), *, trust: b
 
 def random_starts(mission: MissionConfig) -> FamilyConfig:
     """Return a mission from random starts as a family of its name."""
-    robots, garbage = mission.robots.count, mission.garbage
-    counts = {"robots": (robots,) * 2, "items": (garbage.count,) * 2, "respawn": (garbage.respawn,) * 2}
-    content = {"name": mission.name, "description": "The mission from random starts.", "mission": mission, **counts}
+    ranges = {"robots": (mission.robots.count,) * 2, **find_task(mission.task.name).item_ranges(mission)}
+    content = {"name": mission.name, "description": "The mission from random starts.", "mission": mission, **ranges}
     return validated(FamilyConfig, content, mission.name)
 
 

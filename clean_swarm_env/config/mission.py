@@ -12,28 +12,25 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_serializer, field_validator, model_validator
 
-from clean_swarm_env.config.cleaning import GarbageConfig, PatrolConfig, StationsConfig
 from clean_swarm_env.config.delivery import DeliveryConfig
-from clean_swarm_env.config.events import (
-    Event,
-    Join,
-    Land,
-    Respawn,
-    SetDelivery,
-    check_team,
-)
+from clean_swarm_env.config.events import Event, Join, SetDelivery, check_team
 from clean_swarm_env.config.network import NetworkConfig
-from clean_swarm_env.config.tasks import TaskSettings, find_task, settings_from, with_task_defaults
+from clean_swarm_env.config.tasks import (
+    CLEANING,
+    ItemCounts,
+    TaskSettings,
+    find_task,
+    settings_from,
+    with_task_defaults,
+)
 from clean_swarm_env.config.types import Index, Length, Point, Pose, Robots, Seconds
-from clean_swarm_env.config.world import ConsequencesConfig, WorldConfig, robots_that_fit
+from clean_swarm_env.config.world import WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, StoreName
 from selector.knowledge import LearnedScores, learned_from
 
 SPARE = 2.0
 """Margin around the places that robots can reach on open land [m]."""
-RANDOM_ITEMS = 40
-"""Default number of rows for items in a world in which garbage keeps coming."""
 
 
 class RobotConfig(Closed):
@@ -91,29 +88,23 @@ class MissionConfig(Closed):
 
     name: Name = "cleaning"
     """Name of the mission."""
-    task: Annotated[SerializeAsAny[TaskSettings], BeforeValidator(settings_from)] = TaskSettings()
-    """What there is to do: the name of a task, or its name and its settings. `garbage`, `stations`, `patrol` and
-    `consequences` are those of cleaning; the task says what the other keys are unless they are given."""
+    task: Annotated[SerializeAsAny[TaskSettings], BeforeValidator(settings_from)] = Field(
+        default=CLEANING, validate_default=True
+    )
+    """What there is to do: the name of a task, or its name and its settings; the task says what the other keys are
+    unless they are given."""
     world: WorldConfig = WorldConfig()
     """The ground and its physics."""
     robots: RobotConfig = RobotConfig()
     """The robots."""
-    garbage: GarbageConfig = GarbageConfig()
-    """The items."""
-    stations: StationsConfig = StationsConfig()
-    """The recycling and the dump stations."""
-    patrol: PatrolConfig = PatrolConfig()
-    """The patrol."""
     network: NetworkConfig = NetworkConfig()
     """The behaviour network."""
     delivery: DeliveryConfig = DeliveryConfig()
     """The delivery of messages among the robots."""
-    consequences: ConsequencesConfig = ConsequencesConfig()
-    """The consequences of collisions."""
     events: Annotated[tuple[Event, ...], Field(max_length=10_000)] = ()
     """The events of the mission."""
     time_limit: Seconds = 3000.0
-    """Simulated time after which a mission ends uncompleted, or ends at all if garbage keeps coming [s]."""
+    """Simulated time after which a mission ends uncompleted, or ends at all if items keep coming [s]."""
     collision_cost: NonNegative = 2.0
     """Price of a collision event at the first distance in the cost of a mission [s]."""
     contact_cost: NonNegative = 0.0
@@ -168,7 +159,7 @@ class MissionConfig(Closed):
             )
 
     def _check_room(self) -> None:
-        """Raise an error if robots or items have no room."""
+        """Raise an error if robots have no room."""
         world, robots = self.world, self.robots
         fitting = robots_that_fit(world, robots.radius)
         if world.contacts == "solid" and robots.count > fitting:
@@ -180,9 +171,6 @@ class MissionConfig(Closed):
         if 0 < robots.capacity < self._robots_needed:
             expected = f"0 or at least {self._robots_needed}, the robots at the start and those that join"
             raise impossible("robots.capacity", expected, robots.capacity)
-        if 0 < self.garbage.capacity < self.items_expected:
-            expected = f"0 or at least {self.items_expected}, the items at the start and those that land"
-            raise impossible("garbage.capacity", expected, self.garbage.capacity)
 
     def beginning_with(self, learned: Mapping[str, Any]) -> "MissionConfig":
         """Return the mission without a store, and with learned rewards of options, if any, as plain data."""
@@ -209,20 +197,9 @@ class MissionConfig(Closed):
         return self.robots.count + sum(event.robots for event in self.events if isinstance(event, Join))
 
     @property
-    def continuous(self) -> bool:
-        """Whether garbage keeps coming at some time, so that only the time limit ends the mission."""
-        return self.garbage.respawn > 0.0 or any(e.rate > 0.0 for e in self.events if isinstance(e, Respawn))
-
-    @property
-    def items_expected(self) -> int:
-        """Number of items at the start and of those that land."""
-        return self.garbage.count + sum(event.items for event in self.events if isinstance(event, Land))
-
-    @property
-    def item_rows(self) -> int:
-        """Number of items for which a world has rows."""
-        least = RANDOM_ITEMS if self.continuous else 0
-        return self.garbage.capacity or max(self.items_expected, least)
+    def items(self) -> ItemCounts:
+        """The numbers of items."""
+        return find_task(self.task.name).count_items(self)
 
     @property
     def delay_ticks(self) -> int:

@@ -13,13 +13,17 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from traceback import extract_tb
-from typing import Any, Final, Protocol
+from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
 
-from selector.documents.errors import DocumentError
+import numpy as np
+
+from clean_swarm_env.config.types import Point
+from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, Name
 from selector.documents.find import KINDS, files_of, find_file, is_path
 from selector.documents.imported import module_of_file
 from selector.documents.reading import read_text
+from selforg.arrays import Floats
 from selforg.registry import Registry, UnknownNameError, unknown
 
 CLEANING: Final = "Cleaning"
@@ -28,6 +32,9 @@ OWN_FILES: Final = "CLEAN_SWARM_IMPORT"
 """Environment variable with the files of the user's own tasks, which worker processes read, too."""
 OWN_TASK: Final = "; a task of your own: --import FILE.py"
 """What follows the error of an unknown name."""
+
+Mission: TypeAlias = Any
+"""A `MissionConfig`, which stands above this module."""
 
 
 class TaskSettings(Closed):
@@ -41,23 +48,71 @@ class TaskSettings(Closed):
         return settings_from, (self.model_dump(),)
 
 
-class TaskKind(Protocol):
-    """A class of tasks, as missions know it."""
+class ItemCounts(NamedTuple):
+    """Numbers of the items that robots carry in a mission; 0 in tasks without any."""
 
-    name: str
-    """Name of the task."""
-    Settings: type[TaskSettings]
-    """The settings of the task."""
-    mission: Mapping[str, Any]
-    """Keys of a mission that names the task, unless they are given."""
-    story: str
-    """One sentence: the robots, their place and their task."""
-    begins_as_given: bool
-    """Whether starts say where robots and items are; else the task places them, unless a start says it."""
+    first: int = 0
+    """Those at the start."""
+    expected: int = 0
+    """Those at the start and those that land."""
+    rows: int = 0
+    """Those for which a world has rows."""
+    keep_coming: bool = False
+    """Whether items keep coming at some time, so that only the time limit ends the mission."""
+
+
+class TaskKind:
+    """A class of tasks, as missions, starts and families know it; `Task` is what worlds know of it."""
+
+    name: ClassVar[str] = ""
+    Settings: ClassVar[type[TaskSettings]] = TaskSettings
+    story: ClassVar[str] = ""
+    mission: ClassVar[Mapping[str, Any]] = {}
+    begins_as_given: ClassVar[bool] = False
 
     @classmethod
-    def check(cls, mission: Any) -> None:  # noqa: ANN401  (a MissionConfig, which stands above this module)
+    def check(cls, mission: Mission) -> None:
         """Raise the error of the first key of a mission that is impossible with the task."""
+        if mission.events:
+            raise impossible("events", f"none with the task {cls.name}", "some")
+
+    @classmethod
+    def frame_settings(cls, mission: Mission) -> TaskSettings:
+        """Return the settings without the parts that may differ among the worlds of a batch."""
+        settings: TaskSettings = mission.task
+        return settings
+
+    @classmethod
+    def count_items(cls, mission: Mission) -> ItemCounts:
+        """Return the numbers of items of a mission."""
+        return ItemCounts()
+
+    @classmethod
+    def place_items(cls, mission: Mission, rng: np.random.Generator) -> Floats:
+        """Return random places (M, 2) [m] of the items at the start, where starts say where they are."""
+        return np.zeros((0, 2))
+
+    @classmethod
+    def with_items(cls, mission: Mission, **numbers: int) -> TaskSettings:
+        """Return the settings with another `count` of items at the start, or `capacity` for them."""
+        settings: TaskSettings = mission.task
+        return settings
+
+    @classmethod
+    def item_ranges(cls, mission: Mission) -> Mapping[str, Any]:
+        """Return the keys of a family whose scenarios have as many items as a mission."""
+        return {}
+
+    @classmethod
+    def draw_scenario(
+        cls,
+        family: Any,  # noqa: ANN401  (a FamilyConfig, which stands above this module)
+        size: Point,
+        robots: int,
+        rng: np.random.Generator,
+    ) -> tuple[TaskSettings, list[dict[str, Any]]]:
+        """Return settings and random events of a scenario of a family, with `robots` on a torus of a `size` [m]."""
+        return family.mission.task, []
 
 
 TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name)
@@ -170,19 +225,42 @@ def settings_from(given: object) -> object:
 
 
 def with_task_defaults(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keys of a mission with those that its task has in place of the usual ones, unless they are given."""
+    """Return the keys of a mission with those that its task has in place of the usual ones, unless they are given.
+
+    A setting of the task beside `task:` raises the error that says where it belongs.
+    """
     task = content.get("task", CLEANING)
     name = task.get("name", CLEANING) if isinstance(task, Mapping) else getattr(task, "name", task)
     if not isinstance(name, str):
         return dict(content)
-    usual = {"name": name, "knowledge": "library", "garbage": {"count": 0}}
-    return with_changes(with_changes(usual, find_task(name).mission), content)
+    kind = find_task(name)
+    for key in content.keys() & kind.Settings.model_fields.keys() - {"name"}:
+        raise impossible(key, f"it below `task:`, as task.{key}", f"{key} beside `task:`")
+    return with_changes(
+        with_changes({"name": name, "knowledge": "library", "task": {"name": name}}, kind.mission), content
+    )
 
 
 def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `base` with the values of `changes` in place of its own; mappings are merged."""
+    """Return `base` with the values of `changes` in place of its own; mappings are merged.
+
+    Settings of a task are merged with those of the same task only.
+    """
     merged = dict(base)
     for key, value in changes.items():
         below = merged.get(key)
-        merged[key] = with_changes(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
+        if key == "task":
+            merged[key] = _changed_task(below, value)
+        elif isinstance(below, Mapping) and isinstance(value, Mapping):
+            merged[key] = with_changes(below, value)
+        else:
+            merged[key] = value
     return merged
+
+
+def _changed_task(below: object, changes: object) -> object:
+    before, after = ({"name": given} if isinstance(given, str) else given for given in (below, changes))
+    if not (isinstance(before, Mapping) and isinstance(after, Mapping)):
+        return changes
+    own = before.get("name", CLEANING)
+    return with_changes(before, after) if after.get("name", own) == own else after

@@ -38,6 +38,4 @@ ArrivalRate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, l
 Point = tuple[Number, Number]
 Spots = Annotated[tuple[Point, ...], Field(max_length=100)]
 """Centres of places about which garbage comes [m]; more of them would cover any torus evenly."""
-FurtherStations = Annotated[tuple[Point, ...], Field(max_length=100)]
-"""Places of stations beside the first one of their kind [m]; a robot looks at all of them."""
 Pose = tuple[Number, Number, Number]

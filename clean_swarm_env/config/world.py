@@ -1,13 +1,13 @@
-"""Typed configuration of the torus, its physics, and the consequences of collisions."""
+"""Typed configuration of the ground and its physics."""
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from clean_swarm_env.config.types import Index, Length, Rate, Wait
+from clean_swarm_env.config.types import Length, Rate
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Flag
+from selector.documents.fields import Closed
 
 MAX_COVERED_SHARE = 0.45
 """Largest share of the torus that solid discs may cover [-]; random sequential placement ends at 0.547."""
@@ -49,23 +49,6 @@ class WorldConfig(Closed):
     def physics_steps_per_tick(self) -> int:
         """Number of physics steps in one control period."""
         return round(self.physics_rate / self.control_rate)
-
-
-class ConsequencesConfig(Closed):
-    """Consequences of a collision event for the robots at work that take part; none unless set."""
-
-    stop: Wait = 0.0
-    """Time for which a robot that collides stops, decides nothing and handles no cargo; 0: it does not stop [s]."""
-    back_off: Wait = 0.0
-    """Time for which it then drives off at half its speed, away from the nearest robot that it met [s]."""
-    drop: Flag = False
-    """Whether a robot that collides loses its cargo, which then lies where the robot is."""
-    damage_after: Index = 0
-    """Collisions after which a robot is damaged; 0: never."""
-    damaged_speed: Annotated[float, Field(strict=True, ge=0.01, le=1.0)] = 0.5
-    """Share of its largest speed that a damaged robot keeps [-]."""
-    mending: Wait = 10.0
-    """Time for which a damaged robot stops at the first station that it reaches; then it is as new [s]."""
 
 
 def robots_that_fit(world: WorldConfig, radius: float) -> int:

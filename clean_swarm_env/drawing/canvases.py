@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import AliasPath, BaseModel, Field
 
-from clean_swarm_env.config.cleaning import StationsConfig
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
 from clean_swarm_env.drawing.look import LOOK
@@ -18,6 +17,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.sampled import things_of
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.movers import PHEROMONES
+from clean_swarm_env.tasks.cleaning.settings import StationsConfig
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
@@ -79,7 +79,9 @@ class _Shown(BaseModel):
 
     radius: Annotated[Positive, Field(validation_alias=AliasPath("mission", "robots", "radius"))]
     """Of the robots [m]."""
-    stations: Annotated[StationsConfig, Field(validation_alias=AliasPath("mission", "stations"))] = StationsConfig()
+    stations: Annotated[StationsConfig, Field(validation_alias=AliasPath("mission", "task", "stations"))] = (
+        StationsConfig()
+    )
     things: tuple[DrawnThing, ...] | None = None
     """Those of a task other than cleaning, which has no items and no stations."""
     ground: Literal["torus", "open"] = "torus"

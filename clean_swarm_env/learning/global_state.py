@@ -57,7 +57,7 @@ class GlobalState:
     def now(self) -> NDArray[np.float32]:
         """Return the state (W, G) of the worlds as they are."""
         worlds, task = self._worlds, self._worlds.task
-        time = np.minimum(worlds.ticks / self._progress.limits, 1.0)
+        time = np.minimum(worlds.ticks / worlds.world.limits, 1.0)
         course = np.stack([time, *task.facts_of_worlds().values()], axis=1)
         robots = self._robots().reshape(worlds.worlds, -1)
         return np.concatenate((robots, task.thing_values(self._places), course), axis=1).astype(np.float32)

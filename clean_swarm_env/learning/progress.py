@@ -23,8 +23,7 @@ from clean_swarm_env.tasks.cleaning.cost import (
 )
 from clean_swarm_env.tasks.cleaning.garbage import DONE, NOTHING
 from clean_swarm_env.tasks.cleaning.robot import GOAL
-from clean_swarm_env.tasks.cleaning.task import garbage_of
-from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state, tick_limit
+from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
@@ -90,13 +89,11 @@ class MissionProgress:
             `dumped` (W,), `outcome` (W,), `took_part` (R,), `cost` (W,), `price` (W,), `bumps` (R,).
         acted: (R, C) bool, whether the behaviour of each coordinated goal ran in the period.
         elapsed: (W,) int64, ticks since the mission began, up to its end.
-        limits: (W,) int64, ticks after which each mission is over.
         idle: (R,) int64, ticks since the robot last picked, recycled or dumped, or since the mission began.
         ended: (K,) int64, worlds whose missions ended with the last tick.
 
     """
 
-    limits: Annotated[Ints, "W", KEPT]
     acted: Annotated[Flags, "R C", SCRATCH]
     _terms: Annotated[Floats, "W 6", KEPT]
     ended: Annotated[Ints, "K", SCRATCH]
@@ -107,7 +104,7 @@ class MissionProgress:
 
         self._worlds = worlds
         self._avoiding = avoidance_column(worlds)
-        count, rows, garbage = worlds.worlds, worlds.rows, garbage_of(worlds.task)
+        count, rows, items = worlds.worlds, worlds.rows, worlds.task.item_arrays()
         self._coordinated = [coordinator.index for coordinator in worlds.coordinators]
         self.acted = np.zeros((rows, len(self._coordinated)), dtype=np.bool_)
         self.period = PERIOD_RECORD.pack(
@@ -125,17 +122,17 @@ class MissionProgress:
         self.events, self.ticks, self.dumped, self.outcome, self.took_part = self.period.record[:5]
         self.cost, self.price, self.bumps = self.period.record[5:]
         self._terms = np.zeros((count, len(CostTerms._fields)))
-        self.limits, self.elapsed, self.idle = numbers(count) + 1, numbers(count), numbers(rows)
+        self.elapsed, self.idle = numbers(count), numbers(rows)
         self.ended = numbers(0)
         self._followed = FOLLOWED_RECORD.pack(
             Followed(
                 working=worlds.team.working,
                 in_contact=worlds.collisions.in_contact,
-                stage=garbage.stage,
-                paid=garbage.paid,
-                cargo=garbage.cargo,
-                recycled=garbage.recycled,
-                done=garbage.done,
+                stage=items.stage,
+                paid=items.paid,
+                cargo=items.cargo,
+                recycled=items.recycled,
+                done=items.done,
                 had=numbers(rows) + NOTHING,
                 had_recycled=numbers(rows),
                 had_done=numbers(count),
@@ -143,7 +140,7 @@ class MissionProgress:
                 samples=worlds.collisions.samples,
                 terms=self._terms,
                 had_price=np.zeros(count),
-                limits=self.limits,
+                limits=worlds.world.limits,
                 elapsed=self.elapsed,
                 idle=self.idle,
                 ended=numbers(count),
@@ -153,7 +150,6 @@ class MissionProgress:
     def reset(self, world: int) -> None:
         """Begin the counts of a world that has just been reset."""
         mission, rows, followed = self._worlds.missions[world], self._worlds.rows_of(world), self._followed.record
-        self.limits[world] = tick_limit(mission)
         self.outcome[world] = RUNNING
         self.idle[rows] = 0
         followed.had[rows] = followed.cargo[rows]

@@ -11,7 +11,7 @@ from typing import Any
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.world.explaining import RobotStep, explain_robot
-from clean_swarm_env.world.mission_end import RUNNING, mission_state, tick_limit
+from clean_swarm_env.world.mission_end import RUNNING, mission_state
 from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
@@ -160,7 +160,6 @@ class Course:
         self.worlds.reset(0, run.start, run.seed)
         self._selection = Selection(self.worlds.coordinators, run.seed, run.strategy)
         self._decision_ticks = round(mission.decision_period * mission.world.control_rate)
-        self._limit = tick_limit(mission)
         self.worlds.hold(self._selection.decide())
 
     def opinions(self) -> dict[str, Floats]:
@@ -177,7 +176,7 @@ class Course:
     def in_progress(self) -> bool:
         """Whether garbage and time are left."""
         worlds = self.worlds
-        return mission_state(worlds.done[0], worlds.ticks[0], self._limit) == RUNNING
+        return mission_state(worlds.done[0], worlds.ticks[0], worlds.world.limits[0]) == RUNNING
 
     def tick(self) -> None:
         """Run one control period; at the first one of a decision period, choose the options first."""
@@ -189,7 +188,7 @@ class Course:
 def result_of(worlds: Worlds, world: int) -> MissionResult:
     """Return the result of a world up to now."""
     task, values = worlds.task, worlds.task.measured()
-    ticks, done = int(worlds.ticks[world]), int(task.items_done()[world])
+    ticks, done = int(worlds.ticks[world]), int(task.item_arrays().done[world])
     time = max(ticks, 1) * worlds.period
     events, samples = worlds.collisions.events[world], worlds.collisions.samples[world]
     return MissionResult(

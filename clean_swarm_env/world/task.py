@@ -14,20 +14,25 @@ from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, 
 
 import numpy as np
 
-from clean_swarm_env.config.cleaning import PatrolConfig
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import TaskSettings, find_task
+from clean_swarm_env.config.tasks import TaskKind, TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.config.world import ConsequencesConfig
-from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.task_parts import Measure, Recorded, TaskState, Things, WorldStart, check_numbers, kinds_of
+from clean_swarm_env.world.task_parts import (
+    ItemArrays,
+    Measure,
+    Recorded,
+    TaskState,
+    Things,
+    WorldStart,
+    check_numbers,
+    kinds_of,
+)
 from clean_swarm_env.world.view import CARRYING, World
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import network_of
-from selector.documents.errors import impossible
 from selector.knowledge import Knowledge
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
@@ -38,6 +43,8 @@ from selforg.gradients.settings import BufferSettings
 
 AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of things: gradients at one place are one thing."""
+TRAILS: Final = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3)
+"""Settings of buffers of pheromones, of which the strongest at a place counts."""
 WALK: Final = 2.0
 """Time for which a robot on a random walk keeps its direction [s]."""
 
@@ -45,7 +52,7 @@ S = TypeVar("S", bound=TaskSettings)
 T = TypeVar("T", bound=TaskState)
 
 
-class Task(ABC, Generic[S, T]):
+class Task(TaskKind, ABC, Generic[S, T]):
     """What there is to do in W worlds at once. Register a subclass with `TASKS.register`; give `measures` and `result`.
 
     A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
@@ -77,20 +84,15 @@ class Task(ABC, Generic[S, T]):
 
     """
 
-    name: ClassVar[str] = ""
-    Settings: ClassVar[type[TaskSettings]] = TaskSettings
     State: ClassVar[type[TaskState]] = TaskState
-    story: ClassVar[str] = ""
     measures: ClassVar[tuple[Measure, ...]] = ()
     baseline: ClassVar[str] = "random walk, a new direction every 2 s"
     baseline_option: ClassVar[str] = ""
     goal: ClassVar[str] = ""
-    mission: ClassVar[Mapping[str, Any]] = {}
     fewest: ClassVar[int] = 1
     start_side: ClassVar[float] = 0.0
     apart: ClassVar[float] = 1.0
     away: ClassVar[float] = 0.0
-    begins_as_given: ClassVar[bool] = False
     changes: ClassVar[bool] = False
     priced: ClassVar[bool] = False
     best_score: ClassVar[float] = 2.0  # 1 where the measure that is worst by its target just meets it
@@ -201,17 +203,6 @@ class Task(ABC, Generic[S, T]):
         return values
 
     @classmethod
-    def check(cls, mission: MissionConfig) -> None:
-        """Raise the error of the first key of a mission that only cleaning has."""
-        for key, given in (
-            ("garbage", mission.garbage.count > 0 or mission.continuous),
-            ("events", bool(mission.events)),
-            ("consequences", mission.consequences != ConsequencesConfig()),
-        ):
-            if given:
-                raise impossible(key, f"none with the task {cls.name}", "some")
-
-    @classmethod
     def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
         """Return the goals that robots coordinate."""
         return (cls.goal or cls.name,)
@@ -230,11 +221,10 @@ class Task(ABC, Generic[S, T]):
         In `own_pheromones` each robot finds only its own pheromones.
         """
         space = poses.space
-        trails = trail_settings(mission.patrol)
         return {
             "gradients": SoBuffer(AROUND, space, poses),
-            "pheromones": SoBuffer(trails, space, poses, reception.delivery()),
-            "own_pheromones": SoBuffer(trails, space, poses, Delivery(reach=0.0)),
+            "pheromones": SoBuffer(TRAILS, space, poses, reception.delivery()),
+            "own_pheromones": SoBuffer(TRAILS, space, poses, Delivery(reach=0.0)),
         }
 
     def reset(self, world: int, rows: slice) -> None:
@@ -293,15 +283,15 @@ class Task(ABC, Generic[S, T]):
         A guard counts where it misses its target only. 1 time limit: the target is just met. `values`: of `result`.
         """
         worst = max(measure.ratio(float(values[measure.name][world])) for measure in self.measures)
-        return worst * tick_limit(self.world.missions[world]) * self.world.period
+        return worst * int(self.world.limits[world]) * self.world.period
 
     def unavoidable(self, world: int) -> float:
         """Return the part of the cost of a world that no team could avoid [s]."""
         return 0.0
 
-    def items_done(self) -> Ints:
-        """Return how many items are dumped in each world (W,)."""
-        return np.zeros(self.world.worlds, dtype=np.int64)
+    def item_arrays(self) -> ItemArrays:
+        """Return items, cargo and stations, the same arrays all the time; none unless robots carry items."""
+        return ItemArrays.none(self.world.worlds, self.world.rows)
 
     def duration(self, world: int) -> float:
         """Return how long the mission of a world has lasted if it is done, else its time limit [s]."""
@@ -358,11 +348,6 @@ class Task(ABC, Generic[S, T]):
         worlds = self.world.worlds
         places = [scaled(thing.places).reshape(worlds, -1) for thing in self.around]
         return np.concatenate((np.zeros((worlds, 0)), *places), axis=1)
-
-
-def trail_settings(patrol: PatrolConfig) -> BufferSettings:
-    """Return the settings of buffers of pheromones, of which the strongest at a place counts."""
-    return BufferSettings(patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion)
 
 
 def task_class(mission: MissionConfig) -> type[Task[Any, Any]]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.ground import Ground
-from selforg.arrays import READ, Floats
+from selforg.arrays import READ, Floats, Ints
 from selforg.declared import fields_of, make_arrays
 from selforg.gradients.buffer import SoBuffer
 
@@ -129,6 +129,29 @@ class Recorded(NamedTuple):
     about: str
     note: Callable[[], None] | None = None
     """Fills `values` before a frame; None: they are always up to date."""
+
+
+class ItemArrays(NamedTuple):
+    """Items that robots carry to stations, as observations, rewards and results read them; M items, L stations."""
+
+    positions: Annotated[Floats, "W M 2", READ]  # where an item lies or was picked [m]
+    stage: Annotated[Ints, "W M", READ]  # LYING, CARRIED, DONE or ABSENT, see `tasks.cleaning.garbage`
+    paid: Annotated[Ints, "W M", READ]  # 1 once somebody was paid for picking an item
+    cargo: Annotated[Ints, "R", READ]  # the item a robot carries, -1 for none
+    recycled: Annotated[Ints, "R", READ]  # 1 once the cargo has been recycled
+    done: Annotated[Ints, "W", READ]  # items dumped
+    arrived: Annotated[Ints, "W", READ]  # items that have come into the world
+    stations: Annotated[Floats, "W L 2", READ]  # [m]
+    station_kinds: Annotated[Ints, "L", READ]
+    sight: float  # distance within which an item is seen [m]
+
+    @classmethod
+    def none(cls, worlds: int, rows: int) -> ItemArrays:
+        """Return those of a task without items and stations."""
+        places, stages = np.zeros((worlds, 0, 2)), np.zeros((worlds, 0), dtype=np.int64)
+        of_rows, of_worlds = np.zeros(rows, dtype=np.int64), np.zeros(worlds, dtype=np.int64)
+        nothing = of_rows - 1
+        return cls(places, stages, stages, nothing, of_rows, of_worlds, of_worlds, places, stages[0], 0.0)
 
 
 class TaskState:

@@ -21,7 +21,7 @@ from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.team_changes import Team
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.coordinator import Coordinator
-from selforg.arrays import READ, Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms import DecisionMechanism
@@ -42,12 +42,14 @@ class World:
         max_speed: of the robots [m/s].
         of_row: (R,) the world of each row.
         missions: (W,) those of the worlds until their next resets.
+        limits: (W,) control periods after which these missions end.
         led: whether the baseline of the task commands the robots.
         floor, minds, team: bodies, what robots know and decide, and which of them are at work.
 
     """
 
     of_row: Annotated[Ints, "R", READ]
+    limits: Annotated[Ints, "W", KEPT]
 
     def __init__(self, missions: Sequence[MissionConfig], floor: Floor, minds: Minds, team: Team, clock: Clock) -> None:
         self.floor, self.minds, self.team, self._clock, self.missions = floor, minds, team, clock, missions
@@ -57,6 +59,7 @@ class World:
         self.period = clock.period
         self.max_speed = self.mission.robots.max_speed
         self.of_row = np.repeat(np.arange(self.worlds), self.robots)
+        self.limits = np.full(self.worlds, tick_limit(self.mission))
         self.led = False
 
     def by_world(self, values: NDArray[V]) -> NDArray[V]:
@@ -88,11 +91,6 @@ class World:
         """Time (W,) since the start of each world [s]."""
         seconds: Floats = self._clock.ticks.astype(np.float64) * self.period
         return seconds
-
-    @property
-    def limits(self) -> Ints:
-        """Control periods (W,) after which the missions of the worlds end."""
-        return np.array([tick_limit(mission) for mission in self.missions])
 
     @property
     def robot_minutes(self) -> Floats:

@@ -17,6 +17,7 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
+from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.states import KeptStates, WorldState
 from clean_swarm_env.world.task import Task, task_class
 from clean_swarm_env.world.task_parts import WorldStart
@@ -106,11 +107,11 @@ class Worlds:
         mission, stream = mission or self.mission, np.random.SeedSequence(seed)
         check_frame(mission, self.mission)
         items = np.array(start.items).reshape(-1, 2)
-        counts, given = (mission.robots.count, mission.garbage.count), (len(start.robots), len(items))
+        counts, given = (mission.robots.count, mission.items.first), (len(start.robots), len(items))
         if given != counts and (self.task.begins_as_given or start.robots):
             expected = f"{counts[0]} robots and {counts[1]} items"
             raise ValueError(f"start {start.id!r}: expected {expected}, got {given[0]} and {given[1]}")
-        self.missions[world] = mission
+        self.missions[world], self.world.limits[world] = mission, tick_limit(mission)
         self._clock.reset(world)
         self.collisions.reset(world)
         rows = self.rows_of(world)

@@ -16,7 +16,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from clean_swarm_env.config.starts import load_starts
+from clean_swarm_env.tasks.cleaning.starts_file import load_starts
 
 CONDITIONS = {
     "RepulsionFernandez": ("RepulsionFernandez, view 2.0", "#D55E00"),

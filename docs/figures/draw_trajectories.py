@@ -35,7 +35,7 @@ def draw_trajectories() -> Figure:
     """Return the world at the end, with the way of every robot up to then."""
     mission = load_mission(MISSION)
     scenes = list(courses())
-    last, garbage_sight = scenes[-1], mission.garbage.diffusion + mission.garbage.view_distance
+    last, garbage_sight = scenes[-1], mission.task.garbage.diffusion + mission.task.garbage.view_distance
     figure = Figure(figsize=(8.2, 8.9), facecolor="white")
     axes = figure.add_axes((0.02, 0.09, 0.96, 0.87))
     axes.set(

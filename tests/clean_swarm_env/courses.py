@@ -9,6 +9,7 @@ from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
@@ -21,8 +22,9 @@ OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradien
 
 
 def mission(name: str = "table1", **changes) -> MissionConfig:
-    """Return a shipped mission with changes, mapping by mapping."""
-    return MissionConfig.model_validate(with_changes(load_mission(name).model_dump(), changes))
+    """Return a shipped mission with changes, mapping by mapping; those of garbage and so on are its task's."""
+    own = {key: changes.pop(key) for key in [*changes] if key in CleaningSettings.model_fields}
+    return MissionConfig.model_validate(with_changes(load_mission(name).model_dump(), {**changes, "task": own}))
 
 
 CROWD = mission(world={"width": 4.0, "height": 4.0}, robots={"count": 8}, garbage={"count": 2},

@@ -50,9 +50,8 @@ def mission_of(days: int) -> MissionConfig:
         ]
     changes = {
         "world": {"width": 16.0, "height": 16.0},
-        "garbage": {"respawn": 2.0, "capacity": 80},
+        "task": {"garbage": {"respawn": 2.0, "capacity": 80}, "patrol": {"evaporation_period": 5.0}},
         "delivery": {"loss": 0.25, "reach": 8.0},
-        "patrol": {"evaporation_period": 5.0},
         "time_limit": days * DAY,
         "events": events,
     }

@@ -189,7 +189,7 @@ def _measured(_: MissionConfig, result: MissionResult, measure: str) -> float:
 
 def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
     """Return label -> whether missions (S, K, V) were not completed, 1 or 0; nothing where garbage keeps coming."""
-    if runs.missions[0].continuous:
+    if runs.missions[0].items.keep_coming:
         return {}
     return runs.table(lambda _, result: float(not result.completed))
 

@@ -10,8 +10,9 @@ import numpy as np
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
-from clean_swarm_env.config.starts import load_starts, random_start
+from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.tasks.cleaning.starts_file import load_starts
 from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
 from selector.documents.errors import shown, within

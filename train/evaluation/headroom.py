@@ -18,6 +18,7 @@ from functools import partial
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
+from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from train.analysis.family_report import excess_ratios
@@ -190,7 +191,10 @@ class HeadroomEvaluation(FamilyEvaluation):
 
 def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
     """Return the kind (T,) of each scenario."""
+    tasks = [scenario.mission.task for scenario in scenarios]
     return [
-        f"spots {len(mission.garbage.spots)} stations {len(set(mission.stations.places))}"
-        for mission in (scenario.mission for scenario in scenarios)
+        f"spots {len(task.garbage.spots)} stations {len(set(task.stations.places))}"
+        if isinstance(task, CleaningSettings)
+        else task.name
+        for task in tasks
     ]

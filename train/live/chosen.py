@@ -11,7 +11,7 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.tasks import OWN_TASK, task_names
+from clean_swarm_env.config.tasks import OWN_TASK, task_names, with_changes
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.file import SUFFIX
@@ -109,14 +109,14 @@ def with_room(mission: MissionConfig) -> MissionConfig:
 
     Nobody can be added where the measures of the task are of all rows of a world.
     """
-    parts: dict[str, dict[str, Any]] = {
-        "delivery": {"own_contents": mission.own_contents or mission.rows <= MOST_HEARING}
-    }
-    if task_class(mission).changes:
-        parts["robots"] = {"capacity": mission.rows + SPARE_ROBOTS}
-        parts["garbage"] = {"capacity": mission.item_rows + SPARE_ITEMS}
-    changed = {name: {**getattr(mission, name).model_dump(), **change} for name, change in parts.items()}
-    return validated(MissionConfig, {**mission.model_dump(), **changed}, "the mission with room for more", own=True)
+    hearing = mission.own_contents or mission.rows <= MOST_HEARING
+    changes: dict[str, Any] = {"delivery": {"own_contents": hearing}}
+    kind = task_class(mission)
+    if kind.changes:
+        changes["robots"] = {"capacity": mission.rows + SPARE_ROBOTS}
+        changes["task"] = kind.with_items(mission, capacity=mission.items.rows + SPARE_ITEMS).model_dump()
+    room = with_changes(mission.model_dump(), changes)
+    return validated(MissionConfig, room, "the mission with room for more", own=True)
 
 
 def chosen(name: str, number: int, seed: int, strategy: str | None, directories: tuple[Path, ...]) -> PlayedMission:

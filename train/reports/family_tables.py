@@ -58,9 +58,9 @@ def _means(report: FamilyReport) -> Grid:
         figures = [f"{own[name].mean:.1f}" for name in shown]
         row = (label, share_cell(report.unfinished(label)), *figures, interval_cell(own[shown[-1]].ci95, 1))
         rows.append(row)
-    every = "for each item done, " if mission.continuous else ""
+    every = "for each item done, " if mission.items.keep_coming else ""
     contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
-    left = "" if mission.continuous else f" + {LEFT_LIMITS * mission.time_limit:g} s an item left"
+    left = "" if mission.items.keep_coming else f" + {LEFT_LIMITS * mission.time_limit:g} s an item left"
     cost = f"cost = {every}seconds + {mission.collision_cost:g} s an event{contact}{left}"
     if report.measured:
         cost = f"cost = {mission.time_limit:g} s times the measure that is worst by its target"

@@ -64,7 +64,7 @@ class Needs:
 
 def needs_of(mission: MissionConfig) -> Needs:
     """Return an estimate of the needs of a mission."""
-    robots, items = mission.rows, mission.item_rows
+    robots, items = mission.rows, mission.items.rows
     pairs = robots**2 if mission.own_contents else 0
     remembered = ceil(mission.delivery.pose_memory * mission.world.control_rate) + mission.delay_ticks if pairs else 1
     return Needs(

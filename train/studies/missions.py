@@ -203,8 +203,8 @@ def _key(stage: str, candidate: Candidate, number: int) -> RunKey:
 def figures_of(run: RunRecord, mission: MissionConfig) -> tuple[float, ...]:
     """Return the figures (F,) of a mission of a family, in the order of FIGURES."""
     result = run.result
-    items = max(result.garbage_done, 1) if mission.continuous else 1
+    items = max(result.garbage_done, 1) if mission.items.keep_coming else 1
     events = round(result.collision_events_per_s[0] * result.ticks / mission.world.control_rate)
     avoiding = run.counts[AVOIDED] / run.counts[DECISIONS]
-    unfinished = not (mission.continuous or result.completed)
+    unfinished = not (mission.items.keep_coming or result.completed)
     return result.cost_s, result.duration_s / items, events / items, avoiding, float(unfinished)

@@ -7,7 +7,6 @@ import numpy as np
 from clean_swarm_env.learning.observation.around import PHASES, Around, copy_way, write_way
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term, compiled_term
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
-from clean_swarm_env.tasks.cleaning.task import cleaning_of
 from selforg.arrays import Floats, Ints
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
@@ -83,18 +82,19 @@ class YardsTerm(Term):
     def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
         super().__init__(observed)
         self.together = together
+        if not len(observed.around.record.station_kinds):
+            raise ValueError(f"term yards: expected a task with stations, got {observed.worlds.task.name}")
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the flags."""
-        worlds = self.observed.worlds
-        task = cleaning_of(worlds.task)
-        space, kinds = Torus(*worlds.extent.tolist()), task.site.kinds
-        apart = np.zeros((worlds.worlds, 2), dtype=np.bool_)
+        around = self.observed.around.record
+        space = Torus(*around.extent.tolist())
+        apart = np.zeros((len(around.stations), 2), dtype=np.bool_)
         for kind in range(2):
-            places = task.stations[:, kinds == kind]  # (W, K, 2)
+            places = around.stations[:, around.station_kinds == kind]  # (W, K, 2)
             offsets = space.offsets(np.broadcast_to(places[:, :1], places.shape), places)
             apart[:, kind] = ((offsets**2).sum(axis=2) > self.together**2).any(axis=1)
-        several = apart[rows // worlds.robots, task.garbage.recycled[rows]]
+        several = apart[rows // around.robots, around.recycled[rows]]
         out[0, rows], out[1, rows] = ~several, several
 
 

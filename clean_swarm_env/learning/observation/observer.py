@@ -14,7 +14,6 @@ from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERM
 from clean_swarm_env.learning.observation.searches import search
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term
 from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
-from clean_swarm_env.tasks.cleaning.task import Cleaning, garbage_of
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
@@ -81,8 +80,7 @@ class Observer:
 
 def around_robots(worlds: Worlds, progress: MissionProgress, config: ObservationConfig) -> Around:
     """Return the surroundings of the robots of `worlds`, before any search."""
-    physics, garbage, network, robots = worlds.physics, garbage_of(worlds.task), worlds.network, worlds.mission.robots
-    site = worlds.task.site if isinstance(worlds.task, Cleaning) else None
+    physics, items, network, robots = worlds.physics, worlds.task.item_arrays(), worlds.network, worlds.mission.robots
     sizes = [len(coordinator.model.options) for coordinator in worlds.coordinators]
 
     def numbers(*shape: int) -> Ints:
@@ -97,21 +95,21 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         present=physics.present,
         speed=worlds.floor.drive.speed,
         turn_rate=worlds.floor.drive.turn_rate,
-        cargo=garbage.cargo,
-        recycled=garbage.recycled,
-        items=garbage.positions,
-        stage=garbage.stage,
-        done=garbage.done,
-        arrived=garbage.arrived,
-        stations=np.zeros((worlds.worlds, 0, 2)) if site is None else site.stations,
-        station_kinds=numbers(0) if site is None else site.kinds,
+        cargo=items.cargo,
+        recycled=items.recycled,
+        items=items.positions,
+        stage=items.stage,
+        done=items.done,
+        arrived=items.arrived,
+        stations=items.stations,
+        station_kinds=items.station_kinds,
         readings=network.readings,
         marks=network.state.marks,
-        limits=progress.limits,
+        limits=worlds.world.limits,
         idle=progress.idle,
         first_options=np.cumsum([0, *sizes])[:-1],
         ranges=np.array(config.neighbour_ranges),
-        sight=0.0 if site is None else site.packed.record.sight,
+        sight=items.sight,
         longest=worlds.floor.ground.longest,
         station_range=config.station_range,
         full_crowd=config.full_crowd,

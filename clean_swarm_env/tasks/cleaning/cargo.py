@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from clean_swarm_env.config.cleaning import DUMP, RECYCLING
 from clean_swarm_env.physics.cells import distance, fill_cells, nearest_of_kind, nearest_point
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, MindsRecord, open_floor, open_minds
@@ -22,6 +21,7 @@ from clean_swarm_env.tasks.cleaning.robot import (
     GARBAGE_SEEN,
     RECYCLED,
 )
+from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING
 from selforg.arrays import Flags
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part

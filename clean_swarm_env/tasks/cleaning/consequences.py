@@ -14,6 +14,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import distance
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
+from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.world.task_parts import Recorded
 from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
@@ -53,7 +54,7 @@ class Consequences:
     """
 
     def __init__(self, mission: MissionConfig, rows: int) -> None:
-        config, rate = mission.consequences, mission.world.control_rate
+        config, rate = settings_of(mission).consequences, mission.world.control_rate
         self.active = config.stop > 0.0 or config.back_off > 0.0 or config.drop or config.damage_after > 0
         self._damage_after = config.damage_after
         self.standing: Ints = np.zeros(rows, dtype=np.int64)

@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 
 from clean_swarm_env.config.events import Land, Respawn, in_order
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.tasks.cleaning.settings import settings_of
 from selforg.compiler.decorators import part
 
 LEFT_LIMITS: Final = 2.0
@@ -33,10 +34,11 @@ EVENT, SAMPLE, LIMIT, LEFT, ITEMS, WORTH = range(6)
 def cost_terms(mission: MissionConfig) -> CostTerms:
     """Return the prices of a mission."""
     event, sample = mission.collision_cost, mission.contact_cost / mission.world.physics_rate
-    if mission.continuous:
+    items = mission.items
+    if items.keep_coming:
         return CostTerms(event, sample, mission.time_limit, 0.0, 0.0, mission.time_limit / max(_coming(mission), 1.0))
     left = LEFT_LIMITS * mission.time_limit
-    return CostTerms(event, sample, mission.time_limit, left, float(mission.items_expected), 0.0)
+    return CostTerms(event, sample, mission.time_limit, left, float(items.expected), 0.0)
 
 
 @part
@@ -66,7 +68,7 @@ def mission_cost(mission: MissionConfig, duration: float, events: int, samples: 
     """
     terms = cost_terms(mission)
     cost = duration + collision_price(terms.event * events + terms.sample * samples, terms.limit)
-    if mission.continuous:
+    if mission.items.keep_coming:
         return cost / max(done, NO_ITEM)
     return cost + left_cost(mission, done)
 
@@ -82,7 +84,7 @@ def unavoidable_cost(mission: MissionConfig, came: int) -> float:
 
     Where garbage keeps coming, no team dumps more items than `came`. Elsewhere none is done before the last one lands.
     """
-    if mission.continuous:
+    if mission.items.keep_coming:
         return mission.time_limit / max(came, NO_ITEM)
     landings = (event.at for event in mission.events if isinstance(event, Land))
     return min(max(landings, default=0.0), mission.time_limit)
@@ -92,6 +94,6 @@ def _coming(mission: MissionConfig) -> float:
     """Return the number of items that are expected to come within the time limit."""
     changes = [(min(e.at, mission.time_limit), e.rate) for _, e in in_order(mission.events) if isinstance(e, Respawn)]
     times = [0.0, *(at for at, _ in changes), mission.time_limit]
-    rates = [mission.garbage.respawn, *(rate for _, rate in changes)]
+    rates = [settings_of(mission).garbage.respawn, *(rate for _, rate in changes)]
     arriving = sum(rate * (times[k + 1] - times[k]) / 60.0 for k, rate in enumerate(rates))
-    return mission.items_expected + arriving
+    return mission.items.expected + arriving

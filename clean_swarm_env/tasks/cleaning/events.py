@@ -12,8 +12,9 @@ import numpy as np
 
 from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveSpots, MoveStations, Remove, Respawn, in_order
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import Places
+from clean_swarm_env.tasks.cleaning.draws import Places
 from clean_swarm_env.tasks.cleaning.garbage import NO_TICK, Arrivals
+from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.tasks.cleaning.site import Site
 from clean_swarm_env.world.team_changes import Place, Team
 from clean_swarm_env.world.view import World
@@ -41,14 +42,15 @@ class Agenda:
         arriving, self._landings, self._places = (np.random.default_rng(stream) for stream in streams)
         per_tick = mission.world.control_rate
         self._garbage = Places.of(mission)
-        self._arrivals = Arrivals(arriving, mission.garbage.respawn, 60.0 * per_tick)
+        self._arrivals = Arrivals(arriving, settings_of(mission).garbage.respawn, 60.0 * per_tick)
         self._events: list[tuple[int, Event]] = [
             (ceil(event.at * per_tick - TOLERANCE), event) for _, event in in_order(mission.events)
         ]
         self._joining: list[Place | None] = []
-        self._landing = mission.items_expected - mission.garbage.count
-        self.came = mission.garbage.count
-        self._ends = not mission.continuous
+        items = mission.items
+        self._landing = items.expected - items.first
+        self.came = items.first
+        self._ends = not items.keep_coming
         self._find_due(0)
 
     def run(self, number: int, world: World, site: Site) -> None:

@@ -16,7 +16,7 @@ from typing import Annotated, Final
 
 import numpy as np
 
-from clean_swarm_env.config.starts import Places
+from clean_swarm_env.tasks.cleaning.draws import Places
 from selforg.arrays import KEPT, Floats, Ints, Within
 from selforg.declared import make_arrays
 

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from clean_swarm_env.tasks.cleaning.records import MINDS, MindsRecord
+from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.tasks.cleaning.site import ITEM_CHANNEL
 from clean_swarm_env.world.view import World
 from selforg.arrays import Ints
@@ -33,7 +34,7 @@ class Movers:
     """
 
     def __init__(self, world: World) -> None:
-        minds, config = world.minds, world.mission.patrol
+        minds, config = world.minds, settings_of(world.mission).patrol
         pheromone = Pheromone(PHEROMONES, -1, config.diffusion, config.evaporation_factor, config.evaporation_period)
         self.mechanisms: dict[str, MovementMechanism] = {
             "MoveToGarbage": ChemotaxisBalch(

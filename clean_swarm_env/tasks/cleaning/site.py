@@ -10,6 +10,7 @@ from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.tasks.cleaning.records import FLOOR, FloorRecord
+from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.world.view import World
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
@@ -40,13 +41,14 @@ class Site:
 
     def __init__(self, world: World, consequences: Consequences) -> None:
         mission, rows, extent = world.mission, world.rows, world.ground.extent
-        config = mission.garbage
+        task, count = settings_of(mission), mission.items.rows
+        config = task.garbage
         self._world = world
-        self.garbage = Garbage(world.worlds, mission.item_rows, world.robots)
-        self.stations = np.tile(np.array(mission.stations.places), (world.worlds, 1, 1))
-        self.kinds = np.array(mission.stations.kinds, dtype=np.int64)
+        self.garbage = Garbage(world.worlds, count, world.robots)
+        self.stations = np.tile(np.array(task.stations.places), (world.worlds, 1, 1))
+        self.kinds = np.array(task.stations.kinds, dtype=np.int64)
         sight = config.diffusion + config.goal_radius + config.view_distance
-        cells = cells_along(mission.item_rows, max(sight, config.at_distance, config.pick_distance), extent)
+        cells = cells_along(count, max(sight, config.at_distance, config.pick_distance), extent)
         self.packed: Packed[FloorRecord] = FLOOR.pack(
             FloorRecord(
                 robots=world.floor.physics.positions,
@@ -64,12 +66,12 @@ class Site:
                 nearest=np.full(rows, NOTHING, dtype=np.int64),
                 picked=np.zeros((rows, 2), dtype=np.int64),
                 standing=consequences.standing,
-                lying=np.zeros(mission.item_rows, dtype=np.bool_),
+                lying=np.zeros(count, dtype=np.bool_),
                 cells=np.zeros(cells, dtype=np.int64),
-                links=np.zeros(mission.item_rows, dtype=np.int64),
+                links=np.zeros(count, dtype=np.int64),
                 sight=sight,
                 at_item=config.at_distance,
-                at_station=mission.stations.reach,
+                at_station=task.stations.reach,
                 pick_distance=config.pick_distance,
             )
         )
@@ -78,7 +80,7 @@ class Site:
         """Show the items and stations of a world that has just been placed."""
         garbage = self.garbage
         self.show_items(world, garbage.positions[world, garbage.stage[world] == LYING])
-        self.put_stations(world, np.array(self._world.missions[world].stations.places))
+        self.put_stations(world, np.array(settings_of(self._world.missions[world]).stations.places))
 
     def put_stations(self, world: int, places: Floats) -> None:
         """Put the first stations of a world at `places` (up to K, 2) [m], and show all."""
@@ -104,7 +106,7 @@ class Site:
 
     def show_items(self, worlds: int | Ints, positions: Floats) -> None:
         """Store the gradients of items that lie at `positions` (M, 2) [m] of one world, or of `worlds` (M,)."""
-        config = self._world.mission.garbage
+        config = settings_of(self._world.mission).garbage
         self._world.buffers["items"].store_static(
             np.broadcast_to(worlds, len(positions)),
             ITEM_CHANNEL,

@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.events import MoveSpots, MoveStations
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import TASKS, TaskSettings
+from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.tasks.cleaning.cargo import (
     begin_commands,
     handle_cargo_as_decided,
@@ -24,18 +23,19 @@ from clean_swarm_env.tasks.cleaning.cargo import (
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.events import Agendas
-from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING, Garbage
+from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.missions import CleaningMissions
 from clean_swarm_env.tasks.cleaning.movers import Movers
 from clean_swarm_env.tasks.cleaning.robot import CargoMemory, robot_network
+from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.task import Task, trail_settings
-from clean_swarm_env.world.task_parts import Recorded, TaskState, WorldStart
+from clean_swarm_env.world.task import Task
+from clean_swarm_env.world.task_parts import ItemArrays, Recorded, TaskState, WorldStart
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import coordinated_goals
 from selector.coordination.robot_network import RobotNetwork
-from selector.documents.errors import impossible
 from selector.documents.find import find_file
 from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commands
@@ -45,7 +45,7 @@ from selforg.gradients.settings import BufferSettings
 
 
 @TASKS.register
-class Cleaning(Task[TaskSettings, TaskState]):
+class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
     """All garbage has to be recycled and dumped; see `docs/cost.md` for what a mission costs.
 
     Attributes:
@@ -59,8 +59,7 @@ class Cleaning(Task[TaskSettings, TaskState]):
 
     story = "robots find garbage, carry it to the recycling station and the leftovers to the dump, and keep clear"
     baseline = ""
-    mission = {"name": "cleaning", "knowledge": "cleaning", "garbage": {"count": 10}}
-    begins_as_given = changes = priced = True
+    changes = priced = True
     best_score = 1.0  # the share of the time limit that is left
     terms = (
         "garbage", "cargo", "phase", "situation", "recycling", "dump", "nearness", "target", "neighbour", "encounter",
@@ -82,26 +81,6 @@ class Cleaning(Task[TaskSettings, TaskState]):
         self.cargo_memory = CargoMemory(world.memory)
 
     @classmethod
-    def check(cls, mission: MissionConfig) -> None:
-        """Raise the error of the first place that is not on the torus."""
-        world, stations = mission.world, mission.stations
-        if world.ground != "torus":
-            raise impossible("world.ground", "a torus with the task Cleaning", world.ground)
-        places = {"stations.recycling": stations.recycling, "stations.dump": stations.dump}
-        for key in ("further_recycling", "further_dumps"):
-            places |= {f"stations.{key}.{k}": place for k, place in enumerate(getattr(stations, key))}
-        places |= {f"garbage.spots.{k}": spot for k, spot in enumerate(mission.garbage.spots)}
-        for k, event in enumerate(mission.events):
-            if isinstance(event, MoveSpots):
-                places |= {f"events.{k}.spots.{n}": spot for n, spot in enumerate(event.spots)}
-            elif isinstance(event, MoveStations):
-                places |= {f"events.{k}.recycling": event.recycling, f"events.{k}.dump": event.dump}
-        for key, (x, y) in places.items():
-            if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
-                expected = f"a point on the torus {world.width:g} m x {world.height:g} m"
-                raise impossible(key, expected, f"[{x:g}, {y:g}]")
-
-    @classmethod
     def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
         """Return the goals that the robot's document coordinates."""
         return coordinated_goals(find_file("robots", mission.network.robot, directories, "mission.network.robot: "))
@@ -116,10 +95,12 @@ class Cleaning(Task[TaskSettings, TaskState]):
     @classmethod
     def buffers(cls, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:
         """Return the buffers of garbage, of traces of the patrol, of stations, and of everything else."""
-        space = poses.space
-        newest = BufferSettings(mission.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0)
+        space, task = poses.space, settings_of(mission)
+        newest = BufferSettings(task.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0)
         items = SoBuffer(newest, space, poses)
-        pheromones = SoBuffer(trail_settings(mission.patrol), space, poses, reception.delivery())
+        patrol, strongest = task.patrol, {"DEFAULT": "max"}
+        trails = BufferSettings(patrol.view_distance, strongest, patrol.aggregation_distance, patrol.min_diffusion)
+        pheromones = SoBuffer(trails, space, poses, reception.delivery())
         return {
             "gradients": SoBuffer(BufferSettings(), space, poses),
             "items": items,
@@ -220,9 +201,21 @@ class Cleaning(Task[TaskSettings, TaskState]):
         """Return the part of the cost that no team could avoid [s], because garbage comes when it comes."""
         return unavoidable_cost(self.world.missions[world], self.agendas.came(world))
 
-    def items_done(self) -> Ints:
-        """Return how many items are dumped in each world (W,)."""
-        return self.garbage.done
+    def item_arrays(self) -> ItemArrays:
+        """Return items, cargo and stations."""
+        garbage, site = self.garbage, self.site
+        return ItemArrays(
+            positions=garbage.positions,
+            stage=garbage.stage,
+            paid=garbage.paid,
+            cargo=garbage.cargo,
+            recycled=garbage.recycled,
+            done=garbage.done,
+            arrived=garbage.arrived,
+            stations=site.stations,
+            station_kinds=site.kinds,
+            sight=site.packed.record.sight,
+        )
 
     def hindered(self, row: int) -> tuple[float, bool]:
         """Return how long a collision still stops the robot of a row [s], and whether it is damaged."""
@@ -253,7 +246,7 @@ class Cleaning(Task[TaskSettings, TaskState]):
 
     def drawn(self, world: int, rows: Ints) -> dict[str, Any]:
         """Return cargo, items that lie, and stations."""
-        garbage, stations = self.garbage, self.world.missions[world].stations
+        garbage, stations = self.garbage, settings_of(self.world.missions[world]).stations
         lying = garbage.stage[world] == LYING
         return {
             "cargo": np.where(garbage.cargo[rows] == NOTHING, 0, np.where(garbage.recycled[rows] == 1, 2, 1)),
@@ -277,7 +270,7 @@ class Cleaning(Task[TaskSettings, TaskState]):
         """Return the names of what is known of items and stations, which are numbered from the second of a kind on."""
         items = range(self.garbage.stage.shape[1])
         names = [f"item_{k}_{name}" for k in items for name in ("lying", "carried", "done", "x", "y")]
-        config = self.world.mission.stations
+        config = self.settings.stations
         for kind, earlier in zip(config.kinds, config.earlier, strict=True):
             station = STATION_CHANNELS[kind] + (f"_{earlier + 1}" if earlier else "")
             names += [f"{station}_x", f"{station}_y"]
@@ -297,9 +290,3 @@ def cleaning_of(task: Task[Any, Any]) -> Cleaning:
     if not isinstance(task, Cleaning):
         raise ValueError(f"expected the task Cleaning, got {task.name}")
     return task
-
-
-def garbage_of(task: Task[Any, Any]) -> Garbage:
-    """Return the items of a task; none with tasks other than cleaning."""
-    world = task.world
-    return task.garbage if isinstance(task, Cleaning) else Garbage(world.worlds, 0, world.robots)

@@ -13,7 +13,7 @@ from tests.clean_swarm_env.courses import mission
 
 def test_dictionaries_are_taken_where_models_are():
     given = Batch(
-        {"base": "table1", "garbage": {"count": 2}},
+        {"base": "table1", "task": {"garbage": {"count": 2}}},
         reward={"dumped": 2.0},
         observation={"terms": ["cargo"]},
         action={"mode": "velocity"},
@@ -22,9 +22,9 @@ def test_dictionaries_are_taken_where_models_are():
     assert given.rewards.config.dumped == 2.0
     assert given.observer.names == ("carrying", "recycled")
     assert given.action.mode == "velocity"
-    assert Batch({"garbage": {"count": 2}}).mission.garbage.count == 2
+    assert Batch({"task": {"garbage": {"count": 2}}}).mission.task.garbage.count == 2
     family = {"name": "mine", "description": "small", "mission": "table1", "items": [1, 1]}
-    assert Batch(family=family).mission.garbage.count == 1
+    assert Batch(family=family).mission.task.garbage.count == 1
 
 
 def test_names_strings_and_paths_are_taken_alike(tmp_path):
@@ -41,7 +41,7 @@ def test_names_strings_and_paths_are_taken_alike(tmp_path):
 
 
 WRONG = [
-    ({"mission": {"base": "table1", "garbage": {"cuont": 2}}}, "mission: garbage.cuont: unknown key 'cuont'"),
+    ({"mission": {"base": "table1", "task": {"garbage": {"cuont": 2}}}}, "mission: task.garbage.cuont: unknown key"),
     ({"mission": 3}, "mission: expected a name, a path, a dictionary or a MissionConfig, got 3"),
     (
         {"mission": mission().model_copy(update={"time_limit": "x"})},

@@ -28,6 +28,6 @@ def test_the_tables_name_all_options_and_families():
         assert family.mission.knowledge == "exploring"
         if name != "crowded-exploring":
             assert family.spots == (0, 1)
-            kinds = [len(family.scenario(1, k, "test").mission.garbage.spots) for k in range(100)]
+            kinds = [len(family.scenario(1, k, "test").mission.task.garbage.spots) for k in range(100)]
             assert 35 <= sum(kinds) <= 65
     assert named("Families") == ["clustered", "hotspots", "rare", "crowded-exploring", "unseen-exploring"]

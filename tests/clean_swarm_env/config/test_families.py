@@ -29,9 +29,10 @@ def test_all_families_are_shipped():
 @pytest.mark.parametrize("name", ["continuous", "crowded", "random", "shifting", "sparse", "unseen"])
 def test_a_family_with_bumpers_is_the_one_without_but_for_what_collisions_do(name):
     plain, bumpers = load_family(name), load_family(f"{name}-bumpers")
-    assert plain.mission.consequences.stop == 0.0 == plain.mission.contact_cost
-    assert (bumpers.mission.consequences.stop, bumpers.mission.consequences.back_off) == (2.0, 3.0)
-    same = {"name": "", "consequences": plain.mission.consequences, "contact_cost": 0.0}
+    assert plain.mission.task.consequences.stop == 0.0 == plain.mission.contact_cost
+    assert (bumpers.mission.task.consequences.stop, bumpers.mission.task.consequences.back_off) == (2.0, 3.0)
+    task = bumpers.mission.task.model_copy(update={"consequences": plain.mission.task.consequences})
+    same = {"name": "", "task": task, "contact_cost": 0.0}
     alike = {"name": "", "description": ""}
     assert bumpers.model_copy(update={**alike, "mission": bumpers.mission.model_copy(update=same)}) == plain.model_copy(
         update={**alike, "mission": plain.mission.model_copy(update={"name": ""})}
@@ -65,8 +66,8 @@ def test_scenarios_are_the_same_again_and_all_different(name):
 def test_scenarios_are_those_of_the_time_before_spots_of_garbage(name, digest):
     family, found = load_family(name), 0
     for scenario in [family.scenario(3, k, split) for split in ("train", "test") for k in range(20)]:
-        mission, start, events = scenario.mission, scenario.start, [event.model_dump() for event in scenario.events]
-        drawn = scenario.seed, start.robots, start.items, events, mission.garbage.respawn, mission.stations.recycling
+        task, start, events = scenario.mission.task, scenario.start, [event.model_dump() for event in scenario.events]
+        drawn = scenario.seed, start.robots, start.items, events, task.garbage.respawn, task.stations.recycling
         found = zlib.crc32(repr(drawn).encode(), found)
     assert found == digest
 
@@ -76,13 +77,13 @@ def test_spots_of_garbage_are_drawn_and_move():
     changes = {"number": (3, 3), "kinds": ("move_spots",)}
     family = FamilyConfig(name="spots", description="Spots.", mission=base, spots=(0, 2), changes=changes)
     missions = [family.scenario(1, k, "test").mission for k in range(30)]
-    assert {len(each.garbage.spots) for each in missions} == {0, 1, 2}
+    assert {len(each.task.garbage.spots) for each in missions} == {0, 1, 2}
     for each in missions:
-        assert [len(event.spots) for event in each.events] == [len(each.garbage.spots)] * 3
+        assert [len(event.spots) for event in each.events] == [len(each.task.garbage.spots)] * 3
     moved = [event.spots for each in missions for event in each.events if event.spots]
     assert len(set(moved)) == len(moved)
     assert len(grouped(missions)) == 1
-    assert family.model_copy(update={"spots": None}).scenario(1, 0, "test").mission.garbage.spots == ()
+    assert family.model_copy(update={"spots": None}).scenario(1, 0, "test").mission.task.garbage.spots == ()
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -156,9 +157,9 @@ def test_scenarios_of_every_family_run_and_say_what_they_cost(name):
 
 def test_families_draw_places_for_as_many_stations_as_the_mission_has():
     base = load_family("random").model_dump()
-    base["mission"]["stations"] |= {"further_recycling": [[1.0, 1.0]], "further_dumps": [[2.0, 2.0]] * 3}
+    base["mission"]["task"]["stations"] |= {"further_recycling": [[1.0, 1.0]], "further_dumps": [[2.0, 2.0]] * 3}
     family = FamilyConfig.model_validate(base | {"stations": "random"})
-    size, drawn = family.tori[0], [family.scenario(1, k, "test").mission.stations for k in range(20)]
+    size, drawn = family.tori[0], [family.scenario(1, k, "test").mission.task.stations for k in range(20)]
     assert len({stations.places for stations in drawn}) == 20
     for stations in drawn:
         assert stations.kinds == (0, 1, 0, 1, 1, 1)
@@ -170,7 +171,7 @@ def test_families_draw_places_for_as_many_stations_as_the_mission_has():
 def test_the_stations_of_a_kind_stand_at_as_many_places_as_are_drawn():
     numbers = []
     for index in range(40):
-        stations = load_family("yards").scenario(1, index, "test").mission.stations
+        stations = load_family("yards").scenario(1, index, "test").mission.task.stations
         recycling = {stations.recycling, *stations.further_recycling}
         dumps = {stations.dump, *stations.further_dumps}
         assert len(recycling) == len(dumps)

@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 
 from clean_swarm_env.config.load import load_experiment, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.starts import Places, for_start, load_starts, nearest_distance, random_start, run_seed
+from clean_swarm_env.config.starts import for_start, nearest_distance, random_start, run_seed
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.tasks.cleaning.draws import Places
+from clean_swarm_env.tasks.cleaning.starts_file import load_starts
 from selector.documents.errors import shown
 
 
@@ -19,8 +21,7 @@ def _mission(count: int = 5, contacts: str = "solid", items: int = 10, **world: 
         {
             "world": {"contacts": contacts, **world},
             "robots": {"count": count},
-            "garbage": {"count": items},
-            "stations": {"recycling": [0, 0], "dump": [1, 1]},
+            "task": {"garbage": {"count": items}, "stations": {"recycling": [0, 0], "dump": [1, 1]}},
         }
     )
 
@@ -130,9 +131,9 @@ def test_a_file_of_starts_brings_its_world_and_counts(tmp_path):
     starts = load_starts(_file(tmp_path, FILE))
     mission = starts.world_of(MissionConfig())
     assert (mission.world.width, mission.world.height) == (10.0, 12.0)
-    assert (mission.stations.recycling, mission.stations.dump) == ((1.0, 2.0), (3.0, 4.0))
+    assert (mission.task.stations.recycling, mission.task.stations.dump) == ((1.0, 2.0), (3.0, 4.0))
     mission = for_start(mission, starts.starts[0])
-    assert (mission.robots.count, mission.garbage.count) == (2, 1)
+    assert (mission.robots.count, mission.task.garbage.count) == (2, 1)
     assert starts.starts[0] == StartConfiguration(id="101", robots=((1, 1, 0.5), (3, 1, -0.5)), items=((5, 5),))
     assert starts.measured == {"101": {"a": {"duration_s": 3.5}}}
 

@@ -14,7 +14,7 @@ from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.world.mission import Course, MissionRun
 
 EVENTS = [{"at": 20.0, "do": "fail", "robots": [1]}, {"at": 30.0, "do": "join", "robots": 2}]
-MISSION = mission_from({"base": "table1", "time_limit": 150.0, "events": EVENTS, "garbage": {"count": 8}})
+MISSION = mission_from({"base": "table1", "time_limit": 150.0, "events": EVENTS, "task": {"garbage": {"count": 8}}})
 
 
 @pytest.fixture(scope="module")

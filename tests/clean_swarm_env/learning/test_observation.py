@@ -32,7 +32,7 @@ def _way(worlds, row, other, scale):
 
 def _task(batch, row):
     worlds, garbage = batch.worlds, batch.worlds.task.garbage
-    world, stations = row // worlds.robots, worlds.mission.stations
+    world, stations = row // worlds.robots, worlds.mission.task.stations
     place, diagonal = worlds.physics.positions[row], hypot(*worlds.extent) / 2
     carrying, recycled = garbage.cargo[row] != NOTHING, garbage.recycled[row] == 1
     items = garbage.positions[world][garbage.stage[world] == LYING]
@@ -112,7 +112,7 @@ def _expected(batch, row, idle, spread):
         "avoidance": [min(length / 1.5, 1.0), float(avoiding)],
         "movement": [worlds.floor.drive.speed[row], worlds.floor.drive.turn_rate[row] / 2.0],
         "time": [1.0 - worlds.ticks[world] * 0.2 / config.time_limit],
-        "true_done": [garbage.done[world] / config.garbage.count],
+        "true_done": [garbage.done[world] / config.task.garbage.count],
         "idle": [min(idle / 60.0, 1.0)],
         "holds": [float(worlds.coordinators[0].held[row] == k) for k in range(3)],
     }

@@ -123,7 +123,7 @@ def test_a_name_is_taken_once():
 
 
 def test_finds_are_none_apart_or_together():
-    nothing = {"base": "exploring", "garbage": {"count": 0, "respawn": 0.001}}
+    nothing = {"base": "exploring", "task": {"garbage": {"count": 0, "respawn": 0.001}}}
     batch = Batch(nothing, observation=ObservationConfig(terms=["finds"]))
     flags = batch.reset([1]).copy()
     assert (flags == [1.0, 0.0, 0.0]).all()

@@ -22,13 +22,13 @@ SPAN, NEAR, BLIND = 4.0, 4.0, 50  # of the option Chain: [m], [m], [ticks]
 RECYCLING, DUMP = np.array([[10.0, 10.0]]), np.array([[10.0, 1.0]])
 
 
-def mission_of(robots, items, **changes):
+def mission_of(robots, items, **settings):
     """Return a mission with one station of each kind, 9 m apart, on a torus of 20 m x 20 m."""
     base = load_mission("transport").model_dump()
-    base["robots"]["count"], base["garbage"]["count"] = robots, items
+    base["robots"]["count"], base["task"]["garbage"]["count"] = robots, items
     places = {"recycling": RECYCLING[0].tolist(), "dump": DUMP[0].tolist()}
-    base["stations"] |= {**places, "further_recycling": [], "further_dumps": []}
-    return MissionConfig.model_validate(base | changes)
+    base["task"]["stations"] |= {**places, "further_recycling": [], "further_dumps": []}
+    return MissionConfig.model_validate({**base, "task": base["task"] | settings})
 
 
 def worlds_of(mission, count=1):

@@ -6,6 +6,7 @@ import pytest
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance
+from clean_swarm_env.tasks.cleaning.missions import CleaningMissions
 from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
@@ -23,7 +24,7 @@ def exploring(option, robots, items=()):
         update={
             "world": mission.world.model_copy(update={"contacts": "pass_through"}),
             "robots": mission.robots.model_copy(update={"count": len(robots)}),
-            "garbage": mission.garbage.model_copy(update={"count": len(items)}),
+            "task": CleaningMissions.with_items(mission, count=len(items)),
         }
     )
     worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.clean_swarm_v0 import parallel_env
-from clean_swarm_env.config.cleaning import DUMP, RECYCLING
-from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance, random_start
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.physics.cells import nearest_of_kind
 from clean_swarm_env.tasks.cleaning.garbage import DONE
+from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING
 from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
@@ -27,10 +27,10 @@ STATIONS = {"recycling": [3.0, 10.0], "dump": [13.0, 10.0], "further_recycling":
 
 def mission_of(robots, items=0, **changes):
     base = load_mission("transport").model_dump()
-    base["world"]["contacts"], base["consequences"] = "pass_through", {}
-    base["robots"]["count"], base["garbage"]["count"] = robots, items
-    base["stations"] |= {"further_dumps": [], **STATIONS}
-    return MissionConfig.model_validate(base | changes)
+    base["world"]["contacts"], base["task"]["consequences"] = "pass_through", {}
+    base["robots"]["count"], base["task"]["garbage"]["count"] = robots, items
+    base["task"]["stations"] |= {"further_dumps": [], **STATIONS}
+    return MissionConfig.model_validate(with_changes(base, changes))
 
 
 def carrying(option, places, avoidance="Off", **changes):
@@ -73,7 +73,7 @@ def test_a_mission_with_three_stations_of_a_kind_uses_all_of_them_and_no_other_p
     worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
     worlds.reset(0, random_start(mission, 1, 0), 1)
     used = {RECYCLING: set(), DUMP: set()}
-    kinds, places = np.array(mission.stations.kinds), np.array(mission.stations.places)
+    kinds, places = np.array(mission.task.stations.kinds), np.array(mission.task.stations.places)
     assert kinds.tolist() == [RECYCLING, DUMP, RECYCLING, RECYCLING, DUMP, DUMP]
     worlds.hold(np.tile([0, 0, worlds.coordinators[2].model.options.index("ORCA")], (worlds.rows, 1)))
     while not worlds.done[0] and worlds.ticks[0] < 5 * 300:
@@ -85,7 +85,7 @@ def test_a_mission_with_three_stations_of_a_kind_uses_all_of_them_and_no_other_p
         for kind, chosen in rows.items():
             for place in standing[chosen]:
                 away = [nearest_distance(place, station[None], worlds.extent) for station in places]
-                at = [k for k in np.flatnonzero(kinds == kind) if away[k] <= mission.stations.reach]
+                at = [k for k in np.flatnonzero(kinds == kind) if away[k] <= mission.task.stations.reach]
                 assert at
                 used[kind].update(at)
     assert worlds.done[0]
@@ -188,20 +188,22 @@ def test_one_robot_that_takes_the_nearest_station_moves_as_without_the_choice():
 
 def test_worlds_of_one_batch_may_have_their_stations_at_different_places():
     base = mission_of(1, 3)
-    other = base.model_copy(update={"stations": base.stations.model_copy(update={"further_recycling": ((9.0, 3.0),)})})
+    places = {**base.model_dump()["task"]["stations"], "further_recycling": ((9.0, 3.0),)}
+    other = MissionConfig.model_validate(with_changes(base.model_dump(), {"task": {"stations": places}}))
     worlds = Worlds(base, coordinators_of(base, load_knowledge(base.knowledge), Library()), 2)
     for world, mission in enumerate((base, other)):
         worlds.reset(world, random_start(mission, 2, 0), 3, mission)
     assert worlds.task.stations[:, 2].tolist() == [[9.0, 10.0], [9.0, 3.0]]
-    fewer = base.model_copy(update={"stations": base.stations.model_copy(update={"further_recycling": ()})})
-    with pytest.raises(ValueError, match="stations: expected"):
+    places["further_recycling"] = ()
+    fewer = MissionConfig.model_validate(with_changes(base.model_dump(), {"task": {"stations": places}}))
+    with pytest.raises(ValueError, match=r"task\.stations: expected"):
         worlds.reset(0, random_start(fewer, 2, 0), 3, fewer)
 
 
 def test_damaged_robots_are_mended_at_every_station():
     consequences = {"damage_after": 1, "damaged_speed": 0.5, "mending": 1.0}
     for place in ((3.0, 10.0), (13.0, 10.0), (9.0, 10.0), (15.0, 15.0)):
-        mission = mission_of(1, 0, consequences=consequences)
+        mission = mission_of(1, 0, task={"consequences": consequences})
         worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
         worlds.reset(0, StartConfiguration(id="own", robots=((*place, 0.0),), items=()), 3)
         worlds.task.consequences.collisions[0] = 1
@@ -216,7 +218,7 @@ def test_an_environment_has_actions_for_all_goals_and_a_state_with_all_stations(
     kinds = [name for name in env.state_names if name.startswith(("recycling", "dump"))]
     expected = ("recycling", "dump", "recycling_2", "recycling_3", "dump_2", "dump_3")
     assert kinds == [f"{station}_{axis}" for station, axis in itertools.product(expected, "xy")]
-    stations = [2 * place / 20.0 - 1 for point in load_mission("transport").stations.places for place in point]
+    stations = [2 * place / 20.0 - 1 for point in load_mission("transport").task.stations.places for place in point]
     np.testing.assert_allclose(env.state()[[env.state_names.index(name) for name in kinds]], stations, atol=1e-6)
     world = env.unwrapped._batch.worlds
     own = world.physics.positions[0]

@@ -8,9 +8,9 @@ from clean_swarm_env.config.delivery import DeliveryConfig
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.config.world import ConsequencesConfig
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
+from clean_swarm_env.tasks.cleaning.settings import ConsequencesConfig
 from clean_swarm_env.world.mission import MissionRun
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.paths import ROOT

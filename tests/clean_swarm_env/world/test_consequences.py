@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.load import with_changes
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import DUMPINGS
@@ -20,7 +21,7 @@ FACING = StartConfiguration(id="facing", robots=((5.0, 9.0, 0.0), (6.0, 9.0, np.
 
 
 def crowd(**consequences):
-    return CROWD.model_validate({**CROWD.model_dump(), "consequences": consequences})
+    return CROWD.model_validate(with_changes(CROWD.model_dump(), {"task": {"consequences": consequences}}))
 
 
 def driven(config, start=FACING, speeds=(1.0, -1.0, 0.5)):

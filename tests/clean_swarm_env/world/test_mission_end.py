@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.config.world import ConsequencesConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks.cleaning.cost import cost_terms, mission_cost, unavoidable_cost
+from clean_swarm_env.tasks.cleaning.settings import ConsequencesConfig
 from clean_swarm_env.world.mission import run_mission
 from tests.clean_swarm_env.courses import long_course, mission
 from tests.paths import ROOT
@@ -121,4 +121,4 @@ def test_the_family_on_the_page_loads(tmp_path):
     (tmp_path / "families").mkdir()
     text = re.search(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL).group(1)
     (tmp_path / "families" / "crowded-careful.yaml").write_text(text)
-    assert load_family("crowded-careful", (tmp_path,)).mission.consequences.drop
+    assert load_family("crowded-careful", (tmp_path,)).mission.task.consequences.drop

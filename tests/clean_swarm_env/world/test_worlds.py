@@ -82,7 +82,7 @@ def test_the_order_of_the_robots_does_not_matter(name, seed):
 @pytest.mark.parametrize("name", MISSIONS)
 def test_every_item_is_found_then_carried_then_recycled_then_dumped(name):
     worlds = worlds_at_start(mission(name), [3])
-    stations = worlds.mission.stations
+    stations = worlds.mission.task.stations
     before = snapshot(worlds, 0)
     picked = recycled = dumped = 0
     while worlds.task.garbage.done[0] < 10:

@@ -31,7 +31,7 @@ PARTS = ("positions", "headings")
 def mission_of() -> MissionConfig:
     """Return the mission with two coordinators, without garbage: it has no end."""
     return MissionConfig.model_validate(
-        with_changes(load_mission("cleaning-patrol").model_dump(), {"garbage": {"count": 0}})
+        with_changes(load_mission("cleaning-patrol").model_dump(), {"task": {"garbage": {"count": 0}}})
     )
 
 

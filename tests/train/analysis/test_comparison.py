@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.cleaning import GarbageConfig
-from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError
 from train.analysis.family_report import Front, priced_excess
@@ -108,7 +107,7 @@ def test_the_front_holds_what_none_beats_in_time_and_events():
 
 
 def test_excesses_at_other_prices_are_those_of_missions_that_have_these_prices():
-    mission = load_mission("bumpers").model_copy(update={"garbage": GarbageConfig(respawn=3.0), "time_limit": 60.0})
+    mission = mission_from({"base": "bumpers", "task": {"garbage": {"respawn": 3.0}}, "time_limit": 60.0})
     start = random_start(mission, 1, 0)
     for price in (0.0, 5.0, 50.0):
         priced = mission.model_copy(update={"collision_cost": price, "contact_cost": 0.1 * price})

@@ -28,7 +28,7 @@ behaviours:
 """
 EXPERIMENT = """
 name: mine
-mission: {base: table1, knowledge: mine, garbage: {count: 1}, time_limit: 60.0}
+mission: {base: table1, knowledge: mine, task: {garbage: {count: 1}}, time_limit: 60.0}
 scenarios: 1
 conditions:
   - {name: scores}

@@ -23,7 +23,8 @@ CONDITIONS = [
 def evaluated(tmp_path_factory) -> Path:
     """Results of four short missions: two of five robots and two items, with either condition."""
     directory = tmp_path_factory.mktemp("results")
-    experiment = {"name": "short", "mission": {"base": "table1", "garbage": {"count": 2}}, "conditions": CONDITIONS}
+    mission = {"base": "table1", "task": {"garbage": {"count": 2}}}
+    experiment = {"name": "short", "mission": mission, "conditions": CONDITIONS}
     (directory / "short.yaml").write_text(json.dumps(experiment))
     words = ["evaluate", directory / "short.yaml", "--scenarios", 2, "--seed", 5, "--workers", 1]
     assert run(*words, "--output", directory / "run") == 0

@@ -21,7 +21,7 @@ from train.running.runs import under
 SMALL = {
     "name": "small",
     "description": "Two disturbances.",
-    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0, "garbage": {"count": 3}},
+    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0, "task": {"garbage": {"count": 3}}},
     "items": [3, 3],
     "scenarios": 2,
     "strategies": ["fixed:RepulsionGradient", "fsm:rule"],
@@ -147,4 +147,4 @@ def test_events_of_a_family_happen_in_each_of_its_scenarios():
     mission = grown.scenario(0, 5, "test").mission
     assert isinstance(mission, MissionConfig)
     assert [event.do for event in mission.events] == ["join", "land"]
-    assert (mission.rows, mission.item_rows) == (6, 13)
+    assert (mission.rows, mission.items.rows) == (6, 13)

@@ -33,7 +33,7 @@ def own(tmp_path):
     directory = tmp_path / "own"
     for kind in ("missions", "families", "training", "policies", "strategies"):
         (directory / kind).mkdir(parents=True)
-    (directory / "missions" / "tiny.yaml").write_text("{garbage: {count: 3}}")
+    (directory / "missions" / "tiny.yaml").write_text("{task: {garbage: {count: 3}}}")
     (directory / "families" / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     changes = {"tasks": [{"family": "small", "worlds": 2}], "checkpoints": 1, "decisions": 20}
     written(directory / "training", "bandit", **changes).rename(directory / "training" / "mine.yaml")

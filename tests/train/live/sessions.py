@@ -18,7 +18,7 @@ from train.live.server import LiveServer
 from train.live.session import Session
 from train.replay.page_file import live_page
 
-SMALL = {"robots": {"count": 6}, "garbage": {"count": 8}, "knowledge": "avoidance", "time_limit": 120.0}
+SMALL = {"robots": {"count": 6}, "task": {"garbage": {"count": 8}}, "knowledge": "avoidance", "time_limit": 120.0}
 
 
 def play_of(changes: Mapping[str, Any], strategy: str = "MaxScore") -> PlayedMission:

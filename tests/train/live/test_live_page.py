@@ -273,7 +273,7 @@ def test_the_page_is_shown_in_no_frame_of_another_page(session, watched):
 
 def test_frames_are_on_the_screen_as_they_are_made(tmp_path, opened):
     """It takes 50 ms on an idle machine; the wide bound, for a busy one, still finds a page that only polls."""
-    session = Session(play_of({**SMALL, "garbage": {"count": 8, "respawn": 5.0}}), tmp_path / "long.swarm")
+    session = Session(play_of({**SMALL, "task": {"garbage": {"count": 8, "respawn": 5.0}}}), tmp_path / "long.swarm")
     with served(session, playing=True) as server:
         page = opened(server)
         until(page, "() => replay.page.lags.length >= 200")

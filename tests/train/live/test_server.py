@@ -120,7 +120,7 @@ def test_programs_read_the_stream_as_it_comes(session):
 
 def test_a_reader_that_sleeps_slows_nobody_and_misses_nothing(tmp_path):
     """One client does not read while the run goes on to its end, long after the buffers of its connection are full."""
-    changes = {**SMALL, "garbage": {"count": 8, "respawn": 5.0}, "time_limit": 100.0}
+    changes = {**SMALL, "task": {"garbage": {"count": 8, "respawn": 5.0}}, "time_limit": 100.0}
     session = Session(play_of(changes), tmp_path / "a.swarm")
     room = 8192
     with served(session, speed=1000.0) as server, socket.socket() as sleeping:

@@ -130,7 +130,7 @@ def test_python_says_it_too_once_in_a_process_and_can_be_silenced(monkeypatch, c
         monkeypatch.setattr(warm_up, "_checked", [])
         monkeypatch.setenv(warm_up.SILENCED, quiet)
         for _ in range(2):
-            Batch(mission={"base": "table1", "garbage": {"count": 1}})
+            Batch(mission={"base": "table1", "task": {"garbage": {"count": 1}}})
         assert capsys.readouterr().err == said
 
 

@@ -187,7 +187,8 @@ export class WorldView {
   /** @param {CanvasRenderingContext2D} c @param {number} frame */
   drawStations(c, frame) {
     if (!this.run.tracks.has("station_x")) return;
-    const { reach, further_recycling = [], further_dumps = [] } = this.run.head.mission.stations, s = this.scale;
+    const { mission } = this.run.head, s = this.scale;
+    const { reach, further_recycling = [], further_dumps = [] } = mission.task?.stations ?? mission.stations; // earlier recordings
     const [recycling, dump] = LOOK.stations;
     const stations = [recycling, dump, ...further_recycling.map(() => recycling), ...further_dumps.map(() => dump)];
     stations.forEach((sign, k) => {

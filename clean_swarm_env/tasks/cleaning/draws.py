@@ -1,59 +1,52 @@
-"""Random events of a family of scenarios."""
+"""Random places of garbage and stations, and random events, of scenarios of cleaning."""
 
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from pydantic import Field, model_validator
 
+from clean_swarm_env.config.families import ChangesConfig
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import nearest_distance
-from clean_swarm_env.config.types import ArrivalRate, Items, Point
-from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Positive, Share
+from clean_swarm_env.config.types import Point
+from clean_swarm_env.tasks.cleaning.settings import settings_of
+from selforg.arrays import Floats
+from selforg.elementary import unit_vectors
+from selforg.space import Torus
 
-Change = Literal["join", "remove", "fail", "land", "respawn", "move_spots", "move_stations", "deliver"]
-Span = tuple[ArrivalRate, ArrivalRate]
-Changes = Annotated[int, Field(strict=True, ge=0, le=1000)]
-"""Events of a scenario; more of them would hardly differ in time."""
-SpotCount = Annotated[int, Field(strict=True, ge=0, le=100)]
-"""Spots of garbage; see `types.Spots`."""
-PlaceCount = Annotated[int, Field(strict=True, ge=1, le=100)]
-"""Places of the stations of a kind; see `types.FurtherStations`."""
 QUIET = 0.1
 """Share of the mission at its beginning and its end in which nothing changes [-]."""
 STATION_GAP = 2.0
 """Least distance of the stations from each other [m]."""
 
 
-class ChangesConfig(Closed):
-    """Number, kinds and sizes of the events of a scenario."""
+@dataclass(frozen=True)
+class Places:
+    """Where items come: anywhere on the torus `size` (2,), or evenly within `radius` of a spot (S, 2) [m]."""
 
-    number: tuple[Changes, Changes] = (0, 0)
-    """Least and largest number of events."""
-    kinds: tuple[Change, ...] = ()
-    """Kinds of events, all equally likely."""
-    items: tuple[Items, Items] = (5, 5)
-    """Least and largest number of items that land at a time."""
-    respawn: Span = (0.0, 6.0)
-    """Least and largest rate at which garbage keeps coming after a change [1/min]."""
-    reach: tuple[Positive, Positive] = (2.0, 6.0)
-    """Least and largest range of messages after a change of the delivery [m]."""
-    loss: tuple[Share, Share] = (0.0, 0.9)
-    """Least and largest probability of a loss after a change of the delivery [-]."""
+    size: Floats
+    spots: Floats
+    radius: float
 
-    @model_validator(mode="after")
-    def _possible(self) -> Self:
-        for name in ("number", "items", "respawn", "reach", "loss"):
-            least, most = getattr(self, name)
-            if least > most:
-                raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
-        if self.number[1] > 0 and not self.kinds:
-            raise impossible("kinds", "at least one kind of event", "none")
-        return self
+    @classmethod
+    def of(cls, mission: MissionConfig) -> "Places":
+        """Return where the items of a mission come at first."""
+        size, garbage = np.array([mission.world.width, mission.world.height]), settings_of(mission).garbage
+        return cls(size, np.array(garbage.spots).reshape(-1, 2), garbage.spot_radius)
 
-    @property
-    def most_joining(self) -> int:
-        """Largest number of robots that can join."""
-        return self.number[1] if "join" in self.kinds else 0
+    def at(self, spots: Sequence[Point]) -> "Places":
+        """Return the same with other spots."""
+        return replace(self, spots=np.array(spots).reshape(-1, 2))
+
+    def draw(self, count: int, rng: np.random.Generator) -> Floats:
+        """Return random places (count, 2) [m]."""
+        if not len(self.spots):
+            return rng.uniform(size=(count, 2)) * self.size
+        spot, share, turn = rng.uniform(size=(count, 3)).T
+        chosen = self.spots[(spot * len(self.spots)).astype(np.int64)]
+        ways = np.stack(unit_vectors(2.0 * np.pi * turn), axis=1)
+        return Torus(*self.size.tolist()).wrap(chosen + self.radius * np.sqrt(share)[:, None] * ways)
 
 
 def draw_events(

@@ -1,16 +1,20 @@
-"""Typed configuration of cleaning: recycling stations and dumps, garbage, and the patrol."""
+"""Settings of cleaning, the keys of `task:`: garbage, stations, the patrol, and the consequences of collisions."""
 
 from collections.abc import Sequence
-from typing import Self
+from typing import Annotated, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
-from clean_swarm_env.config.types import ArrivalRate, FurtherStations, Items, Length, Point, Spots
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import TaskSettings
+from clean_swarm_env.config.types import ArrivalRate, Index, Items, Length, Point, Spots, Wait
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, NonNegative, Positive, Share
+from selector.documents.fields import Closed, Flag, NonNegative, Positive, Share
 
 RECYCLING, DUMP = range(2)
 """Kinds of stations."""
+FurtherStations = Annotated[tuple[Point, ...], Field(max_length=100)]
+"""Places of stations beside the first one of their kind [m]; a robot looks at all of them."""
 
 
 class StationsConfig(Closed):
@@ -100,3 +104,39 @@ class PatrolConfig(Closed):
         if self.min_speed > self.max_speed:
             raise impossible("min_speed", f"a speed up to max_speed {self.max_speed:g} m/s", self.min_speed)
         return self
+
+
+class ConsequencesConfig(Closed):
+    """Consequences of a collision event for the robots at work that take part; none unless set."""
+
+    stop: Wait = 0.0
+    """Time for which a robot that collides stops, decides nothing and handles no cargo; 0: it does not stop [s]."""
+    back_off: Wait = 0.0
+    """Time for which it then drives off at half its speed, away from the nearest robot that it met [s]."""
+    drop: Flag = False
+    """Whether a robot that collides loses its cargo, which then lies where the robot is."""
+    damage_after: Index = 0
+    """Collisions after which a robot is damaged; 0: never."""
+    damaged_speed: Annotated[float, Field(strict=True, ge=0.01, le=1.0)] = 0.5
+    """Share of its largest speed that a damaged robot keeps [-]."""
+    mending: Wait = 10.0
+    """Time for which a damaged robot stops at the first station that it reaches; then it is as new [s]."""
+
+
+class CleaningSettings(TaskSettings):
+    """Settings of cleaning."""
+
+    garbage: GarbageConfig = GarbageConfig()
+    """The items."""
+    stations: StationsConfig = StationsConfig()
+    """The recycling and the dump stations."""
+    patrol: PatrolConfig = PatrolConfig()
+    """The patrol."""
+    consequences: ConsequencesConfig = ConsequencesConfig()
+    """The consequences of collisions."""
+
+
+def settings_of(mission: MissionConfig) -> CleaningSettings:
+    """Return the settings of a mission of cleaning."""
+    assert isinstance(mission.task, CleaningSettings), mission.task.name
+    return mission.task

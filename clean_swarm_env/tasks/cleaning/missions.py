@@ -1,0 +1,140 @@
+"""What missions, starts and families know of cleaning: impossible places, numbers of items, and random draws."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from clean_swarm_env.config.events import Land, MoveSpots, MoveStations, Respawn
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import ItemCounts, TaskKind
+from clean_swarm_env.config.types import Point
+from clean_swarm_env.tasks.cleaning.draws import Places, draw_events, random_spots, random_stations
+from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
+from selector.documents.errors import impossible
+from selforg.arrays import Floats
+
+RANDOM_ITEMS: Final = 40
+"""Default number of rows for items in a world in which garbage keeps coming."""
+NOWHERE: Final[Point] = (0.0, 0.0)
+"""Place of stations that are not placed yet [m]."""
+
+
+class CleaningMissions(TaskKind):
+    """Cleaning before there is a world."""
+
+    begins_as_given = True
+    mission = {"name": "cleaning", "knowledge": "cleaning"}
+
+    @classmethod
+    def check(cls, mission: MissionConfig) -> None:
+        """Raise the error of the first place that is not on the torus, or of too little room for items."""
+        world, task = mission.world, settings_of(mission)
+        if world.ground != "torus":
+            raise impossible("world.ground", "a torus with the task Cleaning", world.ground)
+        for key, (x, y) in _places(mission).items():
+            if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
+                expected = f"a point on the torus {world.width:g} m x {world.height:g} m"
+                raise impossible(key, expected, f"[{x:g}, {y:g}]")
+        least = cls.count_items(mission).expected
+        if 0 < task.garbage.capacity < least:
+            expected = f"0 or at least {least}, the items at the start and those that land"
+            raise impossible("task.garbage.capacity", expected, task.garbage.capacity)
+
+    @classmethod
+    def frame_settings(cls, mission: MissionConfig) -> CleaningSettings:
+        """Return the settings without places, and with as many items as there are rows."""
+        task = settings_of(mission)
+        anywhere = {
+            "count": 0,
+            "respawn": 0.0,
+            "capacity": cls.count_items(mission).rows,
+            "spots": (),
+            "spot_radius": 1.0,
+        }
+        stations = task.stations.at((NOWHERE,) * len(task.stations.places))
+        return task.model_copy(update={"garbage": task.garbage.model_copy(update=anywhere), "stations": stations})
+
+    @classmethod
+    def count_items(cls, mission: MissionConfig) -> ItemCounts:
+        """Return the numbers of items."""
+        garbage = settings_of(mission).garbage
+        expected = garbage.count + sum(event.items for event in mission.events if isinstance(event, Land))
+        keep_coming = garbage.respawn > 0.0 or any(e.rate > 0.0 for e in mission.events if isinstance(e, Respawn))
+        rows = garbage.capacity or max(expected, RANDOM_ITEMS if keep_coming else 0)
+        return ItemCounts(garbage.count, expected, rows, keep_coming)
+
+    @classmethod
+    def place_items(cls, mission: MissionConfig, rng: np.random.Generator) -> Floats:
+        """Return random places (M, 2) [m], about the spots."""
+        return Places.of(mission).draw(settings_of(mission).garbage.count, rng)
+
+    @classmethod
+    def with_items(cls, mission: MissionConfig, **numbers: int) -> CleaningSettings:
+        """Return the settings with another `count` or `capacity` of items."""
+        task = settings_of(mission)
+        return task.model_copy(update={"garbage": task.garbage.model_copy(update=numbers)})
+
+    @classmethod
+    def item_ranges(cls, mission: MissionConfig) -> Mapping[str, Any]:
+        """Return numbers and rate of items."""
+        garbage = settings_of(mission).garbage
+        return {"items": (garbage.count,) * 2, "respawn": (garbage.respawn,) * 2}
+
+    @classmethod
+    def draw_scenario(
+        cls, family: FamilyConfig, size: Point, robots: int, rng: np.random.Generator
+    ) -> tuple[CleaningSettings, list[dict[str, Any]]]:
+        """Return settings with random items and, where the family says so, random stations and spots; random events."""
+        task = settings_of(family.mission)
+        items = int(rng.integers(family.items[0], family.items[1] + 1))
+        respawn = float(rng.uniform(*family.respawn))
+        stations = (
+            task.stations.at(_station_places(family, size, rng)) if family.stations == "random" else task.stations
+        )
+        spots = task.garbage.spots
+        if family.spots is not None:
+            spots = random_spots(int(rng.integers(family.spots[0], family.spots[1] + 1)), size, rng)
+        events = draw_events(family.changes, size, robots, len(spots), family.mission.time_limit, rng)
+        drawn = {"count": items, "respawn": respawn, "spots": spots, "capacity": _rows_of_items(family)}
+        garbage = task.garbage.model_copy(update=drawn)
+        return task.model_copy(update={"garbage": garbage, "stations": stations}), events
+
+
+def _places(mission: MissionConfig) -> dict[str, Point]:
+    """Return the places [m] of stations and spots by their keys, those of events included."""
+    task = settings_of(mission)
+    places = {"task.stations.recycling": task.stations.recycling, "task.stations.dump": task.stations.dump}
+    for key in ("further_recycling", "further_dumps"):
+        places |= {f"task.stations.{key}.{k}": place for k, place in enumerate(getattr(task.stations, key))}
+    places |= {f"task.garbage.spots.{k}": spot for k, spot in enumerate(task.garbage.spots)}
+    for k, event in enumerate(mission.events):
+        if isinstance(event, MoveSpots):
+            places |= {f"events.{k}.spots.{n}": spot for n, spot in enumerate(event.spots)}
+        elif isinstance(event, MoveStations):
+            places |= {f"events.{k}.recycling": event.recycling, f"events.{k}.dump": event.dump}
+    return places
+
+
+def _station_places(family: FamilyConfig, size: Point, rng: np.random.Generator) -> tuple[Point, ...]:
+    """Return random places of all stations on a torus of a `size` [m], in the order of `StationsConfig.places`."""
+    stations = settings_of(family.mission).stations
+    if family.station_places is None:
+        return random_stations(len(stations.kinds), size, rng)
+    number = int(rng.integers(family.station_places[0], family.station_places[1] + 1))
+    drawn = random_stations(2 * number, size, rng)  # recycling and dump in turn
+    kinds = zip(stations.earlier, stations.kinds, strict=True)
+    return tuple(drawn[2 * (k % number) + kind] for k, kind in kinds)
+
+
+def _rows_of_items(family: FamilyConfig) -> int:
+    """Return the number of rows for items in which every scenario of a family has room."""
+    events, most = family.mission.events, family.items[1]
+    landing = sum(event.items for event in events if isinstance(event, Land))
+    coming = "respawn" in family.changes.kinds or any(isinstance(event, Respawn) for event in events)
+    continuous = family.respawn[1] > 0.0 or coming
+    capacity = settings_of(family.mission).garbage.capacity
+    return max(most + landing, capacity or (4 * most if continuous else 0))
