@@ -62,7 +62,16 @@ class ItemCounts(NamedTuple):
 
 
 class TaskKind:
-    """A class of tasks, as missions, starts and families know it; `Task` is what worlds know of it."""
+    """A class of tasks, as missions, starts and families know it; `Task` is what worlds know of it.
+
+    Attributes:
+        name: that of the class, unless given.
+        Settings: the settings of the task.
+        story: one sentence: the robots, their place and their task.
+        mission: keys of a mission that names the task, unless they are given: the task's own mission.
+        begins_as_given: whether starts say where robots and items are; else the task places them, unless a start does.
+
+    """
 
     name: ClassVar[str] = ""
     Settings: ClassVar[type[TaskSettings]] = TaskSettings

@@ -19,8 +19,8 @@ from pydantic import create_model
 
 from clean_swarm_env.learning.given import config_from
 from clean_swarm_env.learning.progress import COLLISIONS, EVENTS, Period, open_period
+from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission_end import COMPLETED
-from clean_swarm_env.world.task_parts import key_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import Closed, Number, Share
 from selector.documents.imported import imported

@@ -6,8 +6,8 @@
 from clean_swarm_env.config.tasks import TASKS as TASKS
 from clean_swarm_env.config.tasks import TaskSettings as TaskSettings
 from clean_swarm_env.tasks.cleaning.task import Cleaning as Cleaning
+from clean_swarm_env.world.measure import Measure as Measure
 from clean_swarm_env.world.task import Task as Task
-from clean_swarm_env.world.task_parts import Measure as Measure
 from clean_swarm_env.world.task_parts import TaskState as TaskState
 from clean_swarm_env.world.task_parts import Things as Things
 from clean_swarm_env.world.task_parts import WorldStart as WorldStart

@@ -5,8 +5,9 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
+from clean_swarm_env.world.measure import Measure
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import Measure, TaskState, Things, WorldStart
+from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
 from selforg.arrays import KEPT, Flags, Floats, Ints
 
 PATCH_RADIUS, NEST_RADIUS = 0.5, 1.5  # [m]

@@ -1,34 +1,25 @@
-"""Tasks: the work in a world. A class in one file is a task of your own; see `Task`.
+"""Tasks: the work in W worlds of N robots, R = W * N rows. A class in one file is a task of your own; see `Task`.
 
 Why there is one world for all of them: docs/decisions/0223-one-world-any-task.md.
-
-Shapes: W worlds of N robots, R = W * N rows (robots).
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import TaskKind, TaskSettings, find_task
+from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.world.measure import Measure
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.task_parts import (
-    ItemArrays,
-    Measure,
-    Recorded,
-    TaskState,
-    Things,
-    WorldStart,
-    check_numbers,
-    kinds_of,
-)
-from clean_swarm_env.world.view import CARRYING, World
+from clean_swarm_env.world.shown_task import ShownTask
+from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart, check_numbers
+from clean_swarm_env.world.view import World
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.coordination.robot_network import RobotNetwork
@@ -52,7 +43,7 @@ S = TypeVar("S", bound=TaskSettings)
 T = TypeVar("T", bound=TaskState)
 
 
-class Task(TaskKind, ABC, Generic[S, T]):
+class Task(ShownTask, ABC, Generic[S, T]):
     """What there is to do in W worlds at once. Register a subclass with `TASKS.register`; give `measures` and `result`.
 
     A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
@@ -60,17 +51,14 @@ class Task(TaskKind, ABC, Generic[S, T]):
     start anywhere, nothing else is there, and the mission ends with its time. You never need to loop over robots.
 
     Attributes:
-        name: that of the class, unless given.
-        story: one sentence: the robots, their place and their task.
+        name, story, mission, begins_as_given: see `TaskKind`.
         measures: figures of success; the first one that is no guard is the one that counts.
         baseline: what the mechanisms are compared with, in words; see `lead`. Empty: nothing.
         baseline_option: the option of the goal that is the baseline, where one is.
         goal: the goal in the knowledge whose options serve the task: the one of its own name unless given.
-        mission: keys of a mission that names the task, unless they are given: the task's own mission.
         fewest: robots with which the measures have a meaning.
         start_side: side of the square in the middle in which robots start, 0: the whole ground [m].
         apart, away: least distance of robots from each other, and from the middle, at the start [m].
-        begins_as_given: whether starts say where robots and items are; else you place them, unless a start says it.
         changes: whether robots and things may come and go during a mission; not where measures are of all robots.
         priced: whether the cost of a mission is counted in each tick, so that learners can be paid for it.
         best_score: score of a mission that costs nothing, from which its cost by the time limit is taken [-].
@@ -79,7 +67,6 @@ class Task(TaskKind, ABC, Generic[S, T]):
         beside: strategies that every comparison has beside those chosen; the baseline unless given.
         thinks_when_driven: whether networks of robots go on deciding while a learner drives the robots.
         world, settings, state: the worlds, the settings, and the arrays of this task.
-        around: the things, as `things` returned them.
         asked: (R, 2) [m/s] what the mechanisms asked for last; 0 for nothing.
 
     """
@@ -289,10 +276,6 @@ class Task(TaskKind, ABC, Generic[S, T]):
         """Return the part of the cost of a world that no team could avoid [s]."""
         return 0.0
 
-    def item_arrays(self) -> ItemArrays:
-        """Return items, cargo and stations, the same arrays all the time; none unless robots carry items."""
-        return ItemArrays.none(self.world.worlds, self.world.rows)
-
     def duration(self, world: int) -> float:
         """Return how long the mission of a world has lasted if it is done, else its time limit [s]."""
         if not self.done()[world]:
@@ -300,61 +283,14 @@ class Task(TaskKind, ABC, Generic[S, T]):
         ticks = max(int(self.world.ticks[world]) - 1, 0)  # the last thing was done at the beginning of its period
         return ticks * self.world.period
 
-    # ---- what pictures, recordings and learners show of the task
-
-    def hindered(self, row: int) -> tuple[float, bool]:
-        """Return how long a collision still stops the robot of a row [s], and whether it is damaged."""
-        return 0.0, False
-
     def headline(self, world: int) -> str:
         """Return what there is to say of a world in one line: its measures."""
         return ", ".join(f"{name} {values[world]:.3g}" for name, values in self.measured().items())
 
-    def cargo(self) -> Ints:
-        """Return the thing that each robot (R,) carries, -1 for none; 0 where all that is known is that it carries."""
-        return np.where(self.world.carrying, 0, -1)
-
-    def recorded(self) -> tuple[Recorded, ...]:
-        """Return arrays that recordings keep beside poses, contacts and options; the same ones all the time."""
-        if CARRYING not in self.world.memory.kinds:
-            return ()
-        cargo = self.cargo()
-
-        def note() -> None:
-            cargo[:] = self.cargo()
-
-        return (Recorded("cargo", "robot", cargo, "the item that the robot carries, -1 for none", note),)
-
-    def drawn(self, world: int, rows: Ints) -> Mapping[str, Any]:
-        """Return what pictures show beside robots, `around` and trails: fields of `drawing.canvas.Canvas`."""
-        return {"cargo": np.where(self.cargo()[rows] >= 0, 1, 0)}
-
-    def facts_of_robots(self) -> Mapping[str, Floats]:
-        """Return what the global state has of each robot beside its pose: name -> (R,), within [-1, 1]."""
-        memory = self.world.memory
-        return {name: memory[name].values for name in memory.facts}
-
-    def facts_of_worlds(self) -> Mapping[str, Floats]:
-        """Return what the global state has of each world beside its time: name -> (W,), within [-1, 1]."""
-        return {}
-
-    def thing_names(self) -> list[str]:
-        """Return the names (K,) of what `thing_values` returns."""
-        kinds = zip(kinds_of(self.around), self.around, strict=True)
-        return [f"{kind}_{k}_{axis}" for kind, thing in kinds for k in range(thing.count) for axis in ("x", "y")]
-
-    def thing_values(self, scaled: Callable[[Floats], Floats]) -> Floats:
-        """Return what the global state has of things (W, K), within [-1, 1]; `scaled` makes this of places [m]."""
-        worlds = self.world.worlds
-        places = [scaled(thing.places).reshape(worlds, -1) for thing in self.around]
-        return np.concatenate((np.zeros((worlds, 0)), *places), axis=1)
-
 
 def task_class(mission: MissionConfig) -> type[Task[Any, Any]]:
     """Return the class of the task of a mission."""
-    kind: Any = find_task(mission.task.name)
-    found: type[Task[Any, Any]] = kind
-    return found
+    return find_task(mission.task.name)  # type: ignore[return-value]  # all that are registered are tasks
 
 
 def coordinators_of(

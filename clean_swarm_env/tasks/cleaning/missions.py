@@ -48,13 +48,8 @@ class CleaningMissions(TaskKind):
     def frame_settings(cls, mission: MissionConfig) -> CleaningSettings:
         """Return the settings without places, and with as many items as there are rows."""
         task = settings_of(mission)
-        anywhere = {
-            "count": 0,
-            "respawn": 0.0,
-            "capacity": cls.count_items(mission).rows,
-            "spots": (),
-            "spot_radius": 1.0,
-        }
+        rows = cls.count_items(mission).rows
+        anywhere = {"count": 0, "respawn": 0.0, "capacity": rows, "spots": (), "spot_radius": 1.0}
         stations = task.stations.at((NOWHERE,) * len(task.stations.places))
         return task.model_copy(update={"garbage": task.garbage.model_copy(update=anywhere), "stations": stations})
 

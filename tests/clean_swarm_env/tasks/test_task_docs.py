@@ -8,7 +8,7 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.tasks import TASKS, Task
-from clean_swarm_env.world.task_parts import key_of
+from clean_swarm_env.world.measure import key_of
 from tests.clean_swarm_env.courses import long_course
 from tests.paths import ROOT
 
