@@ -46,7 +46,7 @@ def save_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
     problem = strategy.problem
     description = LearnedDescription(
         strategy=type(strategy).__name__,
-        parameters=strategy.parameters.model_dump(mode="json"),
+        parameters=strategy.parameters,
         goal=problem.goal,
         options=problem.options,
         features=problem.features,
@@ -68,7 +68,7 @@ def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
     own = {
         "strategy": type(strategy).__name__,
         "goal": problem.goal,
-        "parameters": strategy.parameters.model_dump(mode="json"),
+        "parameters": strategy.parameters,
     }
     for what, expected in own.items():
         got = getattr(description, what)

@@ -2,10 +2,11 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar, final, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import create_model
 
 from selector.documents.arrays import Arrays
 from selector.documents.errors import validated
@@ -15,21 +16,20 @@ from selector.strategies.streams import Keys, uniforms
 from selforg.arrays import Flags, Floats, Ints
 
 
-class NoParameters(Closed):
-    """The parameters of a strategy that has none."""
-
-
 class DecisionStrategy(ABC):
     """Base class: chooses one of O options for each of R rows, and learns from the rewards of its choices.
 
     Call `select` once in a decision period, for all rows or those that decide, and `update` when the reward of an
     earlier choice is known, at any later time, with the context of the choice. A new strategy is one file with a class
-    that implements `_select`, and, if it learns, `_first_state` and `_update`; its parameters are a model of their own:
+    that implements `_select`, and, if it learns, `_first_state` and `_update`. Annotated attributes with a value, as
+    `rate`, are its parameters:
 
     >>> import numpy as np
+    >>> from selector.documents.fields import Share
     >>> from selector.strategies.registry import STRATEGIES, create
     >>> @STRATEGIES.register
     ... class LastReward(DecisionStrategy):
+    ...     rate: Share = 1.0
     ...     last: Floats
     ...
     ...     def _first_state(self):
@@ -39,7 +39,8 @@ class DecisionStrategy(ABC):
     ...         return np.where(decisions.allowed, self.last[decisions.groups], -np.inf).argmax(axis=1)
     ...
     ...     def _update(self, outcomes):
-    ...         self.last[outcomes.groups, outcomes.option] = outcomes.reward
+    ...         place = outcomes.groups, outcomes.option
+    ...         self.last[place] += self.rate * (outcomes.reward - self.last[place])
     >>> problem = Problem("AvoidCollision", ("Fernandez", "Gradient"), np.array([1.0, 0.5]))
     >>> strategy = create("LastReward", problem, keys=np.arange(3, dtype=np.uint64))
     >>> strategy.update(np.zeros(3, int), np.full(3, -1.0), np.zeros((3, 0)))
@@ -53,17 +54,26 @@ class DecisionStrategy(ABC):
     Args:
         problem: goal, options, scores, names of the features, and rewards known at the beginning.
         keys: (R,) key of the random numbers of each row, from `selector.strategies.streams.row_keys`.
-        parameters: values for the fields of `Parameters`.
+        parameters: values in place of those that the class gives its parameters.
         groups: (R,) 0..G-1, the set of estimates that each row uses; all rows share one unless given.
 
     """
 
-    Parameters: ClassVar[type[Closed]] = NoParameters
-    """Model of the parameters."""
+    Parameters: ClassVar[type[Closed]] = Closed
+    """Model of the parameters, made of the annotated attributes."""
     draws_per_decision: ClassVar[int] = 0
     """Random numbers that one row takes for one decision."""
     draws_per_option: ClassVar[int] = 0
     """Further ones, for each option."""
+
+    def __init_subclass__(cls, **settings: Any) -> None:  # noqa: ANN401  (of the base class)
+        super().__init_subclass__(**settings)
+        fields: dict[str, Any] = {
+            name: (hint, getattr(cls, name))
+            for name, hint in get_type_hints(cls, include_extras=True).items()
+            if hasattr(cls, name) and get_origin(hint) is not ClassVar
+        }
+        cls.Parameters = create_model(cls.__name__, __base__=Closed, **fields)
 
     def __init__(
         self,
@@ -74,7 +84,10 @@ class DecisionStrategy(ABC):
         groups: Ints | None = None,
     ) -> None:
         self.problem = problem
-        self.parameters = validated(self.Parameters, dict(parameters or {}), f"strategy {type(self).__name__}")
+        checked = validated(self.Parameters, dict(parameters or {}), f"strategy {type(self).__name__}")
+        for name, value in checked:
+            setattr(self, name, value)
+        self.parameters = checked.model_dump(mode="json")
         self.options, self.features, self.rows = len(problem.options), len(problem.features), len(keys)
         self.group_of: Ints = whole_numbers(
             "groups", np.zeros(self.rows, np.int64) if groups is None else groups, (self.rows,), "groups", self.rows

@@ -3,9 +3,10 @@
 from typing import Any
 
 import numpy as np
+from pydantic import Field
 
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, Label
+from selector.documents.fields import Label
 from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions, Problem
 from selector.strategies.registry import STRATEGIES
@@ -22,19 +23,12 @@ class MaxScore(DecisionStrategy):
         return best(np.broadcast_to(self.problem.scores, decisions.allowed.shape), decisions.allowed)
 
 
-class FixedParameters(Closed):
-    """The option."""
-
-    option: Label
-    """Name of the option to take wherever it can serve; elsewhere the option of the highest score is taken."""
-
-
 @STRATEGIES.register
 class Fixed(DecisionStrategy):
     """The same option in every decision."""
 
-    Parameters = FixedParameters
-    parameters: FixedParameters
+    option: Label = Field()
+    """Name of the option to take wherever it can serve; elsewhere the option of the highest score is taken."""
 
     @classmethod
     def example(cls, problem: Problem) -> dict[str, Any]:
@@ -42,7 +36,7 @@ class Fixed(DecisionStrategy):
         return {"option": problem.options[len(problem.options) // 2]}
 
     def _prepare(self) -> None:
-        name, known = self.parameters.option, self.problem.options
+        name, known = self.option, self.problem.options
         if name not in known:
             raise DocumentError(f"strategy Fixed: goal {self.problem.goal}: {unknown('option', name, known)}")
         self._order = self.problem.scores.copy()

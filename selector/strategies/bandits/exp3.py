@@ -1,12 +1,12 @@
 """Exponential weights, for rewards that need not follow any distribution."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo
 
 from selector.documents.arrays import Arrays
-from selector.documents.fields import Closed, NonNegative, Number
+from selector.documents.fields import NonNegative, Number
 from selector.strategies.choosing import chance_of, drawn, even, shares
 from selector.strategies.problem import Decisions, Outcomes, Problem
 from selector.strategies.registry import STRATEGIES
@@ -14,23 +14,11 @@ from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 
 
-class EXP3Parameters(Closed):
-    """How much to explore, and the range of the rewards."""
-
-    gamma: Annotated[Number, Field(gt=0.0, le=1.0)] = 0.1
-    """Share of decisions in which any option is taken, with equal probability; also the step of the weights [-]."""
-    lowest: Number = 0.0
-    """Reward that counts as 0, as do lower ones [reward]."""
-    highest: Number = 1.0
-    """Reward that counts as 1, as do higher ones [reward]."""
-    prior: NonNegative = 1.0
-    """Pseudo-count: the score of each option counts as this many rewards at the beginning [rewards]."""
-
-    @model_validator(mode="after")
-    def _range(self) -> Self:
-        if not self.lowest < self.highest:
-            raise ValueError(f"highest: expected more than the lowest reward {self.lowest}, got {self.highest}")
-        return self
+def _above_lowest(highest: float, given: ValidationInfo) -> float:
+    lowest = given.data.get("lowest", -np.inf)
+    if not lowest < highest:
+        raise ValueError(f"expected more than the lowest reward {lowest}, got {highest}")
+    return highest
 
 
 @STRATEGIES.register
@@ -41,8 +29,14 @@ class EXP3(DecisionStrategy):
     options that can serve if others cannot.
     """
 
-    Parameters = EXP3Parameters
-    parameters: EXP3Parameters
+    gamma: Annotated[Number, Field(gt=0.0, le=1.0)] = 0.1
+    """Share of decisions in which any option is taken, with equal probability; also the step of the weights [-]."""
+    lowest: Number = 0.0
+    """Reward that counts as 0, as do lower ones [reward]."""
+    highest: Annotated[Number, AfterValidator(_above_lowest), Field(validate_default=True)] = 1.0
+    """Reward that counts as 1, as do higher ones [reward]."""
+    prior: NonNegative = 1.0
+    """Pseudo-count: the score of each option counts as this many rewards at the beginning [rewards]."""
     draws_per_decision = 1
     log_weights: Floats  # (G, O)
 
@@ -53,14 +47,13 @@ class EXP3(DecisionStrategy):
 
     def _first_state(self) -> Arrays:
         # one draw with probability 1 / O changes the logarithm by gamma * (reward * O) / O
-        first = self.parameters.prior * self.parameters.gamma * self._scaled(self.problem.scores)
+        first = self.prior * self.gamma * self._scaled(self.problem.scores)
         return {"log_weights": np.tile(first - first.max(), (self.groups, 1))}
 
     def chances(self, decisions: Decisions) -> Floats:
         """Return the probability (K, O) of each option: (1 - gamma) * its share of the weights + gamma / O."""
         logarithms = np.where(decisions.allowed, self.log_weights[decisions.groups], -np.inf)
-        gamma = self.parameters.gamma
-        mixed: Floats = (1.0 - gamma) * shares(logarithms) + gamma * even(decisions.allowed)
+        mixed: Floats = (1.0 - self.gamma) * shares(logarithms) + self.gamma * even(decisions.allowed)
         return mixed
 
     def _select(self, decisions: Decisions) -> Ints:
@@ -74,11 +67,10 @@ class EXP3(DecisionStrategy):
 
     def _update(self, outcomes: Outcomes) -> None:
         estimated = self._scaled(outcomes.reward) / outcomes.chance
-        steps = self.parameters.gamma * estimated / self.options
+        steps = self.gamma * estimated / self.options
         np.add.at(self.log_weights, (outcomes.groups, outcomes.option), steps)
         self.log_weights -= self.log_weights.max(axis=1, keepdims=True)
 
     def _scaled(self, reward: Floats) -> Floats:
-        low, high = self.parameters.lowest, self.parameters.highest
-        scaled: Floats = np.clip((reward - low) / (high - low), 0.0, 1.0)
+        scaled: Floats = np.clip((reward - self.lowest) / (self.highest - self.lowest), 0.0, 1.0)
         return scaled

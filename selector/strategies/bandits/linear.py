@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from selector.documents.arrays import Arrays
-from selector.documents.fields import Closed, NonNegative, Positive
+from selector.documents.fields import NonNegative, Positive
 from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
@@ -15,15 +15,6 @@ from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
 
 
-class LinearParameters(Closed):
-    """Weight of the scores of the expert, and how much to explore."""
-
-    prior: Positive = 1.0
-    """Ridge: pseudo-count of the expert's score as constant term, and of 0 as weight of every feature [rewards]."""
-    exploration: NonNegative = 1.0
-    """Factor of the standard error of an estimate; 0: the estimate alone decides [reward]."""
-
-
 class LinearModel(DecisionStrategy):
     """Ridge regression of the reward on the context and a constant, for each group and option.
 
@@ -31,14 +22,16 @@ class LinearModel(DecisionStrategy):
     doi:10.1214/aoms/1177729893): weights = A^-1 (prior * (score, 0, ..., 0) + sum of reward * x).
     """
 
-    Parameters = LinearParameters
-    parameters: LinearParameters
+    prior: Positive = 1.0
+    """Ridge: pseudo-count of the expert's score as constant term, and of 0 as weight of every feature [rewards]."""
+    exploration: NonNegative = 1.0
+    """Factor of the standard error of an estimate; 0: the estimate alone decides [reward]."""
     inverse: Floats  # (G, O, 1 + F, 1 + F) of A
     weights: Floats  # (G, O, 1 + F) of the constant and of each feature
 
     def _first_state(self) -> Arrays:
         width = 1 + self.features
-        inverse = np.tile(np.eye(width) / self.parameters.prior, (self.groups, self.options, 1, 1))
+        inverse = np.tile(np.eye(width) / self.prior, (self.groups, self.options, 1, 1))
         weights = np.zeros((self.groups, self.options, width))
         weights[:, :, 0] = self.problem.scores
         return {"inverse": inverse, "weights": weights}
@@ -109,7 +102,7 @@ class LinUCB(LinearModel):
 
     def _select(self, decisions: Decisions) -> Ints:
         expected, error = self.predictions(decisions)
-        return best(expected + self.parameters.exploration * error, decisions.allowed)
+        return best(expected + self.exploration * error, decisions.allowed)
 
 
 @STRATEGIES.register
@@ -127,4 +120,4 @@ class LinearThompson(LinearModel):
         expected, error = self.predictions(decisions)
         deviates = np.empty_like(expected)
         normals(decisions.draws, deviates)
-        return best(expected + self.parameters.exploration * error * deviates, decisions.allowed)
+        return best(expected + self.exploration * error * deviates, decisions.allowed)

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from selector.documents.arrays import Arrays
 from selector.documents.fields import NonNegative, Number
-from selector.strategies.bandits.value_table import PriorParameters, ValueTable, summed, weighted
+from selector.strategies.bandits.value_table import Pseudocount, ValueTable, summed, weighted
 from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
@@ -16,20 +16,15 @@ from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
 
 
-class RecentParameters(PriorParameters):
-    """How wide the confidence bounds are."""
+class RecentUCB(DecisionStrategy):
+    """Upper confidence bounds over recent rewards, by Garivier & Moulines; subclasses keep `counts` and `totals`."""
 
+    prior: Pseudocount = 1.0
+    """The expert's score of an option counts as this many rewards of that size [rewards]."""
     exploration: NonNegative = 1.0
     """Range of the rewards, B of the paper [reward]."""
     confidence: NonNegative = 0.5
     """The paper's xi [-]; theory asks for more than 0.5."""
-
-
-class RecentUCB(DecisionStrategy):
-    """Upper confidence bounds over recent rewards, by Garivier & Moulines; subclasses keep `counts` and `totals`."""
-
-    Parameters = RecentParameters
-    parameters: RecentParameters
     width: ClassVar[float]
     """Factor of the bounds in the paper."""
     counts: Floats  # (G, O) weight of the rewards that count
@@ -38,12 +33,11 @@ class RecentUCB(DecisionStrategy):
     def estimates(self) -> Floats:
         """Return the present estimate (G, O) of the reward of each option."""
         means = self.totals / np.where(self.counts > 0.0, self.counts, 1.0)
-        return weighted(self.counts, means, self.parameters.prior, self.problem.scores)
+        return weighted(self.counts, means, self.prior, self.problem.scores)
 
     def _select(self, decisions: Decisions) -> Ints:
-        settings = self.parameters
-        width = self.width * settings.exploration * np.sqrt(settings.confidence)
-        return most_promising(decisions, self.estimates(), self.counts + settings.prior, width, self.problem.scores)
+        width = self.width * self.exploration * np.sqrt(self.confidence)
+        return most_promising(decisions, self.estimates(), self.counts + self.prior, width, self.problem.scores)
 
     def _opinions(self, decisions: Decisions) -> Floats:
         return self.estimates()[decisions.groups]
@@ -71,13 +65,6 @@ def most_promising(decisions: Decisions, means: Floats, pulls: Floats, width: fl
     return np.where(untried.any(axis=1), favourite, best(bounds[decisions.groups], decisions.allowed))
 
 
-class UCB1Parameters(PriorParameters):
-    """How wide the confidence bounds are."""
-
-    exploration: NonNegative = 1.0
-    """Factor of the confidence interval [reward]; the range of the rewards gives the interval of the paper."""
-
-
 @STRATEGIES.register
 class UCB1(ValueTable):
     """UCB1 (Auer, Cesa-Bianchi & Fischer 2002, doi:10.1023/A:1013689704352, figure 1).
@@ -85,19 +72,12 @@ class UCB1(ValueTable):
     The bound of option i is mean_i + exploration * sqrt(2 ln n / n_i), n being the sum of all n_i.
     """
 
-    Parameters = UCB1Parameters
-    parameters: UCB1Parameters
+    exploration: NonNegative = 1.0
+    """Factor of the confidence interval [reward]; the range of the rewards gives the interval of the paper."""
 
     def _select(self, decisions: Decisions) -> Ints:
-        pulls, width = self.counts + self.parameters.prior, self.parameters.exploration * np.sqrt(2.0)
+        pulls, width = self.counts + self.prior, self.exploration * np.sqrt(2.0)
         return most_promising(decisions, self.estimates(), pulls, width, self.problem.scores)
-
-
-class DiscountedUCBParameters(RecentParameters):
-    """How wide the bounds are, and how fast rewards lose weight."""
-
-    discount: Annotated[Number, Field(gt=0.0, le=1.0)] = 0.99
-    """Factor by which all earlier rewards lose weight at each step [-]."""
 
 
 @STRATEGIES.register
@@ -108,8 +88,8 @@ class DiscountedUCB(RecentUCB):
     size of the team. The scores of the expert are not discounted.
     """
 
-    Parameters = DiscountedUCBParameters
-    parameters: DiscountedUCBParameters
+    discount: Annotated[Number, Field(gt=0.0, le=1.0)] = 0.99
+    """Factor by which all earlier rewards lose weight at each step [-]."""
     width = 2.0
 
     def _first_state(self) -> Arrays:
@@ -122,17 +102,10 @@ class DiscountedUCB(RecentUCB):
     def _update(self, outcomes: Outcomes) -> None:
         place = (outcomes.groups, outcomes.option)
         touched = np.unique(outcomes.groups)
-        self.counts[touched] *= self.parameters.discount
-        self.totals[touched] *= self.parameters.discount
+        self.counts[touched] *= self.discount
+        self.totals[touched] *= self.discount
         self.counts += summed(place, np.ones(len(outcomes.option)), self.counts.shape)
         self.totals += summed(place, outcomes.reward, self.totals.shape)
-
-
-class SlidingWindowUCBParameters(RecentParameters):
-    """How wide the bounds are, and how many steps count."""
-
-    window: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 200
-    """Number of steps whose rewards count, tau of the paper [steps]."""
 
 
 @STRATEGIES.register
@@ -143,15 +116,15 @@ class SlidingWindowUCB(RecentUCB):
     of the team. The scores of the expert do not leave the window.
     """
 
-    Parameters = SlidingWindowUCBParameters
-    parameters: SlidingWindowUCBParameters
+    window: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 200
+    """Number of steps whose rewards count, tau of the paper [steps]."""
     width = 1.0
     step_counts: Floats  # (G, T, O) number of rewards in each of the last T steps
     step_totals: Floats  # (G, T, O) sum of these rewards
     cursor: Ints  # (G,) index of the next step
 
     def _first_state(self) -> Arrays:
-        shape = (self.groups, self.parameters.window, self.options)
+        shape = (self.groups, self.window, self.options)
         return {
             "step_counts": np.zeros(shape),
             "step_totals": np.zeros(shape),
@@ -162,7 +135,7 @@ class SlidingWindowUCB(RecentUCB):
 
     def _ranges(self) -> dict[str, tuple[float, float]]:
         some = (0.0, LEARNED_LIMIT)
-        return {"counts": some, "step_counts": some, "cursor": (0, self.parameters.window - 1)}
+        return {"counts": some, "step_counts": some, "cursor": (0, self.window - 1)}
 
     def _update(self, outcomes: Outcomes) -> None:
         touched = np.unique(outcomes.groups)
@@ -176,7 +149,7 @@ class SlidingWindowUCB(RecentUCB):
             steps[touched, now] = 0.0
             np.add.at(steps, place, added)
             sums[touched] += steps[touched, now]
-        self.cursor[touched] = (now + 1) % self.parameters.window
+        self.cursor[touched] = (now + 1) % self.window
         # After T steps the sums are computed again, so that errors of rounding do not grow.
         round_begins = touched[self.cursor[touched] == 0]
         self.totals[round_begins] = self.step_totals[round_begins].sum(axis=1)

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from selector.documents.arrays import Arrays
-from selector.documents.fields import Closed, NonNegative, Positive, Share
+from selector.documents.fields import NonNegative, Positive, Share
 from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
@@ -18,18 +18,11 @@ from selforg.elementary import exponentials
 Pseudocount = Annotated[NonNegative, Field(le=1e12)]
 
 
-class PriorParameters(Closed):
-    """Weight of the scores of the expert."""
-
-    prior: Pseudocount = 1.0
-    """Pseudo-count: the expert's score of an option counts as this many rewards of that size [rewards]."""
-
-
 class ValueTable(DecisionStrategy):
     """Count, mean and spread of the rewards of each option, in each group."""
 
-    Parameters = PriorParameters
-    parameters: PriorParameters
+    prior: Pseudocount = 1.0
+    """The expert's score of an option counts as this many rewards of that size [rewards]."""
     counts: Floats  # (G, O) rewards
     means: Floats  # (G, O) of the rewards
     spreads: Floats  # (G, O) sum of squared deviations from the mean
@@ -44,7 +37,7 @@ class ValueTable(DecisionStrategy):
 
     def estimates(self) -> Floats:
         """Return the estimated reward (G, O) of each option: the mean of its rewards and of the expert's score."""
-        return weighted(self.counts, self.means, self.parameters.prior, self.problem.scores)
+        return weighted(self.counts, self.means, self.prior, self.problem.scores)
 
     def _opinions(self, decisions: Decisions) -> Floats:
         return self.estimates()[decisions.groups]
@@ -84,26 +77,19 @@ def weighted(counts: Floats, means: Floats, prior: float, scores: Floats) -> Flo
     return np.where(known, values, scores)
 
 
-class EpsilonGreedyParameters(PriorParameters):
-    """How often to explore."""
+@STRATEGIES.register
+class EpsilonGreedy(ValueTable):
+    """Epsilon-greedy (Auer, Cesa-Bianchi & Fischer 2002, doi:10.1023/A:1013689704352, section 2)."""
 
     epsilon: Share = 0.1
     """Probability of taking any option that can serve, each with equal probability [-]."""
     decay: NonNegative = 0.0
     """Rate at which this probability falls, as epsilon * exp(-decay * number of rewards) [1/reward]."""
-
-
-@STRATEGIES.register
-class EpsilonGreedy(ValueTable):
-    """Epsilon-greedy (Auer, Cesa-Bianchi & Fischer 2002, doi:10.1023/A:1013689704352, section 2)."""
-
-    Parameters = EpsilonGreedyParameters
-    parameters: EpsilonGreedyParameters
     draws_per_decision = 2  # whether to explore, and what
 
     def _select(self, decisions: Decisions) -> Ints:
         rewards = self.counts.sum(axis=1)
-        epsilon = (self.parameters.epsilon * exponentials(-self.parameters.decay * rewards))[decisions.groups]
+        epsilon = (self.epsilon * exponentials(-self.decay * rewards))[decisions.groups]
         greedy = best(self.estimates()[decisions.groups], decisions.allowed)
         anything = even(decisions.allowed)
         option = np.where(decisions.draws[:, 0] < epsilon, drawn(anything, decisions.draws[:, 1]), greedy)
@@ -111,36 +97,28 @@ class EpsilonGreedy(ValueTable):
         return option
 
 
-class GaussianThompsonParameters(PriorParameters):
-    """Prior distribution of the rewards: normal-inverse-gamma around the scores of the expert."""
-
-    prior: Positive = 1.0
-    """Pseudo-count: the expert's score of an option counts as this many rewards of that size [rewards]."""
-    deviation: Positive = 1.0
-    """Expected standard deviation of a reward [reward]."""
-    shape: Positive = 1.0
-    """Half the number of rewards that `deviation` counts as [rewards]."""
-
-
 @STRATEGIES.register
 class GaussianThompson(ValueTable):
     """Thompson sampling for normal rewards of unknown mean and variance (Thompson 1933, doi:10.1093/biomet/25.3-4.285).
 
-    The conjugate prior is normal-inverse-gamma. The mean of an option, given its rewards, has a Student
-    distribution (Gelman et al., Bayesian Data Analysis, section 3.3), from which it is drawn directly.
+    The conjugate prior, around the scores of the expert, is normal-inverse-gamma. The mean of an option, given its
+    rewards, has a Student distribution (Gelman et al., Bayesian Data Analysis, section 3.3), from which it is drawn.
     """
 
-    Parameters = GaussianThompsonParameters
-    parameters: GaussianThompsonParameters
+    prior: Positive = 1.0
+    """The expert's score of an option counts as this many rewards of that size [rewards]."""
+    deviation: Positive = 1.0
+    """Expected standard deviation of a reward [reward]."""
+    shape: Positive = 1.0
+    """Half the number of rewards that `deviation` counts as [rewards]."""
     draws_per_option = 2
 
     def posterior(self) -> tuple[Floats, Floats, Floats]:
         """Return location, scale and degrees of freedom (G, O) of the Student distribution of each option's mean."""
-        settings, counts = self.parameters, self.counts
-        kappa = settings.prior + counts
-        alpha = settings.shape + 0.5 * counts
-        surprise = settings.prior * counts / kappa * (self.means - self.problem.scores) ** 2
-        beta = settings.shape * settings.deviation**2 + 0.5 * (self.spreads + surprise)
+        kappa = self.prior + self.counts
+        alpha = self.shape + 0.5 * self.counts
+        surprise = self.prior * self.counts / kappa * (self.means - self.problem.scores) ** 2
+        beta = self.shape * self.deviation**2 + 0.5 * (self.spreads + surprise)
         return self.estimates(), np.sqrt(beta / (alpha * kappa)), 2.0 * alpha
 
     def _select(self, decisions: Decisions) -> Ints:

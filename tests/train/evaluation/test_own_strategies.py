@@ -27,15 +27,13 @@ PROBLEM = Problem("AvoidCollision", ("Fernandez", "Gradient"), np.array([1.0, 0.
 TEAMS = np.zeros(3, dtype=np.int64)
 OWN = """
 import numpy as np
-from selector.documents.fields import Closed
 from selector.strategies.strategy import DecisionStrategy
 
 class Second(DecisionStrategy):
-    class Parameters(Closed):
-        option: int = 1
+    option: int = 1
 
     def _select(self, decisions):
-        return np.full(len(decisions.rows), self.parameters.option)
+        return np.full(len(decisions.rows), self.option)
 """
 
 
