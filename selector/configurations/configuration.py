@@ -1,21 +1,150 @@
-"""Document model of a mechanism configuration, whose components realise one way to serve a goal.
+"""Document models of networks that sense and act through components; every reference in them is checked.
 
-Mechanisms, targets, sensors, behaviours and goals have names, by which they refer to each other; the files in
-`configs/mechanisms` are examples. `parameters` lists the values that an option may override; `$name` in place of a
-value stands for the parameter of that name.
+A mechanism configuration is such a network, whose components realise one way to serve a goal. Mechanisms, targets,
+sensors, behaviours and goals have names, by which they refer to each other; the files in `configs/mechanisms` are
+examples. `parameters` lists the values that an option may override; `$name` in place of a value stands for the
+parameter of that name.
 """
 
-from collections.abc import Iterable
-from typing import Self
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Annotated, Any, Generic, Literal, Self, TypeVar
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
-from selector.configurations.acting_network import ActingBehaviourSpec, ActingNetworkSpec, must_know
-from selector.documents.fields import Closed, NonNegative
-from selector.vocabulary.components import SensorSpec
-from selector.vocabulary.conditions import AnyCondition, GoalSpec, plain_conditions
+from selector.documents.fields import Closed, Flag, Name, NonNegative, Number
+from selector.vocabulary.components import ActionSpecs, ComponentSpec, MechanismSpec, SensorSpec, TargetSpec
+from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec, plain_conditions
+from selector.vocabulary.settings import SettingsSpec
+from selforg.components import HandOver, Steer
+from selforg.mechanisms import MECHANISMS
 from selforg.network.model.activators import BOOLEAN_RULE
-from selforg.network.model.behaviours import Interface
+from selforg.network.model.behaviours import Behaviour, Goal, Interface, Sensor, SensorKind
+from selforg.network.model.model import NetworkModel
+from selforg.registry import unknown
+
+BESIDE = {Steer.__name__, HandOver.__name__}
+"""Types of the actions that robots do beside what other behaviours command."""
+
+
+class ActingBehaviourSpec(BehaviourSpec):
+    """A behaviour with its actions."""
+
+    action: ActionSpecs
+    """What the behaviour does while it runs: one action or several."""
+
+
+AnySensor = TypeVar("AnySensor")
+AnyBehaviour = TypeVar("AnyBehaviour", bound=ActingBehaviourSpec)
+AnyGoal = TypeVar("AnyGoal", bound=GoalSpec)
+
+
+class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
+    """A network with the components by which it senses and acts; every name to which a component refers exists."""
+
+    description: str = ""
+    """What the network does and where it comes from."""
+    mechanisms: dict[Name, MechanismSpec] = Field(default_factory=dict)
+    """Mechanisms by name."""
+    targets: dict[Name, TargetSpec] = Field(default_factory=dict)
+    """Gradients that queries choose, by name."""
+    knowledge: dict[Name, Flag | Number] = Field(default_factory=dict)
+    """What robots remember for this network, with the first value, which is a fact or a number."""
+    expects: dict[Name, Literal["fact", "number"]] = Field(default_factory=dict)
+    """Names in the memory of the host that the network needs."""
+    sensors: dict[Name, AnySensor] = Field(default_factory=dict)
+    """Sensors by name."""
+    behaviours: Annotated[dict[Name, AnyBehaviour], Field(min_length=1)]
+    """Behaviours by name, in order of registration."""
+    goals: dict[Name, AnyGoal] = Field(default_factory=dict)
+    """Goals inside the network by name."""
+    settings: SettingsSpec = SettingsSpec()
+    """How the network decides."""
+
+    @model_validator(mode="after")
+    def _names_exist(self) -> Self:
+        for name in self.knowledge.keys() & self.expects.keys():
+            raise ValueError(f"expects.{name}: is under knowledge too; expected one of them")
+        for name, mechanism in self.mechanisms.items():
+            if mechanism.type not in MECHANISMS:
+                raise ValueError(f"mechanisms.{name}.type: {unknown('mechanism', mechanism.type, MECHANISMS.names())}")
+        for where, spec in self._components():
+            self._check_component(spec, where)
+        return self
+
+    @property
+    def own_sensors(self) -> dict[str, SensorSpec]:
+        """The sensors that are components of this network."""
+        return {name: spec for name, spec in self.sensors.items() if isinstance(spec, SensorSpec)}
+
+    @property
+    def steers(self) -> bool:
+        """Whether all that the behaviours do is done beside what others command, so that they need no turn."""
+        return all(action.type in BESIDE for behaviour in self.behaviours.values() for action in behaviour.action)
+
+    @property
+    def calls(self) -> tuple[str, ...]:
+        """Names of the host's functions that the behaviours call."""
+        references = (reference for _, spec in self._components() for reference in spec.references())
+        return tuple(name for _, reference, name in references if reference.what == "call")
+
+    @property
+    def buffers(self) -> tuple[str, ...]:
+        """Names of the host's buffers that the network reads or spreads to, sorted."""
+        users: tuple[MechanismSpec | TargetSpec, ...] = (*self.mechanisms.values(), *self.targets.values())
+        return tuple(sorted({spec.buffer for spec in users}))
+
+    def kind_of(self, sensor: SensorSpec) -> SensorKind:
+        """Return the reading of a sensor."""
+        cls = sensor.component
+        if cls.kind_of is None:
+            return cls.kind
+        name = sensor.given[cls.kind_of]
+        if name in self.expects:
+            return self.expects[name]
+        return "fact" if isinstance(self.knowledge[name], bool) else "number"
+
+    def network_sensors(self) -> tuple[Sensor, ...]:
+        """Return the sensors as the behaviour network declares them."""
+        return tuple(Sensor(name, self.kind_of(spec)) for name, spec in self.own_sensors.items())
+
+    def network_behaviours(self) -> tuple[Behaviour, ...]:
+        """Return the behaviours as the behaviour network declares them."""
+        return tuple(spec.build(name) for name, spec in self.behaviours.items())
+
+    def network_goals(self) -> tuple[Goal, ...]:
+        """Return the goals as the behaviour network declares them."""
+        return tuple(spec.build(name) for name, spec in self.goals.items())
+
+    def network_model(self) -> NetworkModel:
+        """Return the behaviour network; ValueError for parts that do not fit together."""
+        return NetworkModel(
+            self.network_sensors(), self.network_behaviours(), self.network_goals(), self.settings.build()
+        )
+
+    def _components(self) -> Iterator[tuple[str, ComponentSpec[Any]]]:
+        """Yield the key and the specification of every sensor and action."""
+        for name, sensor in self.own_sensors.items():
+            yield f"sensors.{name}", sensor
+        for name, behaviour in self.behaviours.items():
+            for index, action in enumerate(behaviour.action):
+                yield f"behaviours.{name}.action{f'.{index}' if index else ''}", action
+
+    def _check_component(self, spec: ComponentSpec[Any], where: str) -> None:
+        """Raise ValueError if the component refers to something that does not exist or is of another kind."""
+        declared: dict[str, Mapping[str, object]] = {
+            "mechanism": self.mechanisms,
+            "target": self.targets,
+            "knowledge": {**self.knowledge, **self.expects},
+        }
+        for parameter, reference, name in spec.references():
+            if reference.what not in declared:
+                continue  # a call: the host is checked for it
+            must_know(reference.what, name, declared[reference.what], f"{where}.{parameter}")
+            if reference.what == "mechanism":
+                given = self.mechanisms[name].type
+                if not issubclass(MECHANISMS.find(given), reference.mechanism):
+                    expected = f"expected {reference.expected}, got {name!r}, which is a {given}"
+                    raise ValueError(f"{where}.{parameter}: {expected}")
 
 
 class PoseSpec(Closed):
@@ -55,3 +184,9 @@ class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec, GoalS
     def interfaces(self) -> tuple[Interface, ...]:
         """Return the preconditions and effects of each behaviour, which the network around the configuration sees."""
         return tuple(Interface(tuple(b.preconditions), tuple(b.effects)) for b in self.network_behaviours())
+
+
+def must_know(what: str, name: str, known: Mapping[str, object], where: str) -> None:
+    """Raise ValueError for a name that is not among the `known`."""
+    if name not in known:
+        raise ValueError(f"{where}: {unknown(what, name, sorted(known))}")

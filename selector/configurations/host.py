@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from selector.configurations.acting_network import ActingNetworkSpec
+from selector.configurations.configuration import ActingNetworkSpec
 from selector.documents.errors import DocumentError
 from selforg.components import RobotMemory
 from selforg.components.actions import Call

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from selector.configurations.acting_network import ActingNetworkSpec
+from selector.configurations.configuration import ActingNetworkSpec
 from selector.configurations.host import Host
 from selector.documents.errors import DocumentError
 from selector.vocabulary.components import ComponentSpec, MechanismSpec, TargetSpec

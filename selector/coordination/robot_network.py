@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from selector.configurations.acting_network import ActingBehaviourSpec, ActingNetworkSpec, must_know
+from selector.configurations.configuration import ActingBehaviourSpec, ActingNetworkSpec, must_know
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name, Share

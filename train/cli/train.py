@@ -56,7 +56,7 @@ def bandit(config: Config, *, given: GivenOptions) -> None:
 def es(config: Config = "es", *, given: GivenOptions) -> None:
     """Train a linear policy by evolution strategies on the costs of whole missions, and export it."""
     check_named(given.directories, training=config)
-    from train.learning.members.es import EsTraining  # imports Numba
+    from train.learning.es import EsTraining  # imports Numba
 
     _train("es", config, given, EsTraining)
 
@@ -66,7 +66,7 @@ def es(config: Config = "es", *, given: GivenOptions) -> None:
 def design(config: Config = "design", *, given: GivenOptions) -> None:
     """Design a finite state machine by iterated races on the costs of whole missions, and export it."""
     check_named(given.directories, training=config)
-    from train.learning.members.design import DesignTraining  # imports Numba
+    from train.learning.design import DesignTraining  # imports Numba
 
     _train("design", config, given, DesignTraining)
 

@@ -19,8 +19,7 @@ from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.deciders.decider import DeciderMaker, columns_of
 from train.deciders.strategies import StrategyDecider
-from train.learning.by_missions import MissionLearning
-from train.learning.by_rewards import Paid, RewardLearning
+from train.learning.lessons import MissionLearning, Paid, RewardLearning
 from train.learning.training import Checkpoint, Training, TrainingJob, expert_knowledge
 
 STRATEGY = "strategy.safetensors"

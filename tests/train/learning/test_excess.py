@@ -8,10 +8,10 @@ import pytest
 
 from tests.train.learning.trainings import job, written
 from train.deciders.rules import RuleDecider
-from train.learning import by_missions
+from train.learning import lessons
 from train.learning.bandit import BanditTraining
 from train.learning.config import load_training
-from train.learning.members.es import EsTraining
+from train.learning.es import EsTraining
 from train.learning.training import LEAST_EXCESS, CheckpointHistory, judged
 
 UNAVOIDABLE = 20.0
@@ -31,7 +31,7 @@ def test_the_best_checkpoint_is_that_of_the_lowest_excess():
 
 def test_bandits_compare_the_excess_of_missions(tmp_path, monkeypatch):
     training = BanditTraining(job(load_training(str(written(tmp_path, "missions")), "bandit"), tmp_path / "run"))
-    monkeypatch.setattr(by_missions, "run_trials", lambda missions, *_: [result(1.0 + k) for k in range(len(missions))])
+    monkeypatch.setattr(lessons, "run_trials", lambda missions, *_: [result(1.0 + k) for k in range(len(missions))])
     scenarios = next(zip(*training.curriculum.scenarios(0), strict=True)) * 2
     costs = training._learning._costs(scenarios, np.zeros((4, 2), dtype=np.int64))
     assert costs.tolist() == [1.0, 2.0, 3.0, 4.0]

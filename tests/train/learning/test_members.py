@@ -14,9 +14,9 @@ from tests.train.learning.trainings import job, written
 from train.deciders.decider import TeamsDecider
 from train.deciders.rules import MachineDecider, RuleDecider
 from train.learning.config import DesignConfig, load_training
-from train.learning.members.design import DesignTraining, MachineSpace
-from train.learning.members.es import EsState, EsTraining, climbed
-from train.learning.members.training import MembersTraining, MemberTask, ObservationScale
+from train.learning.design import DesignTraining, MachineSpace
+from train.learning.es import EsState, EsTraining, climbed
+from train.learning.members import MembersTraining, MemberTask, ObservationScale
 from train.running.processes import Processes
 from train.running.trials import TrialSettings
 

@@ -17,9 +17,9 @@ from selector.strategies.policy_file import Network
 from tests.clean_swarm_env.courses import mission
 from tests.train.learning.trainings import job, written
 from train.learning import session
-from train.learning.by_rewards import Credit
 from train.learning.config import load_training
 from train.learning.curriculum import VALIDATION_SEED, Curriculum
+from train.learning.lessons import Credit
 from train.request import Request
 
 pytest.importorskip("stable_baselines3")

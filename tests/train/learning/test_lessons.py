@@ -12,10 +12,10 @@ from selector.strategies.streams import row_keys
 from tests.train.learning.trainings import job, written
 from train.deciders.decider import TeamsDecider
 from train.deciders.rules import RuleDecider
-from train.learning import by_missions as mission_learning
+from train.learning import lessons as mission_learning
 from train.learning.bandit import BanditTraining
-from train.learning.by_missions import MissionLearning, relative
 from train.learning.config import load_training
+from train.learning.lessons import MissionLearning, relative
 
 SITUATIONS = ("free_far", "carrying_far")
 OPTIONS = ("a", "b", "c")

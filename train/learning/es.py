@@ -22,9 +22,9 @@ from selector.strategies.streams import normals
 from selforg.arrays import Floats, Ints
 from train.deciders.decider import DeciderMaker
 from train.deciders.strategies import PolicyDecider
-from train.learning.by_missions import relative
 from train.learning.config import EsConfig
-from train.learning.members.training import Drawing, MembersTraining, check_lengths
+from train.learning.lessons import relative
+from train.learning.members import Drawing, MembersTraining, check_lengths
 
 POLICY_FOLDER = "policy"
 LEAST_VARIANCE = 1e-3

@@ -28,7 +28,7 @@ from selforg.elementary import logarithms
 from train.deciders.decider import DeciderMaker
 from train.deciders.rules import MachineDecider
 from train.learning.config import DesignConfig
-from train.learning.members.training import Drawing, MembersTraining, ObservationScale
+from train.learning.members import Drawing, MembersTraining, ObservationScale
 from train.learning.racing import race
 
 Thing = TypeVar("Thing")
