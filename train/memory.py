@@ -88,12 +88,6 @@ class Memory:
         """Return the expert knowledge with the present rewards of the store."""
         return self._expert.with_learned(self._store.contents().scores(self._expert, self.context))
 
-    def contexts(self, keys: str | Sequence[str]) -> str | Sequence[str]:
-        """Return the contexts for the keys by which a strategy tells situations apart, one or (R,)."""
-        if isinstance(keys, str):
-            return f"{self.context}, {keys}" if keys else self.context
-        return [f"{self.context}, {key}" if key else self.context for key in keys]
-
     def give(self, rewards: Iterable[tuple[str, str, float]]) -> None:
         """Add `rewards` to the store, as goal, option and reward [-], all of them at once."""
         sums: dict[str, RewardSums] = {}

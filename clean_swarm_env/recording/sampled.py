@@ -15,7 +15,6 @@ from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.task_parts import Recorded
 from clean_swarm_env.world.worlds import Worlds
-from selector.coordination.inner_network import at_any_depth
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.network import state as st
@@ -91,7 +90,7 @@ def mind_arrays(worlds: Worlds) -> Iterator[Sampled]:
         for k, content in enumerate(coordinator.contents):
             prefix = f"{coordinator.model.goal}/{coordinator.model.options[k]}"
             yield from _network(robots, prefix, content.network, (number, k))
-    for nested in at_any_depth(worlds.minds.nested):
+    for nested in worlds.minds.nested:
         yield from _network(robots, nested.name, nested.network)
 
 
@@ -101,7 +100,7 @@ def networks_of(worlds: Worlds) -> dict[str, Any]:
     for c in worlds.coordinators:
         names = zip(c.model.options, c.contents, strict=True)
         found |= {f"{c.model.goal}/{name}": content.network for name, content in names}
-    found |= {nested.name: nested.network for nested in at_any_depth(worlds.minds.nested)}
+    found |= {nested.name: nested.network for nested in worlds.minds.nested}
     return {
         "terms": BEHAVIOUR_TERMS,
         "reasons": [st.WORDS[code] for code in range(len(st.WORDS))],

@@ -9,7 +9,7 @@ from clean_swarm_env.config.events import join_time
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
-from selector.coordination.inner_network import InnerNetwork, at_any_depth
+from selector.coordination.inner_network import InnerNetwork
 from selforg.network.explanation import Explanation, explain
 from selforg.network.network import BehaviourNetwork
 
@@ -96,7 +96,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
         {c.model.goal: c.model.options[c.held[row]] for c in worlds.coordinators},
         explain(worlds.network, row),
         tuple(_coordinated(coordinator, row) for coordinator in worlds.coordinators),
-        tuple(Nested(one.name, _inner_step(one, one.network, row)) for one in at_any_depth(worlds.minds.nested)),
+        tuple(Nested(one.name, _inner_step(one, one.network, row)) for one in worlds.minds.nested),
     )
 
 

@@ -35,10 +35,9 @@ class ActingBehaviourSpec(BehaviourSpec):
 
 AnySensor = TypeVar("AnySensor")
 AnyBehaviour = TypeVar("AnyBehaviour", bound=ActingBehaviourSpec)
-AnyGoal = TypeVar("AnyGoal", bound=GoalSpec)
 
 
-class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
+class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour]):
     """A network with the components by which it senses and acts; every name to which a component refers exists."""
 
     description: str = ""
@@ -55,7 +54,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
     """Sensors by name."""
     behaviours: Annotated[dict[Name, AnyBehaviour], Field(min_length=1)]
     """Behaviours by name, in order of registration."""
-    goals: dict[Name, AnyGoal] = Field(default_factory=dict)
+    goals: dict[Name, GoalSpec] = Field(default_factory=dict)
     """Goals inside the network by name."""
     settings: SettingsSpec = SettingsSpec()
     """How the network decides."""
@@ -156,7 +155,7 @@ class PoseSpec(Closed):
     """Goal radius [m]."""
 
 
-class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec, GoalSpec]):
+class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec]):
     """The components of one configuration, after every `$name` was replaced."""
 
     pose: PoseSpec = PoseSpec()

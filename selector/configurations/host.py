@@ -19,7 +19,7 @@ from selforg.randomness import DirectionStream
 from selforg.registry import unknown
 from selforg.space import Euclidean
 
-AnySpec = ActingNetworkSpec[Any, Any, Any]
+AnySpec = ActingNetworkSpec[Any, Any]
 
 
 @dataclass(frozen=True)

@@ -34,11 +34,9 @@ class RunningConfiguration:
 
     """
 
-    spec: Annotated[ActingNetworkSpec[Any, Any, Any], READ]
+    spec: Annotated[ActingNetworkSpec[Any, Any], READ]
 
-    def __init__(
-        self, spec: ActingNetworkSpec[Any, Any, Any], host: Host, where: str, *, explained: bool = False
-    ) -> None:
+    def __init__(self, spec: ActingNetworkSpec[Any, Any], host: Host, where: str, *, explained: bool = False) -> None:
         self.spec, self._host, self._where = spec, host, where
         host.check(spec, where)
         self._memory = RobotMemory(host.rows, spec.knowledge)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from typing import Annotated
 
 import numpy as np
@@ -33,7 +32,6 @@ class InnerNetwork:
     Attributes:
         name: the behaviours around and the holder, as in `Tidy/Approach`.
         configuration: the network at work with its components.
-        inner: the networks inside its own behaviours.
 
     """
 
@@ -56,7 +54,6 @@ class InnerNetwork:
         self.configuration = RunningConfiguration(held.spec, host, f"network in {self.name}", explained=explained)
         self._outside, self._inside = held.shared_columns(parent.model)
         self._all = np.arange(parent.rows)
-        self.inner = inner_networks(held, self.network, host, (*path, holder), explained=explained)
 
     @property
     def network(self) -> BehaviourNetwork:
@@ -64,11 +61,9 @@ class InnerNetwork:
         return self.configuration.network
 
     def reset(self, rows: Ints) -> None:
-        """Clear network and memory of `rows` (K,), and those of the networks inside."""
+        """Clear network and memory of `rows` (K,)."""
         self.network.reset(rows)
         self.configuration.forget(rows)
-        for inner in self.inner:
-            inner.reset(rows)
 
     def act(self, now: float, commands: Commands) -> None:
         """Sense, decide and act at `now` [s] where the parent runs the holder; movements go into `commands`."""
@@ -80,33 +75,25 @@ class InnerNetwork:
             self.configuration.robots.sense(now, rows)
             self.network.step(rows, guarantee=True)
             self.configuration.robots.act(now, rows, commands)
-        for inner in self.inner:
-            inner.act(now, commands)
 
     def steer(self, now: float, commands: Commands) -> None:
         """Change `commands` at `now` [s], once all movements of the robots are known."""
         self.configuration.robots.steer(now, commands)
-        for inner in self.inner:
-            inner.steer(now, commands)
 
     def leave(self, now: float) -> None:
         """Spread and deposit, at `now` [s], what others perceive from the next control period on."""
         self.configuration.robots.leave(now)
-        for inner in self.inner:
-            inner.leave(now)
 
 
 def inner_networks(
     robot: RobotNetwork, parent: BehaviourNetwork, host: Host, path: tuple[str, ...] = (), *, explained: bool = False
 ) -> tuple[InnerNetwork, ...]:
-    """Return the networks inside the behaviours of a robot, in the order of its document; `parent` runs the root."""
-    return tuple(
-        InnerNetwork(held, holder, parent, host, path, explained=explained) for holder, held in robot.inner.items()
-    )
+    """Return the networks inside the behaviours of a robot at any depth, each before those inside it.
 
-
-def at_any_depth(networks: Iterable[InnerNetwork]) -> Iterator[InnerNetwork]:
-    """Yield networks and all networks inside them, from the outside in."""
-    for network in networks:
-        yield network
-        yield from at_any_depth(network.inner)
+    They are in the order of the document of the robot; `parent` runs its root.
+    """
+    found: list[InnerNetwork] = []
+    for holder, held in robot.inner.items():
+        inner = InnerNetwork(held, holder, parent, host, path, explained=explained)
+        found += [inner, *inner_networks(held, inner.network, host, (*path, holder), explained=explained)]
+    return tuple(found)

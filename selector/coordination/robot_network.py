@@ -6,7 +6,7 @@ The cleaning robot's document is `configs/robots/cleaning.yaml`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -14,11 +14,11 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from selector.configurations.configuration import ActingBehaviourSpec, ActingNetworkSpec, must_know
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, Name, Share
+from selector.documents.fields import Closed, Name
 from selector.vocabulary.components import ActionSpecs, SensorSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
-from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
+from selforg.network.model.behaviours import Behaviour, NetworkSettings, Sensor
 from selforg.network.model.model import NestedModel, NetworkModel
 from selforg.registry import unknown
 
@@ -62,17 +62,6 @@ class HoldingBehaviourSpec(BehaviourSpec):
         return model.behaviour(plain)
 
 
-class ReachableGoalSpec(GoalSpec):
-    """A goal that may count as reached before it is fully satisfied."""
-
-    satisfaction_threshold: Share = 1.0
-    """Satisfaction from which the goal counts as reached [-]."""
-
-    def build(self, name: str) -> Goal:
-        """Return the goal under a name."""
-        return replace(super().build(name), satisfaction_threshold=self.satisfaction_threshold)
-
-
 class NetworkSpec(Closed):
     """The root network, after names of conditions were replaced."""
 
@@ -82,7 +71,7 @@ class NetworkSpec(Closed):
     """Conditions by name."""
     behaviours: Annotated[dict[Name, HoldingBehaviourSpec], Field(min_length=1)]
     """Behaviours by name, in order of registration."""
-    goals: dict[Name, ReachableGoalSpec] = Field(default_factory=dict)
+    goals: dict[Name, GoalSpec] = Field(default_factory=dict)
     """Goals by name."""
     settings: SettingsSpec = SettingsSpec()
     """How it decides."""
@@ -125,7 +114,7 @@ InnerSensor = Annotated[
 """Kind of the sensor of that name in the network around, or a sensor component."""
 
 
-class InnerNetworkSpec(ActingNetworkSpec[InnerSensor, InnerBehaviourSpec, ReachableGoalSpec]):
+class InnerNetworkSpec(ActingNetworkSpec[InnerSensor, InnerBehaviourSpec]):
     """A network inside a behaviour, after names of conditions were replaced."""
 
     conditions: dict[Name, AnyCondition] = Field(default_factory=dict)

@@ -34,7 +34,7 @@ class CoordinatedRobots:
     Attributes:
         network: decides which coordinators run; a host writes the readings of its own sensors into `readings`.
         coordinators: (C,).
-        inner: the networks inside behaviours.
+        inner: the networks inside behaviours at any depth, each before those inside it.
 
     """
 

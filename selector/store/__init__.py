@@ -3,7 +3,6 @@
 from selector.store.errors import StoreError as StoreError
 from selector.store.exact_sums import Moments as Moments
 from selector.store.exact_sums import RewardSums as RewardSums
-from selector.store.knowledge_store import Estimates as Estimates
 from selector.store.knowledge_store import KnowledgeStore as KnowledgeStore
 from selector.store.stored_knowledge import Key as Key
 from selector.store.stored_knowledge import StoredKnowledge as StoredKnowledge

@@ -1,11 +1,9 @@
-"""The knowledge store: atomic updates of learned entries, and estimates as arrays."""
+"""The knowledge store: atomic updates of expert options and learned entries."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 
-import numpy as np
 from sqlalchemy import Connection, Engine, Pool
 from sqlalchemy.exc import ArgumentError
 
@@ -17,25 +15,6 @@ from selector.store.document import as_document
 from selector.store.errors import StoreError, reported
 from selector.store.exact_sums import RewardSums
 from selector.store.stored_knowledge import NO_KNOWLEDGE, Key, LearnedEntry, StoredKnowledge, microseconds, stored
-from selforg.arrays import Flags, Floats, Ints
-
-
-@dataclass(frozen=True)
-class Estimates:
-    """Estimates of the rewards of O options in C contexts, over all sources.
-
-    Attributes:
-        count: (C, O) number of rewards.
-        mean: (C, O) their mean [-]; 0 without rewards.
-        variance: (C, O) their mean squared deviation from the mean; 0 without rewards.
-        known: (C, O) whether there was a reward.
-
-    """
-
-    count: Ints
-    mean: Floats
-    variance: Floats
-    known: Flags
 
 
 class KnowledgeStore:
@@ -98,20 +77,6 @@ class KnowledgeStore:
                 held.update(tables.read_learned(connection, self._corrupt, batch.goal, contexts).learned)
             learned = {key: held[key].plus(entry) if key in held else entry for key, entry in given.items()}
             tables.write(connection, StoredKnowledge(learned=learned))
-
-    def estimates(self, goal: str, options: Sequence[str], contexts: Sequence[str] = ("",)) -> Estimates:
-        """Return the estimates of `options` (O,) for a goal in `contexts` (C,)."""
-        if isinstance(contexts, str):
-            raise ValueError(f"contexts: expected a sequence of contexts, got the text {contexts!r}")
-        with self._reading() as connection:
-            sums = tables.read_learned(connection, self._corrupt, goal, contexts).totals()
-        count = np.zeros((len(contexts), len(options)), dtype=np.int64)
-        mean, variance = np.zeros(count.shape), np.zeros(count.shape)
-        for c, context in enumerate(contexts):
-            for o, option in enumerate(options):
-                if known := sums.get((goal, option, context)):
-                    count[c, o], mean[c, o], variance[c, o] = known.count, known.mean, known.variance
-        return Estimates(count, mean, variance, count > 0)
 
     def put(self, knowledge: Knowledge, *, source: str, updated: int | None = None) -> None:
         """Add expert knowledge; a later score replaces an earlier one.

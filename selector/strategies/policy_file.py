@@ -214,12 +214,11 @@ class Network:
         self._heads = {name: layers.pop(name) for name in spec.heads}
         self._hidden = list(layers.values())
 
-    def outputs(self, context: Floats) -> Floats:
-        """Return the output (K, O) for each observation (K, F): logarithms of probabilities, up to a constant."""
-        return self.heads(context)["options"]
-
     def heads(self, context: Floats) -> dict[str, Floats]:
-        """Return the outputs (K, ...) of each head, of `options` and of `vector`, for each observation (K, F)."""
+        """Return the outputs (K, ...) of each head for each observation (K, F).
+
+        Those of `options` are logarithms of probabilities, up to a constant; those of `vector` are a movement.
+        """
         normal = np.clip((context - self._mean) / self._deviation, -self._clip, self._clip)
         values: Floats32 = normal.astype(np.float32)
         for layer in self._hidden:

@@ -129,8 +129,3 @@ def whole_numbers(name: str, values: npt.ArrayLike, shape: tuple[int, ...], what
         raise ValueError(f"{name}: expected {what} 0..{count - 1}, got {numbers.min()}..{numbers.max()}")
     numbers.flags.writeable = False
     return numbers
-
-
-def canonical_order(groups: Ints, option: Ints, reward: Floats, chance: Floats, context: Floats) -> Ints:
-    """Return an order (K,) that depends on the values only, so that sums over a batch do not depend on row order."""
-    return np.lexsort((*context.T, chance, reward, option, groups))

@@ -1,7 +1,7 @@
 """The base class of decision strategies, which choose options for many robots at once."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, ClassVar, final, get_origin, get_type_hints
 
 import numpy as np
@@ -11,7 +11,7 @@ from pydantic import create_model
 from selector.documents.arrays import Arrays
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
-from selector.strategies.problem import Decisions, Outcomes, Problem, canonical_order, readable, whole_numbers
+from selector.strategies.problem import Decisions, Outcomes, Problem, readable, whole_numbers
 from selector.strategies.streams import Keys, uniforms
 from selforg.arrays import Flags, Floats, Ints
 
@@ -175,7 +175,8 @@ class DecisionStrategy(ABC):
         if count and (likely.min() <= 0.0 or likely.max() > 1.0):
             raise ValueError(f"chance: expected probabilities above 0, got {likely.min()}..{likely.max()}")
         groups = self.group_of[decided]
-        order = canonical_order(groups, chosen, gained, likely, seen)
+        # sums over a batch must not depend on the order of its rows
+        order = np.lexsort((*seen.T, likely, gained, chosen, groups))
         outcomes = Outcomes(groups[order], chosen[order], gained[order], seen[order], likely[order])
         self._update(outcomes)
 
@@ -208,10 +209,6 @@ class DecisionStrategy(ABC):
     def load_state(self, state: Mapping[str, npt.NDArray[Any]]) -> None:
         """Copy a state that `state_dict` of a strategy of the same class and sizes returned."""
         self._load(state, (*self.state_names, *ROW_STATE), spread=False)
-
-    def context_keys(self, context: Floats) -> str | Sequence[str]:
-        """Return the names under which a knowledge store keeps rewards in `context` (K, F): one for all, or (K,)."""
-        return ""
 
     def _prepare(self) -> None:  # noqa: B027  (a hook that may stay empty)
         """Check the parameters and derive values from them; called once, before `_first_state`."""

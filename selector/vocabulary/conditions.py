@@ -172,11 +172,13 @@ class GoalSpec(Closed):
     """Goals of lower priority are given up first [-]."""
     permanent: Flag = True
     """Whether the goal stays enabled when it is satisfied."""
+    satisfaction_threshold: Share = 1.0
+    """Satisfaction from which the goal counts as reached [-]."""
 
     def build(self, name: str) -> behaviours.Goal:
         """Return the goal under a name."""
         trees = tuple(tree_of(spec) for spec in self.conditions)
-        return behaviours.Goal(name, trees, priority=self.priority, permanent=self.permanent)
+        return behaviours.Goal(name, trees, self.priority, self.permanent, self.satisfaction_threshold)
 
 
 def tree_of(spec: AnyCondition) -> conditions.Tree:

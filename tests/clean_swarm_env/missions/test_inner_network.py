@@ -82,7 +82,7 @@ def test_what_lies_in_a_behaviour_moves_the_robots(robot):
     searched, way = ticked(course, 30)
     assert (way[searched.sum(axis=0) > 20] > 1.0).all()
     assert (searched.sum(axis=0) > 20).any()
-    search, pause = course.worlds.minds.nested[0], course.worlds.minds.nested[0].inner[0]
+    search, pause = course.worlds.minds.nested
     roams = search.network.executing[:, 0] == 1
     assert np.array_equal(roams, searched[-1])
     assert np.array_equal(pause.network.executing[:, 0] == 1, search.network.executing[:, 1] == 1)
@@ -93,7 +93,7 @@ def test_a_robot_that_begins_anew_begins_anew_inside(robot):
     course = course_of(robot(nested=True))
     ticked(course, 10)
     course.worlds.minds.reset_rows(np.array([1]))
-    for inner in (course.worlds.minds.nested[0], course.worlds.minds.nested[0].inner[0]):
+    for inner in course.worlds.minds.nested:
         assert not inner.network.executing[1].any()
         assert not inner.network.readings[1].any()
 

@@ -7,7 +7,6 @@ import pytest
 import yaml
 
 from selector.configurations.host import Host, host_memory
-from selector.coordination.inner_network import at_any_depth
 from selector.coordination.robot_document import network_from
 from selector.coordination.robots import CoordinatedRobots
 from selector.documents.errors import DocumentError
@@ -89,7 +88,7 @@ def running(robots):
     """Return the rows in which each behaviour inside runs."""
     return {
         f"{inner.name}/{behaviour.name}": np.flatnonzero(inner.network.executing[:, b]).tolist()
-        for inner in at_any_depth(robots.inner)
+        for inner in robots.inner
         for b, behaviour in enumerate(inner.network.model.behaviours)
     }
 
@@ -102,7 +101,7 @@ def test_what_lies_in_a_behaviour_senses_and_acts_while_it_runs():
     assert commands.commanded.tolist() == [True, False, False]
     assert commands.vectors[0, 0] > 0.0
     assert called == [("ring", [0]), ("say", [0])]
-    tidy, deep = at_any_depth(robots.inner)
+    tidy, deep = robots.inner
     np.testing.assert_array_equal(tidy.network.readings, [[9.0, 1.0, 0.0], [0, 0, 0], [0.0, 0.0, 0.0]])
     assert (tidy.name, deep.name) == ("Tidy", "Tidy/Call")
 

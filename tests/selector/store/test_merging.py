@@ -21,8 +21,8 @@ def learn(store, reward, source):
 
 def known(store):
     """Return count and mean of the rewards of option `a`."""
-    found = store.estimates("G", ["a"])
-    return int(found.count[0, 0]), float(found.mean[0, 0])
+    found = store.contents().totals()["G", "a", ""]
+    return found.count, found.mean
 
 
 def test_what_a_store_holds_already_counts_once(new_store):

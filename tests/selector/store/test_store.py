@@ -40,22 +40,18 @@ def batch(goal, rewards, options=("a", "b"), context=""):
     return made
 
 
-def test_estimates_are_arrays_over_contexts_and_options(new_store):
+def test_totals_are_over_all_sources(new_store):
     store = new_store()
     store.add(batch("G", [("a", 1.0), ("a", 3.0), ("b", -2.0)]), source="run-1")
     store.add(
         batch("G", [("a", 5.0)]), batch("H", [("a", 9.0)]), batch("G", [("b", 1.5)], context="far"), source="run-2"
     )
-    found = store.estimates("G", ["b", "a", "c"], ["", "far"])
-    assert found.count.tolist() == [[1, 3, 0], [1, 0, 0]]
-    assert found.mean.tolist() == [[-2.0, 3.0, 0.0], [1.5, 0.0, 0.0]]
-    assert found.variance.tolist() == [[0.0, 8.0 / 3.0, 0.0], [0.0, 0.0, 0.0]]
-    assert found.known.tolist() == [[True, True, False], [True, False, False]]
-    assert found.count.dtype == np.int64
-    assert store.estimates("none", ["a"]).known.tolist() == [[False]]
-    assert store.estimates("G", []).mean.shape == (1, 0)
-    with pytest.raises(ValueError, match="expected a sequence of contexts, got the text 'far'"):
-        store.estimates("G", ["a"], "far")
+    assert {key: (sums.count, sums.mean, sums.variance) for key, sums in store.contents().totals().items()} == {
+        ("G", "a", ""): (3, 3.0, 8.0 / 3.0),
+        ("G", "b", ""): (1, -2.0, 0.0),
+        ("G", "b", "far"): (1, 1.5, 0.0),
+        ("H", "a", ""): (1, 9.0, 0.0),
+    }
 
 
 def test_an_entry_says_when_it_was_updated_last_and_by_whom(new_store):
@@ -184,7 +180,7 @@ def test_names_that_no_store_takes_are_refused_and_nothing_changes(new_store, na
 def test_the_longest_names_fit(new_store):
     store, name = new_store(), "𐀀" * 120
     store.add(batch(name, [(name, 1.0)], options=(name,), context=name), source=name)
-    assert store.estimates(name, [name], [name]).count.tolist() == [[1]]
+    assert store.contents().totals()[name, name, name].count == 1
 
 
 def test_parameters_that_cannot_be_kept_are_refused(new_store):
@@ -211,11 +207,11 @@ def test_a_forked_process_goes_on_with_a_connection_of_its_own(new_store):
 def test_more_contexts_than_a_query_can_name(new_store):
     store, contexts = new_store(), [f"cell {k}" for k in range(40_000)]
     made = RewardSums("G", ["a"])
-    made.record(np.zeros(3, dtype=int), np.array([1.0, 2.0, 4.0]), [contexts[k] for k in (0, 39_999, 39_999)])
-    store.add(made, source="run")
-    found = store.estimates("G", ["a"], contexts)
-    assert np.flatnonzero(found.known[:, 0]).tolist() == [0, 39_999]
-    assert found.mean[-1, 0] == 3.0
+    made.record(np.zeros(len(contexts), dtype=int), np.ones(len(contexts)), contexts)
+    for _ in range(2):
+        store.add(made, source="run")
+    found = store.contents().totals()
+    assert [found["G", "a", context].count for context in contexts] == [2] * len(contexts)
 
 
 @pytest.mark.parametrize("updated", [-1, 10**18])

@@ -35,8 +35,8 @@ def test_outputs_are_those_of_the_network(tmp_path, activation, hidden):
     network = network_of(tmp_path)
     context = 3 * np.random.default_rng(0).normal(size=(200, 7))
     expected = reference(policy, context)
-    np.testing.assert_allclose(network.outputs(context), expected, atol=1e-4)
-    chosen = network.outputs(context).argmax(axis=1)
+    np.testing.assert_allclose(network.heads(context)["options"], expected, atol=1e-4)
+    chosen = network.heads(context)["options"].argmax(axis=1)
     clear = np.diff(np.sort(expected, axis=1))[:, -1] > 1e-3
     assert clear.sum() > 150
     np.testing.assert_array_equal(chosen[clear], expected.argmax(axis=1)[clear])
@@ -72,7 +72,7 @@ def test_outputs_are_those_of_torch(tmp_path, activation):
     normal = (context - np.array(policy.spec.mean)) / np.sqrt(np.array(policy.spec.variance) + 1e-8)
     with torch.no_grad():
         expected = network(torch.from_numpy(normal.astype(np.float32))).numpy()
-    outputs = network_of(tmp_path).outputs(context)
+    outputs = network_of(tmp_path).heads(context)["options"]
     np.testing.assert_allclose(outputs, expected, atol=2e-6 * np.abs(expected).max())
 
 
@@ -80,17 +80,19 @@ def test_a_row_gets_the_same_bits_alone_and_in_a_batch(tmp_path):
     exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, hidden=(64, 64))
     network = network_of(tmp_path)
     context = np.random.default_rng(0).normal(size=(333, 7))
-    together = network.outputs(context)
+    together = network.heads(context)["options"]
     for row in range(0, 333, 17):
-        np.testing.assert_array_equal(network.outputs(context[row : row + 1])[0], together[row])
+        np.testing.assert_array_equal(network.heads(context[row : row + 1])["options"][0], together[row])
 
 
 def test_other_orders_of_names_give_the_same_decisions(tmp_path):
     exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS)
     turned = Problem("Goal", OPTIONS[::-1], np.zeros(3), OBSERVATIONS[::-1])
     context = np.random.default_rng(0).normal(size=(200, 7))
-    straight = network_of(tmp_path).outputs(context)
-    np.testing.assert_allclose(network_of(tmp_path, turned).outputs(context[:, ::-1])[:, ::-1], straight, atol=1e-5)
+    straight = network_of(tmp_path).heads(context)["options"]
+    np.testing.assert_allclose(
+        network_of(tmp_path, turned).heads(context[:, ::-1])["options"][:, ::-1], straight, atol=1e-5
+    )
 
 
 def test_what_is_written_is_read_again(tmp_path):

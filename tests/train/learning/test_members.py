@@ -104,7 +104,11 @@ def test_evolution_strategies_find_the_linear_rule_that_costs_least(tmp_path, mo
     assert training.scale == ObservationScale(mean=(0.2,) * 7, variance=(0.5,) * 7)
     policy = load_policy(training.export("a command"))
     assert (policy.spec.hidden, policy.spec.training["command"]) == ((), "a command")
-    found = Network(policy.ordered_for(training.problem, "here")).outputs(observed.astype(np.float64)).argmax(axis=1)
+    found = (
+        Network(policy.ordered_for(training.problem, "here"))
+        .heads(observed.astype(np.float64))["options"]
+        .argmax(axis=1)
+    )
     assert (found == best).mean() > 0.9
     decider = training._decider_maker()(training.problem, np.zeros(200, dtype=np.int64))
     assert decider.decide(observed).options.tolist() == found.tolist()
@@ -128,7 +132,7 @@ def test_goals_that_are_decided_as_one_have_weights_of_their_own(tmp_path, monke
     training.advance()
     assert len(training.state.parameters) == (5 + 7) * (len(training.problem.features) + 1)
     policy = load_policy(training.export("a command"))
-    outputs = Network(policy.ordered_for(training.problem, "here")).outputs(observed.astype(np.float64))
+    outputs = Network(policy.ordered_for(training.problem, "here")).heads(observed.astype(np.float64))["options"]
     table = outputs.reshape(-1, 5, 7)  # the sum of two: differences are the same whatever the other goal has
     np.testing.assert_allclose(
         table - table[:, :1], np.broadcast_to((table - table[:, :1])[..., :1], table.shape), atol=1e-4

@@ -31,7 +31,7 @@ def rewards(*given):
 
 
 def count(store):
-    return int(store.estimates("Avoid", ("near",)).count[0, 0])
+    return store.contents().totals()["Avoid", "near", ""].count
 
 
 only_servers = pytest.mark.parametrize("new_url", ["postgres"], indirect=True)
