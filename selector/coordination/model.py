@@ -19,6 +19,7 @@ class CoordinatorModel:
 
     Attributes:
         goal: name of the self-organisation goal.
+        problem: of choosing an option.
         options: (O,) names.
         scores: (O,) of the problem: by the expert, or learned.
         configurations: (O,) documents of the options.
@@ -31,8 +32,8 @@ class CoordinatorModel:
 
     def __init__(self, goal: str, knowledge: Knowledge, library: Library) -> None:
         self.goal = goal
-        self._problem = Problem.of(knowledge, goal)
-        self.options, self.scores = self._problem.options, self._problem.scores
+        self.problem = Problem.of(knowledge, goal)
+        self.options, self.scores = self.problem.options, self.problem.scores
         self.configurations = tuple(library.of_option(option) for option in knowledge.options(goal))
         sensors: dict[str, Sensor] = {}
         for name, configuration in zip(self.options, self.configurations, strict=True):
@@ -48,10 +49,6 @@ class CoordinatorModel:
     def sets_pose(self) -> bool:
         """Whether an option wants radii of its own for the robot's pose."""
         return any(configuration.pose != PoseSpec() for configuration in self.configurations)
-
-    def problem(self, features: tuple[str, ...] = ()) -> Problem:
-        """Return the problem of choosing an option, with `features` (F,) known at a decision."""
-        return replace(self._problem, features=features)
 
     def behaviour(self, declared: Behaviour | None = None) -> Behaviour:
         """Return the coordinator as a behaviour of the network around, with the settings of `declared` if given."""

@@ -37,7 +37,7 @@ class Selection:
         together = np.zeros(self.rows, dtype=np.int64) if teams is None else teams
         self.strategies = tuple(
             spec.build(
-                coordinator.model.problem(),
+                coordinator.model.problem,
                 row_keys(np.random.SeedSequence([seed, c]), self.rows),
                 together,
             )

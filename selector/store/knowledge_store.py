@@ -71,10 +71,7 @@ class KnowledgeStore:
                 key, entry = Key(batch.goal, option, context, source), LearnedEntry(moments, now)
                 given[key] = given[key].plus(entry) if key in given else entry
         with self._writing(StoredKnowledge(learned=given)) as connection:
-            held: dict[Key, LearnedEntry] = {}
-            for batch in batches:
-                contexts = [context for _, context in batch.moments]
-                held.update(tables.read_learned(connection, self._corrupt, batch.goal, contexts).learned)
+            held = tables.read_learned(connection, self._corrupt, {batch.goal for batch in batches}, source).learned
             learned = {key: held[key].plus(entry) if key in held else entry for key, entry in given.items()}
             tables.write(connection, StoredKnowledge(learned=learned))
 

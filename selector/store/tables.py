@@ -1,7 +1,7 @@
 """The tables of a store: their rows are the entries of an exported store; all SQL is here and in `connection`."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Collection
 from typing import Any
 
 from sqlalchemy import (
@@ -16,7 +16,6 @@ from sqlalchemy import (
     Text,
     delete,
     select,
-    true,
 )
 from sqlalchemy.dialects import postgresql, sqlite
 
@@ -24,9 +23,6 @@ from selector.documents.fields import MOST_STORED
 from selector.documents.reading import json_value
 from selector.store.document import FORMAT, as_document, from_document
 from selector.store.stored_knowledge import StoredKnowledge
-
-MOST_NAMED = 500
-"""Most contexts that a query names: databases limit the number, and for more contexts reading all is faster."""
 
 metadata = MetaData()
 meta = Table(
@@ -73,10 +69,9 @@ def read(connection: Connection, where: str) -> StoredKnowledge:
     return from_document({**FORMAT, "expert": options, "learned": entries}, where)
 
 
-def read_learned(connection: Connection, where: str, goal: str, contexts: Sequence[str]) -> StoredKnowledge:
-    """Return the learned entries of a goal in at least the given contexts; errors are those of `read`."""
-    named = learned.c.context.in_(list(contexts)) if len(contexts) <= MOST_NAMED else true()
-    rows = connection.execute(select(learned).where(learned.c.goal == goal, named))
+def read_learned(connection: Connection, where: str, goals: Collection[str], source: str) -> StoredKnowledge:
+    """Return the learned entries of some goals from one source; errors are those of `read`."""
+    rows = connection.execute(select(learned).where(learned.c.goal.in_(goals), learned.c.source == source))
     return from_document({**FORMAT, "expert": {}, "learned": [dict(row._mapping) for row in rows]}, where)
 
 

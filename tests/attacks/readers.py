@@ -14,13 +14,14 @@ from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import coordinated_goals, load_network
 from selector.documents.errors import DocumentError, validated, within
+from selector.documents.find import load_file
 from selector.documents.parameters import check_parameters_used, resolved
 from selector.documents.reading import read_mapping
 from selector.knowledge import load_knowledge
 from selector.store import document
 from selector.strategies.machine_file import load_machine
 from train.learning.config import load_training
-from train.studies.config import load_study
+from train.studies.config import StudyConfig
 
 MOST_SECONDS, MOST_BYTES, MOST_LETTERS = 1.0, 300e6, 1000
 
@@ -48,7 +49,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "mechanisms": read_configuration,
     "missions": lambda path: load_mission(str(path)),
     "robots": read_robot,
-    "studies": lambda path: load_study(str(path)),
+    "studies": lambda path: load_file("studies", str(path), StudyConfig),
     "training": lambda path: load_training(str(path), "bandit"),
 }
 KINDS = tuple(READERS)

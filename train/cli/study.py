@@ -153,12 +153,14 @@ def tune_command(
 ) -> None:
     """Search for parameters and scores of options by missions; a last race on fresh training scenarios decides."""
     check_named(given.directories, studies=study)
-    from train.studies.config import load_study, study_versions
+    from selector.documents.find import load_file
+    from train.studies.config import StudyConfig, study_versions
 
     study_versions()  # a missing package is an error of one line
     from train.studies.study import run_study
 
-    raise typer.Exit(run_study(load_study(study, given.directories), given.request(study), wide_console()))
+    config = load_file("studies", study, StudyConfig, given.directories)
+    raise typer.Exit(run_study(config, given.request(study), wide_console()))
 
 
 @asking("seed", "knowledge", "store", *KEEPING)

@@ -10,6 +10,7 @@ O options.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -58,7 +59,7 @@ class DecidedGoal:
         self.parts = tuple(tuple(models[name].options) for name in names)
         self._default, self._recorder, self._mode = batch.choices.default, batch.recorder, batch.action.mode
         self.goals, self.worlds = len(self._default), batch.worlds
-        self.problem = models[names[0]].problem(batch.observer.names)
+        self.problem = replace(models[names[0]].problem, features=batch.observer.names)
         if len(names) > 1:
             options = tuple(JOINT.join(each) for each in product(*self.parts))
             scores = np.array([sum(each) for each in product(*(models[name].scores for name in names))])

@@ -185,7 +185,7 @@ def _taken(request: TaskRun, mission: MissionConfig, known: Knowledge) -> tuple[
     """Return the goal of the task, and the option that serves it: the given one, or that of the highest score."""
     model = coordinators_of(mission, known, library_of(request.directories), request.directories)[0]
     if request.option is None:
-        best = MaxScore(model.problem(), np.zeros(1, dtype=np.uint64)).select(np.zeros((1, 0)))[0]
+        best = MaxScore(model.problem, np.zeros(1, dtype=np.uint64)).select(np.zeros((1, 0)))[0]
         return model.goal, model.options[best]
     if request.option not in model.options:
         raise ConfigurationError(f"goal {model.goal}: {unknown('option', request.option, model.options)}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -11,7 +9,6 @@ from pydantic import Field, model_validator
 from clean_swarm_env.config.types import Scenarios
 from selector.documents.errors import impossible
 from selector.documents.fields import LARGEST_NUMBER, Closed, DocumentName, Flag, Label, Name, Number, Positive
-from selector.documents.find import load_file
 from train.learning.racing import RaceConfig
 from train.running.run_folder import versions
 
@@ -117,11 +114,6 @@ class StudyConfig(Closed):
     def methods(self) -> tuple[Method, ...]:
         """The method, and random search beside it."""
         return (self.method,) if self.method == RANDOM else (self.method, RANDOM)
-
-
-def load_study(name: str, directories: Sequence[Path] = ()) -> StudyConfig:
-    """Return the study of a name, in `directories` or among those that ship, or of a path to a YAML file."""
-    return load_file("studies", name, StudyConfig, directories)
 
 
 def study_versions() -> dict[str, str]:

@@ -57,13 +57,14 @@ class Arm:
     """Candidates that no race dropped, best first."""
 
 
-class ElitesSampler(BaseSampler):  # type: ignore[misc]
+class ElitesSampler(RandomSampler):  # type: ignore[misc]
     """MAP-Elites (Mouret and Clune 2015, arXiv:1504.04909) by pyribs, on the unit cube of the dimensions.
 
     Elites vary along the lines between them (Vassiliades and Mouret 2018, doi:10.1145/3205455.3205602).
     """
 
     def __init__(self, space: StudySpace, study: StudyConfig, seed: int) -> None:
+        super().__init__(seed)
         self._dimensions, size = dict(zip(space.names, space.dimensions, strict=True)), len(space.dimensions)
         self._archive = empty_archive(study.archive, size)
         self._emitter = IsoLineEmitter(
@@ -76,16 +77,6 @@ class ElitesSampler(BaseSampler):  # type: ignore[misc]
             seed=seed,
         )
         self._asked: list[Floats] = []
-
-    def infer_relative_search_space(self, study: optuna.Study, trial: FrozenTrial) -> dict[str, BaseDistribution]:
-        """Return nothing: each parameter is read from the point of the trial."""
-        return {}
-
-    def sample_relative(
-        self, study: optuna.Study, trial: FrozenTrial, search_space: dict[str, BaseDistribution]
-    ) -> dict[str, Any]:
-        """Return nothing; see above."""
-        return {}
 
     def sample_independent(
         self, study: optuna.Study, trial: FrozenTrial, param_name: str, param_distribution: BaseDistribution
@@ -156,7 +147,10 @@ class CandidateSearch:
             able = [candidate for candidate in batch if not self._space.mistake(candidate.goals)]
             best = self._best(race([*best, *able], self._measure(SEARCH), study.race)) if able else best
             for proposal, candidate in zip(asked, batch, strict=True):
-                trial = self._trial(candidate) if candidate in able else StudyTrial(candidate)
+                trial = StudyTrial(candidate)
+                if candidate in able:
+                    means = tuple(self.means(candidate).tolist())
+                    trial = StudyTrial(candidate, means, self._field.asked(SEARCH, candidate))
                 proposal.set_user_attr(MEANS, trial.means)
                 values = [trial.means[k] for k in self._counting] if trial.means else None
                 proposals.tell(proposal, values, TrialState.COMPLETE if values else TrialState.FAIL)
@@ -187,9 +181,6 @@ class CandidateSearch:
         dimensions = zip(self._space.names, self._space.dimensions, strict=True)
         values = tuple(dimension.plain(proposed[key]) for key, dimension in dimensions)
         return Candidate(name, self._space.goals_with(values), values)
-
-    def _trial(self, candidate: Candidate) -> StudyTrial:
-        return StudyTrial(candidate, tuple(self.means(candidate).tolist()), self._field.asked(SEARCH, candidate))
 
     def _best(self, left: Iterable[Candidate]) -> list[Candidate]:
         """Return the best of the candidates that are left, at most as many as there are finalists."""

@@ -350,7 +350,7 @@ def test_learned_scores_become_expert_knowledge_that_a_mission_names(run, tmp_pa
     batch = Batch(load_mission("hut", [tmp_path / "my"]), directories=(tmp_path / "my",))
     model = batch.worlds.coordinators[0].model
     assert model.options[int(batch.choices.default[0])] == NEAR
-    assert model.problem().rewards[0].tolist() == [ENOUGH, 1, 2 * ENOUGH]
+    assert model.problem.rewards[0].tolist() == [ENOUGH, 1, 2 * ENOUGH]
 
 
 def test_a_mission_names_its_store(run, tmp_path):

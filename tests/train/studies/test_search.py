@@ -8,11 +8,12 @@ import pytest
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
+from selector.documents.find import load_file
 from train.learning.racing import front
 from train.running.engine import in_turn
 from train.running.finished_runs import Results
 from train.running.run_folder import RunFolder
-from train.studies.config import Method, load_study
+from train.studies.config import Method, StudyConfig
 
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
@@ -25,7 +26,7 @@ from train.studies.space import StudySpace
 
 def search_of(configs, folder, make=synthetic, **changes):
     """Return the search of a study without missions, and its field."""
-    study = load_study("planted", [configs]).model_copy(update=changes)
+    study = load_file("studies", "planted", StudyConfig, [configs]).model_copy(update=changes)
     family = load_family("small", [configs])
     space = StudySpace(study, knowledge_of(family.mission, [configs]), (configs,))
     results = Results(RunFolder(folder, {"identity": {}}, resume=False))

@@ -5,8 +5,9 @@ import pytest
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
+from selector.documents.find import load_file
 from selector.knowledge import load_knowledge
-from train.studies.config import StudyConfig, load_study
+from train.studies.config import StudyConfig
 
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 
@@ -15,7 +16,7 @@ from train.studies.space import StudySpace
 
 
 def space_of(configs, space, **changes):
-    study = load_study("planted", [configs])
+    study = load_file("studies", "planted", StudyConfig, [configs])
     content = {**study.model_dump(), "space": {"AvoidCollision": space}, **changes}
     known = knowledge_of(load_family("small", [configs]).mission, [configs])
     return StudySpace(StudyConfig.model_validate(content), known, (configs,))

@@ -10,6 +10,7 @@ pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
 from clean_swarm_env.config.types import ConfigurationError
+from selector.documents.find import load_file
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore
 from tests.train.commands import run
@@ -20,7 +21,7 @@ from train.running.bits import WorkerBits
 from train.running.commands import FINISHED, INTERRUPTED
 from train.running.needs import Machine
 from train.running.run_folder import WORKERS, RunFolder, read_manifest
-from train.studies.config import load_study
+from train.studies.config import StudyConfig
 from train.studies.study import run_study
 
 CONSOLE = Console(quiet=True)
@@ -34,7 +35,7 @@ def request_of(configs, output, **more):
 
 def studied(request, make, **changes):
     """Do the planted study with some changes; return the exit code."""
-    study = load_study("planted", request.directories).model_copy(update=changes)
+    study = load_file("studies", "planted", StudyConfig, request.directories).model_copy(update=changes)
     return run_study(study, request, CONSOLE, make)
 
 

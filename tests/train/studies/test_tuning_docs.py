@@ -6,9 +6,10 @@ import shlex
 
 import pytest
 
+from selector.documents.find import load_file
 from tests.paths import ROOT
 from tests.train.commands import run
-from train.studies.config import load_study
+from train.studies.config import StudyConfig
 
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
@@ -39,4 +40,4 @@ def test_the_commands_run_in_their_order(monkeypatch, tmp_path, capsys):
 
 
 def test_the_shipped_study_can_be_read():
-    assert load_study("keep-apart").method == "TPE"
+    assert load_file("studies", "keep-apart", StudyConfig).method == "TPE"
