@@ -8,7 +8,7 @@ from typing import Any
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
-from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.errors import DocumentError, shown, validated, within
 from selector.documents.find import files_of
 from selector.documents.parameters import check_parameters_used, declared_parameters, resolved
 from selector.documents.reading import read_mapping
@@ -37,10 +37,8 @@ class Library:
         self._documents: dict[str, dict[str, Any]] = {key: read_mapping(path) for key, path in self._paths.items()}
         for key, path in self._paths.items():
             self.configuration(key)
-            try:
+            with within(shown(path)):
                 check_parameters_used(self._documents[key])
-            except DocumentError as error:
-                raise DocumentError(f"{shown(path)}: {error}") from error
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -52,10 +50,8 @@ class Library:
         if key not in self._paths:
             raise DocumentError(unknown("configuration", key, self.keys))
         where = shown(self._paths[key])
-        try:
+        with within(where):
             content = resolved(self._documents[key], parameters or {})
-        except DocumentError as error:
-            raise DocumentError(f"{where}: {error}") from error
         configuration = validated(ConfigurationSpec, content, where)
         RunningConfiguration(configuration, trial_host(configuration), where)
         return configuration
@@ -73,10 +69,8 @@ class Library:
         """Raise DocumentError, which names file, goal and option, for an option of `knowledge` that cannot be built."""
         for goal in knowledge.goals:
             for option in knowledge.options(goal):
-                try:
+                with within(f"{knowledge.source}: goals.{goal}.{option.name}"):
                     self.of_option(option)
-                except DocumentError as error:
-                    raise DocumentError(f"{knowledge.source}: goals.{goal}.{option.name}: {error}") from error
 
 
 @cache

@@ -9,7 +9,7 @@ import numpy as np
 
 from selector.configurations.configuration import ActingNetworkSpec
 from selector.configurations.host import Host
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, within
 from selector.vocabulary.components import ComponentSpec, MechanismSpec, TargetSpec
 from selector.vocabulary.constructors import Reference, checked_parameters
 from selforg.arrays import READ, Ints
@@ -51,10 +51,8 @@ class RunningConfiguration:
             name: [self._component(f"behaviours.{name}.action", action) for action in behaviour.action]
             for name, behaviour in spec.behaviours.items()
         }
-        try:
+        with within(where):
             network = BehaviourNetwork(spec.network_model(), host.rows, explained=explained)
-        except ValueError as error:
-            raise DocumentError(f"{where}: {error}") from error
         self.robots = OrganisedRobots(network, sensors, actions, host.poses.space.dim)
         self._steering = [m for m in self.mechanisms.values() if isinstance(m, SteeringMechanism)]
         self._kept = [source for source in self._movements.values() if source.hold > 0.0]
@@ -97,10 +95,8 @@ class RunningConfiguration:
         for given, value in (("directions", self._host.directions), ("generators", self._host.generators)):
             if given in parameters_of(cls):
                 arguments[given] = value
-        try:
+        with within(f"{where}.parameters"):
             made = MECHANISMS.create(declared.type, self._host.buffers[declared.buffer], **arguments)
-        except ValueError as error:
-            raise DocumentError(f"{where}.parameters: {error}") from error
         if isinstance(known, str) and isinstance(made, DecisionMechanism):
             self._first_values.append((made, self._remembered(known)))
         return made
@@ -113,10 +109,8 @@ class RunningConfiguration:
         arguments = spec.given
         for parameter, reference, name in spec.references():
             arguments[parameter] = self._referred(reference, name)
-        try:
+        with within(f"{self._where}: {key}"):
             return spec.component(**arguments)
-        except ValueError as error:
-            raise DocumentError(f"{self._where}: {key}: {error}") from error
 
     def _referred(self, reference: Reference, name: str) -> object:
         """Return what a name refers to, of the type that the component takes."""

@@ -34,7 +34,7 @@ from typing import Any
 from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.robot_network import Coordinators, InnerNetworkSpec, NetworkSpec, RobotNetwork
-from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.errors import DocumentError, shown, validated, within
 from selector.documents.fields import Closed, Name
 from selector.documents.parameters import Content, check_parameters_used, resolved
 from selector.documents.plain import short
@@ -89,11 +89,9 @@ def network_from(
     settings: NetworkSettings | None = None,
 ) -> RobotNetwork:
     """Return the root network of the content of a YAML file; `where` names the file in errors."""
-    try:
+    with within(where):
         check_parameters_used(content)
         filled = resolved(content, parameters or {})
-    except DocumentError as error:
-        raise DocumentError(f"{where}: {error}") from error
     file = validated(NetworksSpec, filled, where)
     return _Nesting(file.networks, where, coordinators or {}, settings).of(file.root, {}, ())
 
@@ -149,14 +147,10 @@ class _Nesting:
         )
         inner = {b: held.network for b, held in spec.behaviours.items() if held.network is not None}
         held = {b: self.of(other, named, (*path, name)) for b, other in inner.items()}
-        try:
-            if isinstance(spec, NetworkSpec):
-                model = spec.build(self.coordinators, self.settings)
-                return RobotNetwork(model, held, during=spec.during)
-        except ValueError as error:
-            raise DocumentError(f"{where}: {error}") from error
-        model = RunningConfiguration(spec, trial_host(spec), where).network.model
-        try:
-            return RobotNetwork(model, held, frozenset(spec.own_sensors), spec=spec)
-        except ValueError as error:
-            raise DocumentError(f"{where}: {error}") from error
+        if isinstance(spec, InnerNetworkSpec):
+            model = RunningConfiguration(spec, trial_host(spec), where).network.model
+            with within(where):
+                return RobotNetwork(model, held, frozenset(spec.own_sensors), spec=spec)
+        with within(where):
+            model = spec.build(self.coordinators, self.settings)
+            return RobotNetwork(model, held, during=spec.during)

@@ -22,24 +22,16 @@ class Selection:
         coordinators: the coordinators whose options are chosen.
         seed: of all random numbers; rows draw independently of each other.
         spec: the strategy.
-        teams: (R,) team of each row, for strategies whose estimates a team shares; all rows are one team unless given.
 
     """
 
-    def __init__(
-        self,
-        coordinators: Sequence[Coordinator],
-        seed: int,
-        spec: StrategySpec = BY_SCORE,
-        teams: Ints | None = None,
-    ) -> None:
+    def __init__(self, coordinators: Sequence[Coordinator], seed: int, spec: StrategySpec = BY_SCORE) -> None:
         self.rows = len(coordinators[0].held)
-        together = np.zeros(self.rows, dtype=np.int64) if teams is None else teams
         self.strategies = tuple(
             spec.build(
                 coordinator.model.problem,
                 row_keys(np.random.SeedSequence([seed, c]), self.rows),
-                together,
+                np.zeros(self.rows, dtype=np.int64),
             )
             for c, coordinator in enumerate(coordinators)
         )

@@ -64,10 +64,10 @@ def one_line(error: ValidationError, where: str) -> str:
 
 @contextmanager
 def within(where: str) -> Iterator[None]:
-    """Let every DocumentError begin with `where`, the file or the key that led to the mistake."""
+    """Let every mistake be a DocumentError that begins with `where`, the file or the key that led to it."""
     try:
         yield
-    except DocumentError as error:
+    except ValueError as error:
         raise DocumentError(f"{where}: {error}") from error
 
 

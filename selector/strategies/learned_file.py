@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from selector.documents.arrays import check_same_names, load_arrays, save_arrays
-from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.errors import DocumentError, shown, validated, within
 from selector.documents.fields import Closed, Name
 from selector.strategies.registry import StrategySpec
 from selector.strategies.strategy import ROW_STATE, DecisionStrategy
@@ -80,13 +80,11 @@ def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
         if wanted != held:
             expected = f"expected the order {', '.join(wanted)}"
             raise DocumentError(f"{where}: {what}: {expected}, got {', '.join(held)}")
-    try:
+    with within(where):
         if whole:
             strategy.load_state(arrays)
         else:
             strategy.load_learned({name: array for name, array in arrays.items() if name not in ROW_STATE})
-    except ValueError as error:
-        raise DocumentError(f"{where}: {error}") from error
 
 
 def description_of(path: Path) -> LearnedDescription:

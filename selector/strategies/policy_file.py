@@ -18,14 +18,13 @@ import safetensors
 import safetensors.numpy
 from pydantic import Field, model_validator
 
-from selector.documents.arrays import check_known, check_same_names
+from selector.documents.arrays import check_same_names
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, JointName, Name, Number, Positive
 from selector.documents.find import find_file
 from selector.documents.plain import plain
 from selector.documents.reading import read_bytes, read_json
 from selector.documents.writing import write_whole
-from selector.strategies.problem import Problem
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel
 from selforg.elementary import hyperbolic_tangent
@@ -99,42 +98,6 @@ class TrainedPolicy:
 
     spec: PolicySpec
     weights: dict[str, Floats32]
-
-    def ordered_for(self, problem: Problem, where: str) -> "TrainedPolicy":
-        """Return the policy with inputs and outputs in the order of `problem`; one without options keeps its outputs.
-
-        Options for which it was not trained get the least output: they are taken only where no other can serve.
-
-        Raises:
-            DocumentError: the goal differs, the policy has an option that `problem` lacks, or an observation exists on
-                one side only.
-
-        """
-        spec = self.spec
-        if spec.options and spec.goal != problem.goal:
-            raise DocumentError(f"{where}: goal: expected {problem.goal}, got {spec.goal}")
-        check_known(where, "options", problem.options, spec.options)
-        check_same_names(where, "observations", problem.features, spec.observations)
-        inputs = [spec.observations.index(name) for name in problem.features]
-        trained = [k for k, name in enumerate(problem.options) if name in spec.options]
-        outputs = [spec.options.index(problem.options[k]) for k in trained]
-        weights = dict(self.weights)
-        first = f"{spec.layers()[0][0]}.weight"
-        weights[first] = weights[first][:, inputs]
-        least = {"options.weight": 0.0, "options.bias": np.finfo(np.float32).min}
-        for name, unknown in least.items() if spec.options else ():
-            widened = np.full((len(problem.options), *weights[name].shape[1:]), unknown, dtype=np.float32)
-            widened[trained] = weights[name][outputs]
-            weights[name] = widened
-        ordered = spec.model_copy(
-            update={
-                "options": problem.options if spec.options else (),
-                "observations": problem.features,
-                "mean": tuple(spec.mean[k] for k in inputs),
-                "variance": tuple(spec.variance[k] for k in inputs),
-            }
-        )
-        return TrainedPolicy(ordered, weights)
 
 
 def save_policy(directory: Path, policy: TrainedPolicy) -> None:

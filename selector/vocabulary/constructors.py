@@ -15,7 +15,7 @@ import numpy.typing as npt
 from pydantic import AfterValidator, BaseModel, Field, create_model
 
 from selector.documents import fields
-from selector.documents.errors import DocumentError, validated
+from selector.documents.errors import validated, within
 from selforg import parameters as declared
 from selforg.components import DecisionSource, GoalSource, MovementSource, Remembered
 from selforg.components.actions import Call
@@ -117,10 +117,8 @@ def checked_parameters(cls: type, given: Mapping[str, Any], where: str) -> dict[
 
     """
     checked = validated(model_of(cls), dict(given), where)
-    try:
+    with within(where):
         return arguments_of(checked)
-    except ValueError as error:
-        raise DocumentError(f"{where}: {error}") from error
 
 
 def arguments_of(checked: BaseModel) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.arrays import check_known
+from selector.documents.errors import DocumentError
 from selector.strategies.choosing import shares
 from selector.strategies.policy_file import Network, TrainedPolicy
 from selector.strategies.problem import Problem
@@ -62,15 +63,22 @@ class StrategyDecider(OptionDecider):
         return options
 
 
+LEAST = float(np.finfo(np.float32).min)
+"""Output of options that a network was not trained for: they are taken only where no other can serve."""
+
+
 class PolicyDecider(Decider):
     """A trained network: the likeliest option, a movement vector, or both."""
 
     def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints) -> None:
         super().__init__(problem, teams)
-        names = policy.spec.observations
-        check_known("policy", "options", problem.options, policy.spec.options)
-        self._columns = columns_of(problem, names, "policy: observations")
-        self._network = Network(policy.ordered_for(replace(problem, features=names), "policy"))
+        spec = policy.spec
+        check_known("policy", "options", problem.options, spec.options)
+        if spec.options and spec.goal != problem.goal:
+            raise DocumentError(f"policy: goal: expected {problem.goal}, got {spec.goal}")
+        self._columns = columns_of(problem, spec.observations, "policy: observations")
+        self._places = [problem.options.index(name) for name in spec.options]
+        self._network = Network(policy)
 
     def opinions(self) -> Floats:
         """Return the probabilities (R, O) of the network."""
@@ -79,5 +87,6 @@ class PolicyDecider(Decider):
     def _decide(self, observations: Observations) -> Decided:
         rows = len(observations)
         heads = self._network.heads(observations[:, self._columns].astype(np.float64))
-        self._outputs = heads.get("options", np.zeros((rows, len(self.problem.options))))
+        self._outputs = np.full((rows, len(self.problem.options)), LEAST)
+        self._outputs[:, self._places] = heads.get("options", np.zeros((rows, 0)))
         return Decided(self._outputs.argmax(axis=1), heads.get("vector", np.zeros((rows, 2))))

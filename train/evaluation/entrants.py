@@ -13,7 +13,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observer
 from clean_swarm_env.world.task import task_class
-from selector.documents.errors import DocumentError
+from selector.documents.errors import within
 from selector.documents.fields import JOINT
 from selector.documents.trust import BASELINE
 from selector.strategies.problem import Problem
@@ -76,13 +76,11 @@ def check_fit(entrants: Sequence[Entrant], batch: Batch, problem: Problem, direc
     teams, terms = np.zeros(batch.rows, dtype=np.int64), batch.mission.terms
     for entrant in entrants:
         for member in entrant.members:
-            try:
+            with within(f"--strategy {entrant.label}"):
                 named = decider_named(member, directories)
                 decided = DecidedGoal(batch, named.goal or problem.goal)
                 seen = Observer(batch.worlds, batch.progress, named.observation(terms)).names
                 decided.check(named.build(replace(decided.problem, features=seen), teams))
-            except DocumentError as error:
-                raise DocumentError(f"--strategy {entrant.label}: {error}") from error
 
 
 def with_baselines(entrants: Sequence[Entrant], options: Sequence[str], mission: MissionConfig) -> list[Entrant]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from selector.documents.arrays import Arrays, check_same_names, load_arrays, save_arrays
-from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.errors import shown, validated, within
 from selector.knowledge import learned_from
 from selector.store import RewardSums
 from selector.strategies.learned_file import save_strategy
@@ -125,9 +125,7 @@ class BanditTraining(Training):
             parts.setdefault(kind, {})[own] = array
         check_same_names(where, "arrays", ("best", "now"), tuple(sorted(parts)))
         for kind in ("best", "now"):
-            try:
+            with within(f"{where}: {kind}"):
                 self.strategy.load_learned(parts[kind])
-            except ValueError as error:
-                raise DocumentError(f"{where}: {kind}: {error}") from error
         self._best, self._decisions = parts["best"], found.decisions
         self._go_on(found)

@@ -7,6 +7,7 @@ Training uses the split "train" of a family with odd seeds, validation the same 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from itertools import count
 from pathlib import Path
 
@@ -66,12 +67,8 @@ class Curriculum:
     def scenarios(self, checkpoint: int) -> list[Iterator[Scenario]]:
         """Return for each family the endless series of scenarios after a checkpoint."""
         words = np.random.SeedSequence([self._seed, checkpoint, 4]).generate_state(len(self._families), np.uint32)
-        return [_drawn(family, int(word) * 2 + 1) for family, word in zip(self._families, words, strict=True)]
-
-
-def _drawn(family: FamilyConfig, seed: int) -> Iterator[Scenario]:
-    for number in count():
-        yield family.scenario(seed, number, "train")
+        drawn = zip(self._families, words, strict=True)
+        return [map(partial(family.scenario, int(word) * 2 + 1, split="train"), count()) for family, word in drawn]
 
 
 def _sizes(family: FamilyConfig) -> list[Size]:

@@ -169,7 +169,7 @@ class DesignTraining(MembersTraining):
 
         def measure(alive: Sequence[int], _: int) -> Floats:
             """Let candidates do one block more; return the logarithms (C, 1, n) of all their costs."""
-            costs = self.costs([partial(MachineDecider, machines[k]) for k in alive], draw(settings.race.block))
+            costs = self.costs([partial(MachineDecider, machines[k]) for k in alive], draw(settings.race.block))[0]
             for k, own in zip(alive, logarithms(costs).T, strict=True):
                 done[k].append(own)
             return np.array([[np.concatenate(done[k])] for k in alive])

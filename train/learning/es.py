@@ -93,7 +93,7 @@ class EsTraining(MembersTraining):
         normals(random.random((settings.pairs, 2 * len(point))), noise)
         noise = np.concatenate([noise, -noise])
         members = [partial(PolicyDecider, self.policy(point + settings.sigma * one)) for one in noise]
-        costs = self.costs(members, draw(settings.scenarios))
+        costs, _ = self.costs(members, draw(settings.scenarios))
         fitness = relative(costs.ravel(), len(members), settings.limit).reshape(costs.shape).mean(axis=0)
         slope = (fitness[:, None] * noise).sum(axis=0) / (len(members) * settings.sigma)
         return climbed(state, slope, settings.learning_rate, settings.averaged)

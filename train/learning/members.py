@@ -14,7 +14,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import islice
+from itertools import islice, product
 from typing import Any, ClassVar
 
 import numpy as np
@@ -47,36 +47,29 @@ class MemberRun(RunRecord):
 class MemberTask:
     """Some missions, each with its member; plain data, which can be sent to a worker process."""
 
-    scenarios: tuple[Scenario, ...]
-    members: tuple[DeciderMaker, ...]
-    """What makes the decider of each mission: a `partial`, which can be sent, too."""
-    places: tuple[int, ...]
-    """Number of each mission among those that were asked for."""
+    missions: tuple[tuple[int, Scenario, DeciderMaker], ...]
+    """Number of each mission among those that were asked for, its scenario, and what makes its decider: a `partial`,
+    which can be sent, too."""
     settings: TrialSettings
 
     @property
     def keys(self) -> tuple[RunKey, ...]:
         """Scenario and number of each mission."""
-        return tuple((scenario.id, str(place)) for scenario, place in zip(self.scenarios, self.places, strict=True))
+        return tuple((scenario.id, str(place)) for place, scenario, _ in self.missions)
 
     def without(self, done: Collection[RunKey]) -> MemberTask:
         """Return the missions that are not `done`."""
-        left = [number for number, key in enumerate(self.keys) if key not in done]
-        return replace(
-            self,
-            scenarios=tuple(self.scenarios[number] for number in left),
-            members=tuple(self.members[number] for number in left),
-            places=tuple(self.places[number] for number in left),
-        )
+        left = [mission for mission, key in zip(self.missions, self.keys, strict=True) if key not in done]
+        return replace(self, missions=tuple(left))
 
     def each(self) -> Iterator[MemberRun]:
         """Run the missions, and yield each when it is done."""
         seen: dict[int, Floats] = {}
-        maker = partial(TeamsDecider, self.members, [scenario.seed for scenario in self.scenarios], seen=seen)
-        for place, result in each_trial(self.scenarios, maker, self.settings):
-            scenario = self.scenarios[place]
-            run = (type(self).__name__, scenario.id, scenario.seed, str(self.places[place]), result, 0.0)
-            yield MemberRun(*run, self.places[place], seen[place].copy())  # worlds without a mission are seen on
+        places, scenarios, members = zip(*self.missions, strict=True)
+        maker = partial(TeamsDecider, members, [scenario.seed for scenario in scenarios], seen=seen)
+        for k, result in each_trial(scenarios, maker, self.settings):
+            run = (type(self).__name__, scenarios[k].id, scenarios[k].seed, str(places[k]), result, 0.0)
+            yield MemberRun(*run, places[k], seen[k].copy())  # worlds without a mission are seen on
 
 
 Drawing = Callable[[int], list[Scenario]]
@@ -161,7 +154,7 @@ class MembersTraining(Training):
 
         if not self.checkpoint:
             alone = [partial(RuleDecider, (), (option,)) for option in range(len(self.problem.options))]
-            costs, seen = self._done(alone, draw(self.settings.opening))
+            costs, seen = self.costs(alone, draw(self.settings.opening))
             mean = seen[1] / seen[0]
             variance = np.maximum(seen[2] / seen[0] - mean**2, 0.0)
             self.scale = ObservationScale(mean=tuple(mean.tolist()), variance=tuple(variance.tolist()))
@@ -171,19 +164,15 @@ class MembersTraining(Training):
         cost = float(np.mean(self._costs)) if self._costs else None
         return {"missions": self._missions - before, "training_excess_s": cost}
 
-    def costs(self, members: Sequence[DeciderMaker], scenarios: Sequence[Scenario]) -> Floats:
-        """Return the excess costs (N, M) [s] of all members on all scenarios."""
-        return self._done(members, scenarios)[0]
+    def costs(self, members: Sequence[DeciderMaker], scenarios: Sequence[Scenario]) -> tuple[Floats, Floats]:
+        """Let all members do all scenarios.
 
-    def _done(self, members: Sequence[DeciderMaker], scenarios: Sequence[Scenario]) -> tuple[Floats, Floats]:
-        """Return the excess costs (N, M) [s], and number, sum and sum of squares (3, F) of all observations."""
-        count = len(scenarios) * len(members)
-        tasks = []
-        for first in range(min(self.job.parts, count)):
-            places = tuple(range(first, count, self.job.parts))
-            own = tuple(scenarios[place // len(members)] for place in places)
-            whose = tuple(members[place % len(members)] for place in places)
-            tasks.append(MemberTask(own, whose, places, self._settings))
+        Return their excess costs (N, M) [s], and number, sum and sum of squares (3, F) of all observations.
+        """
+        pairs = enumerate(product(scenarios, members))
+        missions = [(place, scenario, member) for place, (scenario, member) in pairs]
+        count, parts = len(missions), self.job.parts
+        tasks = [MemberTask(tuple(missions[first::parts]), self._settings) for first in range(min(parts, count))]
         costs, seen = np.zeros(count), np.zeros((count, 3, len(self.problem.features)))
         for run in self.job.done(tasks):
             assert isinstance(run, MemberRun)

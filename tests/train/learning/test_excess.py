@@ -46,7 +46,7 @@ def test_members_are_compared_by_their_excess(tmp_path):
 
     training = EsTraining(job(load_training(str(written(tmp_path, "es")), "es"), tmp_path / "run", done=done))
     scenario = next(training.curriculum.scenarios(0)[0])
-    assert training.costs([partial(RuleDecider, (), (0,))], [scenario]).tolist() == [[3.0]]
+    assert training.costs([partial(RuleDecider, (), (0,))], [scenario])[0].tolist() == [[3.0]]
 
 
 def test_an_excess_that_has_no_logarithm_is_the_least():

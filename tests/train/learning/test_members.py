@@ -44,10 +44,10 @@ def test_each_mission_follows_its_member_and_notes_what_it_sees():
 
 def test_the_missions_that_a_dead_worker_left_keep_their_members_and_places():
     scenarios = tuple(load_family("table1").scenario(0, index, "train") for index in range(3))
-    task = MemberTask(scenarios, tuple(map(always, range(3))), (4, 5, 6), TrialSettings())
+    task = MemberTask(tuple(zip((4, 5, 6), scenarios, map(always, range(3)), strict=True)), TrialSettings())
     assert task.keys == tuple(zip(("train-1", "train-2", "train-3"), "456", strict=True))
     left = task.without({task.keys[1]})
-    assert (left.scenarios, left.members, left.places) == (scenarios[::2], task.members[::2], (4, 6))
+    assert left.missions == task.missions[::2]
 
 
 @pytest.mark.parametrize("kind", LEARNERS)
@@ -104,11 +104,7 @@ def test_evolution_strategies_find_the_linear_rule_that_costs_least(tmp_path, mo
     assert training.scale == ObservationScale(mean=(0.2,) * 7, variance=(0.5,) * 7)
     policy = load_policy(training.export("a command"))
     assert (policy.spec.hidden, policy.spec.training["command"]) == ((), "a command")
-    found = (
-        Network(policy.ordered_for(training.problem, "here"))
-        .heads(observed.astype(np.float64))["options"]
-        .argmax(axis=1)
-    )
+    found = Network(policy).heads(observed.astype(np.float64))["options"].argmax(axis=1)
     assert (found == best).mean() > 0.9
     decider = training._decider_maker()(training.problem, np.zeros(200, dtype=np.int64))
     assert decider.decide(observed).options.tolist() == found.tolist()
@@ -132,7 +128,7 @@ def test_goals_that_are_decided_as_one_have_weights_of_their_own(tmp_path, monke
     training.advance()
     assert len(training.state.parameters) == (5 + 7) * (len(training.problem.features) + 1)
     policy = load_policy(training.export("a command"))
-    outputs = Network(policy.ordered_for(training.problem, "here")).heads(observed.astype(np.float64))["options"]
+    outputs = Network(policy).heads(observed.astype(np.float64))["options"]
     table = outputs.reshape(-1, 5, 7)  # the sum of two: differences are the same whatever the other goal has
     np.testing.assert_allclose(
         table - table[:, :1], np.broadcast_to((table - table[:, :1])[..., :1], table.shape), atol=1e-4

@@ -141,7 +141,7 @@ def test_the_exported_policy_decides_as_the_trained_one_by_what_a_robot_sees(tmp
         values = model.predict_values(normal)
         normal[:, own:] = 0.0
         assert torch.equal(model.predict_values(normal), values) == (kind == "ppo")
-    heads = Network(policy.ordered_for(training.goal.problem, "here")).heads(seen[:, :own].astype(np.float64))
+    heads = Network(policy).heads(seen[:, :own].astype(np.float64))
     assert list(heads) == {"both": ["options", "vector"], "velocity": ["vector"]}.get(kind, ["options"])
     if policy.spec.vector:
         for given in (expected, likeliest):

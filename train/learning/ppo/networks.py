@@ -122,10 +122,9 @@ def _layers(model: PPO, options: int) -> list[tuple[str, Any]]:
     """
     state = model.policy.state_dict()
     path = "mlp_extractor.policy_net."
-    names = [name for name in state if name.startswith(path) and name.endswith("weight")]
-    weights = sorted((int(name.removeprefix(path).split(".")[0]), name) for name in names)
+    weights = [name for name in state if name.startswith(path) and name.endswith("weight")]
     layers = []
-    for k, (_, name) in enumerate(weights):
+    for k, name in enumerate(weights):
         layers += [(f"hidden.{k}.weight", state[name]), (f"hidden.{k}.bias", state[name.replace("weight", "bias")])]
     for part in ("weight", "bias"):
         outputs = state[f"action_net.{part}"]
