@@ -49,15 +49,14 @@ def measured(
     scenarios: Mapping[str, Sequence[Scenario]], maker: DeciderMaker, settings: TrialSettings
 ) -> dict[str, float]:
     """Return means for each family: cost, excess, share of completed missions, duration [s], collision events [1/s]."""
+    names = ("cost_s", "excess_s", "completed", "duration_s", "events_per_s")
     figures = {}
     for family, some in scenarios.items():
         record = settings.record and replace(settings.record, directory=settings.record.directory / family)
         results = run_trials(some, maker, replace(settings, record=record))
-        figures[f"{family}/cost_s"] = float(np.mean([result.cost_s for result in results]))
-        figures[f"{family}/excess_s"] = float(np.mean([judged(result) for result in results]))
-        figures[f"{family}/completed"] = float(np.mean([result.completed for result in results]))
-        figures[f"{family}/duration_s"] = float(np.mean([result.duration_s for result in results]))
-        figures[f"{family}/events_per_s"] = float(np.mean([r.collision_events_per_s[0] for r in results]))
+        rows = [(r.cost_s, judged(r), r.completed, r.duration_s, r.collision_events_per_s[0]) for r in results]
+        for name, values in zip(names, zip(*rows, strict=True), strict=True):
+            figures[f"{family}/{name}"] = float(np.mean(values))
     return figures
 
 

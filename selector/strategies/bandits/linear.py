@@ -1,4 +1,4 @@
-"""Rewards as linear functions of the context, one for each option: LinUCB and LinearThompson."""
+"""Rewards as linear functions of the context, one for each option: the regression, and LinUCB."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
-from selector.strategies.streams import normals
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
 
@@ -103,21 +102,3 @@ class LinUCB(LinearModel):
     def _select(self, decisions: Decisions) -> Ints:
         expected, error = self.predictions(decisions)
         return best(expected + self.exploration * error, decisions.allowed)
-
-
-@STRATEGIES.register
-class LinearThompson(LinearModel):
-    """Thompson sampling with linear rewards (Agrawal & Goyal 2013, doi:10.48550/arXiv.1209.3352, algorithm 1).
-
-    The paper draws the weights of each option. Only their product with the context counts, which is normal with the
-    expected reward as mean and exploration * standard error as deviation; so this product is drawn. `exploration` is
-    the paper's v, at least the standard deviation of the noise of the rewards.
-    """
-
-    draws_per_option = 2
-
-    def _select(self, decisions: Decisions) -> Ints:
-        expected, error = self.predictions(decisions)
-        deviates = np.empty_like(expected)
-        normals(decisions.draws, deviates)
-        return best(expected + self.exploration * error * deviates, decisions.allowed)

@@ -1,4 +1,4 @@
-"""Statistics of the rewards of each option, and strategies that need nothing else: EpsilonGreedy, GaussianThompson."""
+"""Statistics of the rewards of each option, and the strategy that needs nothing else: EpsilonGreedy."""
 
 from typing import Annotated
 
@@ -6,12 +6,11 @@ import numpy as np
 from pydantic import Field
 
 from selector.documents.arrays import Arrays
-from selector.documents.fields import NonNegative, Positive, Share
+from selector.documents.fields import NonNegative, Share
 from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import LEARNED_LIMIT, DecisionStrategy
-from selector.strategies.streams import student_t
 from selforg.arrays import Floats, Ints
 from selforg.elementary import exponentials
 
@@ -95,34 +94,3 @@ class EpsilonGreedy(ValueTable):
         option = np.where(decisions.draws[:, 0] < epsilon, drawn(anything, decisions.draws[:, 1]), greedy)
         self.chance[decisions.rows] = epsilon * chance_of(anything, option) + (1.0 - epsilon) * (option == greedy)
         return option
-
-
-@STRATEGIES.register
-class GaussianThompson(ValueTable):
-    """Thompson sampling for normal rewards of unknown mean and variance (Thompson 1933, doi:10.1093/biomet/25.3-4.285).
-
-    The conjugate prior, around the scores of the expert, is normal-inverse-gamma. The mean of an option, given its
-    rewards, has a Student distribution (Gelman et al., Bayesian Data Analysis, section 3.3), from which it is drawn.
-    """
-
-    prior: Positive = 1.0
-    """The expert's score of an option counts as this many rewards of that size [rewards]."""
-    deviation: Positive = 1.0
-    """Expected standard deviation of a reward [reward]."""
-    shape: Positive = 1.0
-    """Half the number of rewards that `deviation` counts as [rewards]."""
-    draws_per_option = 2
-
-    def posterior(self) -> tuple[Floats, Floats, Floats]:
-        """Return location, scale and degrees of freedom (G, O) of the Student distribution of each option's mean."""
-        kappa = self.prior + self.counts
-        alpha = self.shape + 0.5 * self.counts
-        surprise = self.prior * self.counts / kappa * (self.means - self.problem.scores) ** 2
-        beta = self.shape * self.deviation**2 + 0.5 * (self.spreads + surprise)
-        return self.estimates(), np.sqrt(beta / (alpha * kappa)), 2.0 * alpha
-
-    def _select(self, decisions: Decisions) -> Ints:
-        location, scale, freedom = (values[decisions.groups] for values in self.posterior())
-        deviates = np.empty_like(location)
-        student_t(decisions.draws, freedom, deviates)
-        return best(location + scale * deviates, decisions.allowed)
