@@ -18,7 +18,7 @@ from selector.vocabulary.settings import SettingsSpec
 from selforg.components import HandOver, Steer
 from selforg.mechanisms import MECHANISMS
 from selforg.network.model.activators import BOOLEAN_RULE
-from selforg.network.model.behaviours import Behaviour, Goal, Interface, Sensor, SensorKind
+from selforg.network.model.behaviours import Behaviour, Goal, Sensor, SensorKind
 from selforg.network.model.model import NetworkModel
 from selforg.registry import unknown
 
@@ -179,10 +179,6 @@ class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec]):
                 expected = "a Boolean activator on a fact, any other on a number"
                 given = f"{spec.activator.type} on the {kind} {spec.sensor!r}"
                 raise ValueError(f"{where}: expected {expected}, got {given}")
-
-    def interfaces(self) -> tuple[Interface, ...]:
-        """Return the preconditions and effects of each behaviour, which the network around the configuration sees."""
-        return tuple(Interface(tuple(b.preconditions), tuple(b.effects)) for b in self.network_behaviours())
 
 
 def must_know(what: str, name: str, known: Mapping[str, object], where: str) -> None:

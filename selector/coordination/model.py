@@ -71,7 +71,7 @@ def interface_of(configuration: ConfigurationSpec) -> Interface:
     """
     if configuration.steers:
         return Interface()
-    faces = configuration.interfaces()
+    faces = [Interface(tuple(b.preconditions), tuple(b.effects)) for b in configuration.network_behaviours()]
     if len(faces) == 1:
         return faces[0]
     optional = tuple(p for face in faces for p in face.preconditions if isinstance(p, Optional))

@@ -78,7 +78,9 @@ def find_file(kind: str, name: str, directories: Sequence[Path] = (), where: str
 def files_of(kind: str, directories: Sequence[Path] = ()) -> dict[str, Path]:
     """Return name -> file for all files of a kind, in the order of their names."""
     found: dict[str, Path] = {}
-    for root in roots(directories):
+    for root in (*directories, SHIPPED):
+        if not root.is_dir():
+            raise DocumentError(f"{root}: no such directory")
         folder = root / kind
         for path in folder.glob(f"*{KINDS[kind].ending}"):
             found.setdefault(path.relative_to(folder).as_posix().removesuffix(KINDS[kind].ending), path)
@@ -94,14 +96,6 @@ def load_file(kind: str, name: str, model: type[M], directories: Sequence[Path] 
     """
     path = find_file(kind, name, directories, where)
     return validated(model, read_mapping(path), shown(path))
-
-
-def roots(directories: Sequence[Path] = ()) -> list[Path]:
-    """Return the directories in the order in which they are searched, the shipped one last."""
-    for directory in directories:
-        if not directory.is_dir():
-            raise DocumentError(f"{directory}: no such directory")
-    return [*directories, SHIPPED]
 
 
 def _is_file(path: Path) -> bool:

@@ -23,8 +23,8 @@ from train.learning.racing import RaceConfig
 
 Width = Annotated[int, Field(strict=True, ge=1, le=4096)]
 """Width of a hidden layer; an observation has some tens of components."""
-LEARNERS = ("ppo", "bandit", "es", "design")
-"""Kinds of learners, each the key of its settings."""
+LEARNERS = {"ppo": ("torch", "stable-baselines3"), "bandit": (), "es": (), "design": ()}
+"""Kinds of learners, each the key of its settings, and the packages that it needs besides those of all runs."""
 
 
 class TaskConfig(Closed):

@@ -35,10 +35,8 @@ from train.running.trials import TrialSettings, each_trial
 
 @dataclass(frozen=True)
 class MemberRun(RunRecord):
-    """One finished mission of a member."""
+    """One finished mission of a member; its condition is the number of the mission among those that were asked for."""
 
-    place: int = 0
-    """Number of the mission among those that were asked for."""
     seen: Floats = field(default_factory=lambda: np.zeros((3, 0)))
     """(3, F) number, sum and sum of squares of all observations of the mission."""
 
@@ -69,7 +67,7 @@ class MemberTask:
         maker = partial(TeamsDecider, members, [scenario.seed for scenario in scenarios], seen=seen)
         for k, result in each_trial(scenarios, maker, self.settings):
             run = (type(self).__name__, scenarios[k].id, scenarios[k].seed, str(places[k]), result, 0.0)
-            yield MemberRun(*run, places[k], seen[k].copy())  # worlds without a mission are seen on
+            yield MemberRun(*run, seen[k].copy())  # worlds without a mission are seen on
 
 
 Drawing = Callable[[int], list[Scenario]]
@@ -176,7 +174,8 @@ class MembersTraining(Training):
         costs, seen = np.zeros(count), np.zeros((count, 3, len(self.problem.features)))
         for run in self.job.done(tasks):
             assert isinstance(run, MemberRun)
-            costs[run.place], seen[run.place] = judged(run.result), run.seen
+            place = int(run.condition)
+            costs[place], seen[place] = judged(run.result), run.seen
             self._missions += 1
             self.job.on_progress(self._missions)
         self._costs += costs.tolist()

@@ -16,7 +16,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
-from train.learning.config import TrainingConfig, load_training
+from train.learning.config import LEARNERS, TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.memory import Memory, as_plain
 from train.request import Request
@@ -25,8 +25,6 @@ from train.running.engine import WorkerLost
 from train.running.needs import check_needs
 from train.running.run_folder import LEARNED_BEFORE, versions
 
-LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": (), "es": (), "design": ()}
-"""Packages that a learner needs besides those of all runs."""
 TASKS_ELSEWHERE = 16
 """Tasks that missions of members are cut into if workers elsewhere do them."""
 
@@ -96,7 +94,7 @@ def _memory(request: Request, config: TrainingConfig) -> Memory | None:
 
 def check_installed(learner: str) -> dict[str, str]:
     """Return the versions of all packages that a learner needs; DocumentError for a missing package."""
-    return versions(LEARNER_PACKAGES[learner], f"training by {learner} needs", "train")
+    return versions(LEARNERS[learner], f"training by {learner} needs", "train")
 
 
 def _print(console: Console, entry: dict[str, Any]) -> None:

@@ -4,6 +4,7 @@ import pytest
 import yaml
 
 from selector.configurations.library import Library
+from selector.coordination.model import interface_of
 from selector.documents.errors import DocumentError
 from selector.documents.find import SHIPPED
 from selforg.network.model.activators import Boolean, Equal, Greedy, Linear, Threshold
@@ -51,7 +52,7 @@ def test_shipped_configurations_are_the_avoidance_of_the_robot_model(key):
             ready_threshold=0.8,
         ),
     )
-    (interface,) = spec.interfaces()
+    interface = interface_of(spec)
     assert interface.effects == spec.network_behaviours()[0].effects
 
 
