@@ -81,7 +81,7 @@ def fake(monkeypatch, cost_of):
         features = len(training.problem.features)
         return costs, np.array([[100.0], [20.0], [54.0]]) * np.ones(features)
 
-    monkeypatch.setattr(MembersTraining, "_done", done)
+    monkeypatch.setattr(MembersTraining, "costs", done)
     monkeypatch.setattr("train.learning.training.measured", lambda *_: {"random/excess_s": 1.0})
 
 
@@ -211,7 +211,7 @@ def test_no_machine_races_twice_at_a_time(tmp_path, monkeypatch):
 
     def costs(training, members, scenarios):
         raced.append([member.args[0] for member in members])
-        return np.ones((len(scenarios), len(members)))
+        return np.ones((len(scenarios), len(members))), np.zeros(0)
 
     fake(monkeypatch, lambda *_: 1.0)
     monkeypatch.setattr(DesignTraining, "costs", costs)
