@@ -37,6 +37,10 @@ class Way:
 
 
 def _pass_on(source: socket.socket, target: socket.socket) -> None:
-    with source, target, suppress(OSError):
-        while data := source.recv(1 << 16):
-            target.sendall(data)
+    with source, target:
+        with suppress(OSError):
+            while data := source.recv(1 << 16):
+                target.sendall(data)
+        for end in (source, target):  # a socket at which another thread waits would outlast being closed
+            with suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)

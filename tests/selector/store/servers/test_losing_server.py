@@ -92,7 +92,7 @@ def test_an_evaluation_keeps_its_runs_and_gives_its_scores_when_the_server_is_ba
     assert 1 <= len((tmp_path / "r" / "runs.jsonl").read_text().splitlines()) < 6
     between.mend()
     for _ in range(2):  # going on once more changes nothing
-        done = subprocess.run([*command, "--resume"], cwd=tmp_path, env=environment, capture_output=True, text=True)
+        done = subprocess.run([*command, "--resume"], cwd=tmp_path, env=environment, timeout=300, **pipes)
         assert done.returncode == 0, done.stderr
         store = KnowledgeStore(url)
         assert sum(entry.moments.count for entry in store.contents().learned.values()) == 6
