@@ -15,7 +15,7 @@ import yaml
 from selector.documents.errors import DocumentError
 from selector.documents.plain import short
 
-MOST_NODES = 100_000
+MOST_NODES = 50_000
 """Values of a YAML document, those of an alias counted wherever it stands; the largest shipped one has a thousand."""
 MOST_EVENTS = 2 * MOST_NODES + 4
 """Events of the parser for that number of values: two for each, two of the stream, two of the document."""

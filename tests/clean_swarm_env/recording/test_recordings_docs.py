@@ -4,14 +4,12 @@ import re
 
 import numpy as np
 
-from clean_swarm_env.config.delivery import DeliveryConfig
-from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.tasks.cleaning.settings import ConsequencesConfig
 from clean_swarm_env.world.mission import MissionRun
+from tests.clean_swarm_env.courses import mission
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.paths import ROOT
 
@@ -39,11 +37,10 @@ def test_the_examples_read_what_was_recorded(tmp_path, monkeypatch, capsys):
 
 def test_all_channels_are_on_the_page_as_they_are(tmp_path, monkeypatch):
     with_shepherding(monkeypatch)
-    changes = {"delivery": DeliveryConfig(loss=0.5), "consequences": ConsequencesConfig(stop=5.0)}
-    mission = load_mission("table1").model_copy(update={"time_limit": 1.0, **changes})
+    cleaning = mission(time_limit=1.0, delivery={"loss": 0.5}, consequences={"stop": 5.0})
     other = MissionConfig.model_validate({"task": "Shepherding", "time_limit": 1.0})
     channels = {}
-    for each in (mission, other):
+    for each in (cleaning, other):
         run = MissionRun(each, random_start(each, 1, 0), 2, {})
         record_mission(run, RecordSettings(tmp_path, minds=True, name=each.name), {})
         channels |= RecordedMission(tmp_path / f"{each.name}.swarm").channels

@@ -60,7 +60,7 @@ def test_aliases_count_wherever_they_stand_and_mean_the_last_value_before_them(t
     assert read_value("[&a [&b 1, *b], &b 2, *a, *b]") == [[1, 1], 2, [1, 1], 2]
     (tmp_path / "many.yaml").write_text("\n".join(lines))
     with pytest.raises(
-        DocumentError, match=r"many\.yaml: line \d: a4\.\d[.\d]*: expected at most 100000 values, with those"
+        DocumentError, match=r"many\.yaml: line \d: a4\.\d[.\d]*: expected at most 50000 values, with those"
     ):
         read_mapping(tmp_path / "many.yaml")
 

@@ -17,7 +17,7 @@ from selector.strategies.policy_file import Network
 from tests.clean_swarm_env.courses import mission
 from tests.train.learning.trainings import job, written
 from train.learning import session
-from train.learning.config import load_training
+from train.learning.config import LEARNERS, load_training
 from train.learning.curriculum import VALIDATION_SEED, Curriculum
 from train.learning.lessons import Credit
 from train.request import Request
@@ -61,7 +61,7 @@ def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
 
 
 def test_what_is_not_installed_is_named_with_what_installs_it(tmp_path, monkeypatch):
-    monkeypatch.setitem(session.LEARNER_PACKAGES, "ppo", ("torch", "no-such-package"))
+    monkeypatch.setitem(LEARNERS, "ppo", ("torch", "no-such-package"))
     request = Request("exploring-ppo", seed=1, output=tmp_path / "t")
     with pytest.raises(DocumentError, match=r"training by ppo needs no-such-package, .*'.\[train\]'"):
         session.run_training("ppo", request, pytest.fail, Console())
