@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from clean_swarm_env.learning.observation.around import PHASES, Around, copy_way, write_way
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term, compiled_term
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
-from selforg.arrays import Floats, Ints
+from selforg.arrays import Flags, Floats, Ints
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
 from selforg.space import Torus
-
-FINDS = Filter(("find",), moving=False, view_distance=np.inf)
-"""The pheromones that robots of the document `cleaning-patrol` leave where they pick."""
 
 
 @compiled_term("garbage", "garbage_seen", "garbage_distance", "garbage_ahead", "garbage_left")
@@ -98,22 +97,20 @@ class YardsTerm(Term):
         out[0, rows], out[1, rows] = ~several, several
 
 
-@TERMS.register
-class FindsTerm(Term):
-    """One flag: no find is felt; they are apart; or half of them or more lie within `together` [m] of the latest."""
+class FeltFinds(Term):
+    """Base class of terms about finds: the pheromones that robots leave where they pick."""
 
-    name = "finds"
-    components = ("finds_none", "finds_apart", "finds_together")
+    channel: ClassVar[str]
 
     def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
         super().__init__(observed)
         self.together = together
         self._queries = Queries(observed.worlds.minds.buffers["pheromones"])
 
-    def write(self, rows: Ints, out: Floats) -> None:
-        """Write the flags."""
+    def felt(self, rows: Ints) -> tuple[Ints, Flags]:
+        """Return how many finds each of `rows` (P,) feels, and whether half of the others lie near the latest."""
         worlds = self.observed.worlds
-        seen = self._queries.gather(worlds.now, rows, FINDS)
+        seen = self._queries.gather(worlds.now, rows, Filter((self.channel,), moving=False, view_distance=np.inf))
         count = np.diff(seen.start)
         robot = np.repeat(np.arange(len(rows)), count)
         felt = count > 0
@@ -123,5 +120,46 @@ class FindsTerm(Term):
         apart = ways - ways[latest[robot]]
         apart -= worlds.extent * np.rint(apart / worlds.extent)
         near = np.bincount(robot[(apart**2).sum(axis=1) <= self.together**2], minlength=len(rows))
-        together = felt & (2 * (near - 1) >= count - 1)
-        out[0, rows], out[1, rows], out[2, rows] = ~felt, felt & ~together, together
+        return count, felt & (2 * (near - 1) >= count - 1)
+
+
+@TERMS.register
+class FindsTerm(FeltFinds):
+    """One flag: no find is felt; they are apart; or half of them or more lie within `together` [m] of the latest."""
+
+    name = "finds"
+    components = ("finds_none", "finds_apart", "finds_together")
+    channel = "find"
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Write the flags."""
+        count, together = self.felt(rows)
+        out[0, rows], out[1, rows], out[2, rows] = count == 0, (count > 0) & ~together, together
+
+
+@TERMS.register
+class RecentFindsTerm(FeltFinds):
+    """One flag of the finds of the last 24 s: none; one; half or more within `together` [m] of the latest; apart."""
+
+    name = "recent_finds"
+    components = ("recent_finds_none", "recent_finds_one", "recent_finds_together", "recent_finds_apart")
+    channel = "recent find"
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Write the flags."""
+        count, together = self.felt(rows)
+        several = count > 1
+        for place, flag in enumerate((count == 0, count == 1, several & together, several & ~together)):
+            out[place, rows] = flag
+
+
+@TERMS.register
+class IdentityTerm(Term):
+    """The number of the robot by the most robots of the team, by which equal robots can divide labour."""
+
+    name = "identity"
+    components = ("identity",)
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Write the numbers."""
+        out[0, rows] = rows % self.observed.worlds.robots / self.observed.worlds.robots
