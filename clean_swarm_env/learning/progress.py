@@ -35,6 +35,9 @@ events in which it took part, ticks at whose end another robot was closer than t
 avoided others."""
 PICKINGS, RECYCLINGS, DUMPINGS, COLLISIONS, CONTACTS, AVOIDINGS = range(6)
 
+MEMORY = 120.0
+"""Time after which 1/e is left of what a robot remembers of its collisions [s]."""
+
 
 class Period(NamedTuple):
     """The counts of a decision period."""
@@ -74,6 +77,10 @@ class Followed(NamedTuple):
         Ints, "R", KEPT
     ]  # ticks since the robot last picked, recycled or dumped, or since the mission began
     ended: Annotated[Ints, "W", SCRATCH]  # the first of them: worlds whose missions ended with the last tick
+    standing: Annotated[Ints, "R", READ]  # ticks for which a collision stops the robot, that of the collision included
+    collided: Annotated[Floats, "R", KEPT]  # the robot's collision events, which fade
+    stopped: Annotated[Floats, "R", KEPT]  # ticks for which they stopped it, which fade alike
+    fading: float  # what is left of both after a tick
 
 
 PERIOD_RECORD = Recording(Period)
@@ -91,6 +98,8 @@ class MissionProgress:
         elapsed: (W,) int64, ticks since the mission began, up to its end.
         idle: (R,) int64, ticks since the robot last picked, recycled or dumped, or since the mission began.
         ended: (K,) int64, worlds whose missions ended with the last tick.
+        collided: (R,) float64, collision events of the robot in this mission, which fade: 1/e is left after MEMORY.
+        stopped: (R,) float64, ticks for which they stopped the robot, which fade alike.
 
     """
 
@@ -123,6 +132,7 @@ class MissionProgress:
         self.cost, self.price, self.bumps = self.period.record[5:]
         self._terms = np.zeros((count, len(CostTerms._fields)))
         self.elapsed, self.idle = numbers(count), numbers(rows)
+        self.collided, self.stopped = np.zeros(rows), np.zeros(rows)
         self.ended = numbers(0)
         self._followed = FOLLOWED_RECORD.pack(
             Followed(
@@ -144,6 +154,10 @@ class MissionProgress:
                 elapsed=self.elapsed,
                 idle=self.idle,
                 ended=numbers(count),
+                standing=items.standing,
+                collided=self.collided,
+                stopped=self.stopped,
+                fading=max(1.0 - worlds.period / MEMORY, 0.0),
             )
         )
 
@@ -151,7 +165,7 @@ class MissionProgress:
         """Begin the counts of a world that has just been reset."""
         mission, rows, followed = self._worlds.missions[world], self._worlds.rows_of(world), self._followed.record
         self.outcome[world] = RUNNING
-        self.idle[rows] = 0
+        self.idle[rows] = self.collided[rows] = self.stopped[rows] = 0
         followed.had[rows] = followed.cargo[rows]
         followed.had_recycled[rows] = followed.recycled[rows]
         followed.had_done[world] = followed.done[world]
@@ -243,6 +257,8 @@ def count_tick(
             p.events[CONTACTS, row] += f.in_contact[row]
             p.events[AVOIDINGS, row] += avoids[row]
             p.bumps[row] += f.terms[world, EVENT] * entered[row] + f.terms[world, SAMPLE] * f.in_contact[row]
+            f.collided[row] = f.fading * f.collided[row] + entered[row]
+            f.stopped[row] = f.fading * f.stopped[row] + (f.standing[row] > 1)
             f.had[row] = f.cargo[row]
             f.had_recycled[row] = f.recycled[row]
         dumped_now = f.done[world] - f.had_done[world]

@@ -102,6 +102,7 @@ class ItemArrays(NamedTuple):
     stations: Annotated[Floats, "W L 2", READ]  # [m]
     station_kinds: Annotated[Ints, "L", READ]
     sight: float  # distance within which an item is seen [m]
+    standing: Annotated[Ints, "R", READ]  # ticks for which a collision stops the robot, that of the collision included
 
     @classmethod
     def none(cls, worlds: int, rows: int) -> ItemArrays:
@@ -109,7 +110,7 @@ class ItemArrays(NamedTuple):
         places, stages = np.zeros((worlds, 0, 2)), np.zeros((worlds, 0), dtype=np.int64)
         of_rows, of_worlds = np.zeros(rows, dtype=np.int64), np.zeros(worlds, dtype=np.int64)
         nothing = of_rows - 1
-        return cls(places, stages, stages, nothing, of_rows, of_worlds, of_worlds, places, stages[0], 0.0)
+        return cls(places, stages, stages, nothing, of_rows, of_worlds, of_worlds, places, stages[0], 0.0, of_rows)
 
 
 class TaskState:

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from clean_swarm_env.learning.observation.around import Around
-from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, compiled_term
-from selforg.arrays import Floats
+from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term, compiled_term
+from clean_swarm_env.learning.progress import MEMORY
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.network.state import EXECUTING
+
+FORGOTTEN = 0.37
+"""What is left of one collision when the robot forgets it: 1/e, rounded up [-]."""
 
 
 @compiled_term("avoidance", "avoidance_length", "avoiding")
@@ -36,6 +42,30 @@ def see_time(around: Around, row: int, out: Floats) -> None:
 def see_idle(around: Around, row: int, out: Floats) -> None:
     """Time since the robot last picked, recycled or dumped something, by `patience`."""
     out[0] = min(around.idle[row] / around.patience, 1.0)
+
+
+@TERMS.register
+class StopsTerm(Term):
+    """One flag: no own collision within about two minutes, or some that did not stop the robot, or some that did; then
+    how many, by `many`, and the share of this time for which they stopped it. What is counted fades.
+    """  # noqa: D205
+
+    name = "stops"
+    components = ("collided_not", "collided_freely", "collided_stopped", "collisions", "stopped")
+
+    def __init__(self, observed: Observed, *, many: float = 6.0) -> None:
+        super().__init__(observed)
+        self.many = many
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Write the flags, the number and the share."""
+        progress = self.observed.progress
+        collided, stopped = progress.collided[rows], progress.stopped[rows]
+        recent = collided > FORGOTTEN
+        flags = ~recent, recent & (stopped == 0.0), recent & (stopped > 0.0)
+        share = stopped * self.observed.worlds.period / MEMORY
+        for place, values in enumerate((*flags, np.minimum(collided / self.many, 1.0), np.minimum(share, 1.0))):
+            out[place, rows] = values
 
 
 @TERMS.register

@@ -215,6 +215,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
             stations=site.stations,
             station_kinds=site.kinds,
             sight=site.packed.record.sight,
+            standing=self.consequences.standing,
         )
 
     def hindered(self, row: int) -> tuple[float, bool]:

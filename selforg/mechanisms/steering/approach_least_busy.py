@@ -140,7 +140,7 @@ def approach_rows(
         if distance > 0.0:
             m.vectors[row, 0] = speed * goal[c.PAIR_DX] / distance
             m.vectors[row, 1] = speed * goal[c.PAIR_DY] / distance
-        if distance > a.halt or others_before(goal, a.lane, count, approaching, poses) == 0:
+        if distance > a.halt or others_before(goal, a.lane, count, a.others, poses) == 0:
             a.times[row, WAITING_SINCE] = -np.inf
             continue
         if a.times[row, WAITING_SINCE] == -np.inf:
@@ -157,7 +157,7 @@ def choose_goal(
     recent = now - a.times[row, CHOSEN_AT] <= RECENT
     best, chosen = np.inf, 0
     for k in range(len(goals)):
-        cost = goals[k, c.PAIR_DISTANCE] + a.weight * others_before(goals[k], a.crowd, count, approaching, poses)
+        cost = goals[k, c.PAIR_DISTANCE] + a.weight * others_before(goals[k], a.crowd, count, a.others, poses)
         x, y = goal_place(row, goals[k], poses)
         x, y = nearest_image(x - a.places[row, 0], p.extent[0]), nearest_image(y - a.places[row, 1], p.extent[1])
         if recent and abs(x) <= SAME_GOAL and abs(y) <= SAME_GOAL:
@@ -178,13 +178,13 @@ def goal_place(row: int, goal: Floats, poses: Words[Poses]) -> tuple[float, floa
 
 
 @part
-def others_before(goal: Floats, radius: float, count: int, approaching: Words[Approaching], poses: Words[Poses]) -> int:
+def others_before(goal: Floats, radius: float, count: int, others: Floats, poses: Words[Poses]) -> int:
     """Return how many of the first `count` others are within `radius` [m] of a goal, and nearer to it than the row."""
-    a, p = open_approaching(approaching), open_poses(poses)
+    p = open_poses(poses)
     nearest = min(radius, goal[c.PAIR_DISTANCE])
     before = 0
     for other in range(count):
-        x = nearest_image(a.others[other, OTHER_X] - goal[c.PAIR_DX], p.extent[0])
-        y = nearest_image(a.others[other, OTHER_Y] - goal[c.PAIR_DY], p.extent[1])
+        x = nearest_image(others[other, OTHER_X] - goal[c.PAIR_DX], p.extent[0])
+        y = nearest_image(others[other, OTHER_Y] - goal[c.PAIR_DY], p.extent[1])
         before += x * x + y * y < nearest * nearest
     return before

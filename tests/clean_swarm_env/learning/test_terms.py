@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.around import open_around
@@ -164,3 +165,60 @@ def test_yards_tell_whether_stations_of_the_kind_wanted_next_stand_together():
     batch.worlds.task.stations[0, 1] = 8.0, 7.8
     batch.observer.observe(seen)
     assert seen.tolist() == [[1.0, 0.0], [1.0, 0.0]]
+
+
+@pytest.mark.parametrize(("consequences", "flag"), [({"stop": 2.0, "back_off": 3.0}, 2), ({}, 1)])
+def test_a_robot_remembers_for_two_minutes_that_it_collided_and_whether_that_stopped_it(consequences, flag):
+    meeting = mission(robots={"count": 2}, garbage={"count": 0, "respawn": 0.001}, consequences=consequences)
+    batch = Batch(meeting, observation=ObservationConfig(terms=["stops"]), action={"mode": "velocity"})
+    start = StartConfiguration(id="meeting", robots=[[4.0, 3.0, 0.0], [6.0, 3.0, np.pi]])
+    assert batch.reset([1], [start]).tolist() == [[1.0, 0.0, 0.0, 0.0, 0.0]] * 2
+    towards, still = np.array([[1.0, 0.0], [1.0, 0.0]]), np.zeros((2, 2))
+    collided, stopped, seen = np.zeros(2), np.zeros(2), [batch.observations.copy()]
+    for period in range(140):
+        told, held = batch.get_state(), np.zeros(2)
+        for worlds in batch.ticks(towards if period < 5 else still):
+            stands = worlds.task.consequences.standing > 1
+            collided = collided * (1.0 - 0.2 / 120.0) + worlds.collisions.entered_in_tick
+            stopped, held = stopped * (1.0 - 0.2 / 120.0) + stands, held + stands
+        seen.append(batch.end_period().observations.copy())
+        np.testing.assert_allclose(seen[-1][:, 3], np.minimum(collided / 6.0, 1.0), rtol=1e-6)
+        np.testing.assert_allclose(seen[-1][:, 4], stopped * 0.2 / 120.0, rtol=1e-6)
+        if period in (1, 5):  # the same again, from the state before it
+            batch.set_state(told)
+            assert_array_equal(batch.step(towards if period < 5 else still).observations, seen[-1])
+    flags = np.array(seen)[:, :, :3].argmax(axis=2)
+    assert flags[0].tolist() == flags[-1].tolist() == [0, 0]
+    assert set(flags[10]) == {flag}
+    assert (stopped > 0.0).all() == (flag == 2)
+    assert batch.reset([1], [start]).tolist() == [[1.0, 0.0, 0.0, 0.0, 0.0]] * 2
+
+
+@pytest.mark.parametrize("loss", [0.0, 1.0])
+def test_loads_count_who_was_heard_before_the_robot_at_the_nearest_station_and_the_next(loss):
+    batch = Batch(mission("transport", delivery={"loss": loss}), observation=ObservationConfig(terms=["loads"]))
+    batch.reset([1])
+    cargo, places, met = batch.worlds.task.garbage, batch.worlds.task.stations[0], np.zeros(3)
+    kinds, half = batch.worlds.task.site.kinds, 0.5 * np.hypot(20.0, 20.0)
+    for _ in range(60):
+        seen = batch.step(np.zeros((batch.rows, len(batch.options)), np.int64)).observations
+        own = batch.worlds.minds.poses.packed.record.own[:, 0, :2]
+        for row in range(batch.rows):
+            expected = np.zeros(3)
+            if cargo.cargo[row] >= 0:
+                needed = places[kinds == cargo.recycled[row]]
+                near, further = needed[np.argsort(away(needed, own[row]))[:2]]
+                for rank, station in enumerate((near, further)):
+                    others = np.delete(own, row, axis=0)
+                    before = away(others, station) < min(3.0, away(station, own[row]))
+                    expected[rank] = min(before.sum() / 6.0, 1.0) * (loss < 1.0)
+                expected[2] = (away(further, own[row]) - away(near, own[row])) / half
+            np.testing.assert_allclose(seen[row], expected, atol=1e-6)
+        met = np.maximum(met, seen.max(axis=0))
+    assert (met > 0.0).tolist() == [loss < 1.0, loss < 1.0, True]
+
+
+def away(places, place):
+    """Return how far places (..., 2) are from a place on the torus of the mission `transport` [m]."""
+    ways = np.abs(places - place)
+    return np.hypot(*np.minimum(ways, 20.0 - ways).T)
