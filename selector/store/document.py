@@ -167,4 +167,7 @@ def read(path: Path, source: str) -> StoredKnowledge:
     content = read_json(path) if path.suffix == ".json" else read_mapping(path)
     if "format" in content:
         return from_document(content, where)
-    return stored(knowledge_from(content, where), source)
+    knowledge = knowledge_from(content, where)
+    if knowledge.situations:
+        raise StoreError(f"{where}: situations: expected none for a store, which keeps one score for each option")
+    return stored(knowledge, source)

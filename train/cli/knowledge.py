@@ -12,7 +12,16 @@ from rich.table import Table
 
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.writing import write_whole
-from train.cli.options import Configs, wide_console
+from train.cli.options import (
+    SITUATIONS,
+    Configs,
+    GivenOptions,
+    Situations,
+    asking,
+    check_named,
+    situations_in,
+    wide_console,
+)
 
 app = typer.Typer(no_args_is_help=True, help="Keep expert knowledge and learned rewards in a database.")
 
@@ -91,10 +100,37 @@ def export_file(
     if str(output) == "-":
         typer.echo(text, nl=False)
         return
-    if output.exists():
-        raise ConfigurationError(f"{output}: cannot be written (File exists)")
+    _check_new(output)
     write_whole(output, text.encode())
     typer.echo(f"{amount(contents)} in {output}")
+
+
+@app.command("from-policy")
+@asking("goal", "configs", "force", scenarios=16, seed=1)
+def write_opinions(
+    decider: Annotated[
+        str, typer.Argument(help="policy:NAME, or another decider as --strategy takes it.", metavar="POLICY")
+    ],
+    output: Annotated[Path, typer.Argument(help="Knowledge file to write, NAME.yaml; one that exists is refused.")],
+    family: Annotated[str, typer.Option(help="Family on whose training missions it decides, by name or path.")],
+    situations: Situations = SITUATIONS,
+    *,
+    given: GivenOptions,
+) -> None:
+    """Write what a policy thinks of the options in each situation as expert knowledge, which MaxScore can use."""
+    names = situations_in(situations)
+    if output.suffix not in (".yaml", ".yml"):
+        raise ConfigurationError(f"{output}: expected a name that ends in .yaml")
+    _check_new(output)
+    check_named(given.directories, [decider], families=family)
+    from selector.documents.reading import as_yaml  # these import SciPy and Numba
+    from selector.knowledge import knowledge_content
+    from train.evaluation.opinions import knowledge_of_decider
+
+    known, count = knowledge_of_decider(given.request(family, strategies=(decider,)), names)
+    about = f"What {decider} thinks on {given.values['scenarios']} training missions of {family}, {count} decisions."
+    write_whole(output, as_yaml({"description": about, **knowledge_content(known)}).encode())
+    typer.echo(f"{count} decisions in {output}")
 
 
 @app.command("merge")
@@ -137,6 +173,11 @@ def reset_store(
             typer.confirm(f"{kept.name}: forget {what}?", abort=True, err=True)
         entries, options = kept.reset(expert=expert, **chosen)
         typer.echo(f"{kept.name}: forgot {counted(entries, 'entry', 'entries')}, {counted(options, 'expert option')}")
+
+
+def _check_new(output: Path) -> None:
+    if output.exists():
+        raise ConfigurationError(f"{output}: cannot be written (File exists)")
 
 
 def _print(table: Table, title: str) -> None:

@@ -127,6 +127,9 @@ BOUNDS = {"scenarios": (1, MOST_SCENARIOS), "seed": (0, MOST_SEED), "workers": (
 """Least and largest number."""
 
 Family = Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")]
+Situations = Annotated[str, typer.Option(help="Components of the observation; the largest tells a robot's situation.")]
+SITUATIONS = "free_far,free_near,carrying_far,carrying_near"
+"""Situations unless others are given."""
 
 
 @dataclass(frozen=True)
@@ -215,6 +218,14 @@ def check_whole(given: Mapping[str, tuple[int | None, int, int]]) -> None:
         if value is not None and not least <= value <= most:
             which = f"at least {least}" if value < least else f"at most {most}"
             raise ConfigurationError(f"{name}: expected a whole number of {which}, got {short(value)}")
+
+
+def situations_in(text: str) -> tuple[str, ...]:
+    """Return the names in the text of an option --situations; ConfigurationError if there is none."""
+    names = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+    if not names:
+        raise ConfigurationError("--situations: expected components of the observation, got none")
+    return names
 
 
 def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None = None, **given: str | None) -> None:

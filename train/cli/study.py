@@ -9,11 +9,14 @@ from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import (
     KEEPING,
     MOST_SCENARIOS,
+    SITUATIONS,
     Family,
     GivenOptions,
+    Situations,
     asking,
     check_named,
     check_whole,
+    situations_in,
     wide_console,
 )
 from train.running.commands import FINISHED
@@ -25,9 +28,7 @@ COMMON = ("seed", "knowledge", "goal", *KEEPING)
 @asking(*COMMON)
 def headroom_command(
     family: Family,
-    situations: Annotated[
-        str, typer.Option(help="Components of the observation; the largest tells a robot's situation.")
-    ] = "free_far,free_near,carrying_far,carrying_near",
+    situations: Situations = SITUATIONS,
     searched: Annotated[int, typer.Option(help="Training scenarios on which each rule is tried.")] = 16,
     judged: Annotated[int, typer.Option(help="Test scenarios on which the result is judged.")] = 50,
     kinds: Annotated[
@@ -38,9 +39,7 @@ def headroom_command(
 ) -> None:
     """Search for the best option of each case: what choosing could save."""
     check_whole({"--searched": (searched, 1, MOST_SCENARIOS), "--judged": (judged, 2, MOST_SCENARIOS)})
-    names = () if kinds else tuple(name.strip() for name in situations.split(",") if name.strip())
-    if not names and not kinds:
-        raise ConfigurationError("--situations: expected components of the observation, got none")
+    names = () if kinds else situations_in(situations)
     check_named(given.directories, families=family, knowledge=given.values["knowledge"])
     from train.evaluation import pipeline  # imports SciPy and Numba
     from train.evaluation.headroom import HeadroomEvaluation
