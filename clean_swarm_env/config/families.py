@@ -7,6 +7,7 @@ batch of worlds can hold them.
 
 import re
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal, Self
 
@@ -69,6 +70,8 @@ class ChangesConfig(Closed):
     """Least and largest number of events."""
     kinds: tuple[Change, ...] = ()
     """Kinds of events, all equally likely."""
+    phases: Changes = 0
+    """Phases of equal length in which garbage comes at one new spot and anywhere, in turn; 0: none."""
     items: tuple[Items, Items] = (5, 5)
     """Least and largest number of items that land at a time."""
     respawn: Span = (0.0, 6.0)
@@ -86,6 +89,8 @@ class ChangesConfig(Closed):
                 raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
         if self.number[1] > 0 and not self.kinds:
             raise impossible("kinds", "at least one kind of event", "none")
+        if self.number[1] > 0 and self.phases > 0:
+            raise impossible("phases", "0 beside events at random times (number)", self.phases)
         return self
 
 
@@ -112,6 +117,8 @@ class FamilyConfig(Closed):
     """Whether the stations are where the mission has them, or as many of them at random places."""
     station_places: tuple[PlaceCount, PlaceCount] | None = None
     """Least and largest number of random places for the stations of each kind; one for each station unless given."""
+    harmless: Share = 0.0
+    """Probability that collisions are harmless in a scenario [-]."""
     changes: ChangesConfig = ChangesConfig()
     """The events that are drawn."""
     starts: tuple[StartConfiguration, ...] = ()
@@ -154,11 +161,10 @@ class FamilyConfig(Closed):
             own = _of_split(np.random.SeedSequence([own, world]), split)
         return Scenario(scenario_name(split, index, world), own, mission, start)
 
-    def with_knowledge(self, name: str | None) -> Self:
-        """Return the family with the expert knowledge of a name in place of its own; None: its own."""
-        if name is None:
-            return self
-        return self.model_copy(update={"mission": self.mission.model_copy(update={"knowledge": name})})
+    def with_knowledge(self, name: str | None, terms: Sequence[str] = ()) -> Self:
+        """Return the family with the expert knowledge of a name, None: its own, and with further terms."""
+        changes = {"knowledge": name or self.mission.knowledge, "terms": (*self.mission.terms, *terms)}
+        return self.model_copy(update={"mission": self.mission.model_copy(update=changes)})
 
     @property
     def largest(self) -> MissionConfig:
@@ -170,8 +176,9 @@ class FamilyConfig(Closed):
 
         A family without a possible scenario is refused, too.
         """
-        if self.mission.events and self.changes.number[1] > 0:
-            raise impossible("mission.events", "none where events are drawn (changes.number)", len(self.mission.events))
+        if self.mission.events and max(self.changes.number[1], self.changes.phases) > 0:
+            expected = "none where events are drawn (changes.number, changes.phases)"
+            raise impossible("mission.events", expected, len(self.mission.events))
         for size in self.tori:
             try:
                 self._largest_on(size)

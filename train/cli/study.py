@@ -32,19 +32,27 @@ def headroom_command(
     searched: Annotated[int, typer.Option(help="Training scenarios on which each rule is tried.")] = 16,
     judged: Annotated[int, typer.Option(help="Test scenarios on which the result is judged.")] = 50,
     kinds: Annotated[
-        bool, typer.Option("--kinds", help="Choose by a scenario's numbers of spots and stations, not by situations.")
+        bool, typer.Option("--kinds", help="Choose by a scenario's kind: its spots, stations, consequences.")
     ] = False,
+    finalists: Annotated[
+        int, typer.Option(help="Options to end the search with, the worse half drops out again and again; 0: all.")
+    ] = 0,
+    told: Annotated[
+        list[str] | None, typer.Option(help="Term of the observation for the rule; can be repeated.")
+    ] = None,
     *,
     given: GivenOptions,
 ) -> None:
     """Search for the best option of each case: what choosing could save."""
     check_whole({"--searched": (searched, 1, MOST_SCENARIOS), "--judged": (judged, 2, MOST_SCENARIOS)})
+    check_whole({"--finalists": (finalists, 0, MOST_SCENARIOS)})
     names = () if kinds else situations_in(situations)
     check_named(given.directories, families=family, knowledge=given.values["knowledge"])
     from train.evaluation import pipeline  # imports SciPy and Numba
     from train.evaluation.headroom import HeadroomEvaluation
 
-    evaluation = HeadroomEvaluation(given.request(family, scenarios=judged), names, searched)
+    request, terms = given.request(family, scenarios=judged), tuple(told or ())
+    evaluation = HeadroomEvaluation(request, names, searched, finalists=finalists, told=terms)
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
 
 

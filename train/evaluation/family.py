@@ -39,6 +39,7 @@ class FamilyEvaluation(Evaluation):
         request: the request.
         family: the family, unless it is the one that the request names; it may have disturbances.
         periods: lengths of a decision period [s] to compare, the others with the first; none are compared without.
+        terms: terms of the observation beside those of the mission.
         settings: what the identity says besides of the evaluation.
 
     Attributes:
@@ -59,11 +60,12 @@ class FamilyEvaluation(Evaluation):
         request: Request,
         family: FamilyConfig | None = None,
         periods: Sequence[float] = (),
+        terms: Sequence[str] = (),
         **settings: object,
     ) -> None:
         super().__init__(request)
         self.periods = periods
-        self.family = family or load_family(request.name, request.directories).with_knowledge(request.knowledge)
+        self.family = family or load_family(request.name, request.directories).with_knowledge(request.knowledge, terms)
         with within(request.name):
             missions = (request.scenarios or self.family.scenarios) * request.worlds * max(len(request.strategies), 1)
             check_needs(self.family.largest, missions, request.machine, min(TASK_SCENARIOS, missions))

@@ -6,29 +6,38 @@ search does not count. The search begins with the best single option. For situat
 after the other, and keeps what lowers the mean excess cost, until a whole round changes nothing. For kinds it takes the
 best option of each.
 
-Shapes: S situations, 1 without any; O options, Q rules, T scenarios of the search.
+Of many options the worse half drops out, again and again, while the number of scenarios doubles (Karnin et al. 2013,
+Almost optimal exploration in multi-armed bandits); a few that are best for a kind stay. The finalists
+are judged, too, so that the best in hindsight stands beside, chosen on one half of the scenarios and judged on the
+other.
+
+Shapes: S situations, 1 without any; O options, L that are left, Q rules, T scenarios of the search.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
-from train.analysis.family_report import excess_ratios
+from train.analysis.family_report import excess_ratios, excesses_of
+from train.analysis.intervals import Ratio
+from train.analysis.strategy_comparison import BestFixed
 from train.deciders.decider import Decider, TeamsDecider, columns_of
+from train.deciders.named import FIXED
 from train.deciders.rules import RuleDecider
 from train.evaluation.base import Done
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
 from train.reports.family_tables import excess_publication
-from train.reports.text_table import Publication
+from train.reports.text_table import Publication, interval_cell
 from train.request import Request
 from train.running.runs import RunRecord
 from train.running.trials import TrialSettings
@@ -36,6 +45,8 @@ from train.running.trials import TrialSettings
 SINGLE, RULE_FOUND = "best single choice", "best choice for each case"
 MOST_ROUNDS = 5
 """Rounds over all situations after which a search ends."""
+FIRST_SCENARIOS = 4
+"""Scenarios after which the first options drop out."""
 
 
 @dataclass(frozen=True)
@@ -76,16 +87,27 @@ class HeadroomEvaluation(FamilyEvaluation):
             scenarios.
         searched: number of scenarios of the search.
         family: the family, unless it is the one that the request names.
+        finalists: number of options that the search ends with; 0: it compares all on all scenarios.
+        told: terms of the observation beside those of the mission.
 
     """
 
     growing = ""
 
     def __init__(
-        self, request: Request, situations: tuple[str, ...], searched: int, family: FamilyConfig | None = None
+        self,
+        request: Request,
+        situations: tuple[str, ...],
+        searched: int,
+        family: FamilyConfig | None = None,
+        *,
+        finalists: int = 0,
+        told: tuple[str, ...] = (),
     ) -> None:
-        super().__init__(request, family, headroom={"situations": list(situations), "scenarios": searched})
-        self._situations, self._searched = situations, searched
+        asked = {"situations": list(situations), "scenarios": searched, "finalists": finalists}
+        self.beside_baselines = not finalists
+        super().__init__(request, family, terms=told, headroom=asked)
+        self._situations, self._searched, self._finalists = situations, searched, finalists
         self._drawn = partial(self.scenario, self.family)
         columns_of(self.problem, situations, "--situations")
         self.stem += "-headroom"
@@ -100,21 +122,31 @@ class HeadroomEvaluation(FamilyEvaluation):
         return [
             *self._rule_tasks(self.scenarios, SINGLE, alone, done),
             *self._rule_tasks(self.scenarios, RULE_FOUND, rules, done),
+            *(
+                task
+                for option, label in self._others(done).items()
+                for task in self._rule_tasks(self.scenarios, label, np.full_like(rules, option), done)
+            ),
             *super().tasks(done),
         ]
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return the costs of the rule found, Off and Random beside those of the best single choice."""
         done = {record.key: record for record in records}
-        labels = [SINGLE, RULE_FOUND, *(entrant.label for entrant in self.entrants)]
+        others = list(self._others(done).values())
+        labels = [SINGLE, RULE_FOUND, *others, *(entrant.label for entrant in self.entrants)]
         runs, against = self.runs(records, {label: (label,) for label in labels}), dict.fromkeys(labels, SINGLE)
-        ratio = excess_ratios(runs, against)[RULE_FOUND]
+        ratio, excesses = excess_ratios(runs, against)[RULE_FOUND], excesses_of(runs)
+        best = BestFixed.of(excesses, (SINGLE, *others))
+        hindsight = Ratio.of(excesses[RULE_FOUND].mean(axis=2), best.judged(excesses).mean(axis=(0, 2)))
+        told = "" if hindsight.ratio is None else f"{hindsight.ratio:.3f} {interval_cell(hindsight.ci95)}"
         ends = "" if ratio.ci95 is None else " [{:.1%}, {:.1%}]".format(*(1.0 - end for end in reversed(ratio.ci95)))
         cases = self._cases(done)
         notes = (
             f"headroom {1.0 - (np.inf if ratio.ratio is None else ratio.ratio):.1%}{ends} of the excess",
             f"{sum(name.startswith('train') for name, _ in done)} missions of search",
             f"best single choice: {self.options[self._single(done)]}",
+            *([f"ratio to the best in hindsight of {len(others) + 1}, {best.label}: {told}"] if others else []),
             "best choices: " + ", ".join(f"{case} {self.options[option]}" for case, option in cases.items()),
         )
         return excess_publication(runs, against, "headroom", "ratio to the best single choice", notes)
@@ -126,24 +158,46 @@ class HeadroomEvaluation(FamilyEvaluation):
 
     def _single(self, done: Done) -> int:
         """Return the best single option."""
-        return int(self._excesses(self._singles, done).mean(axis=1).argmin())
+        left = self._left(done)
+        return int(left[self._excesses(self._singles[left], done).mean(axis=1).argmin()])
+
+    def _left(self, done: Done) -> Ints:
+        """Return the options (L,) that no round of the search has dropped: the best ones, and those of each kind."""
+        left, count = np.arange(len(self.options)), min(FIRST_SCENARIOS, self._searched)
+        most = len(left) if self._finalists else 0
+        while most > self._finalists:
+            most = max(most // 2, self._finalists)
+            excesses, kinds = self._excesses(self._singles[left], done, count), self._kinds("train")[:count]
+            keep = [excesses.mean(axis=1).argsort(kind="stable")[:most]]
+            for kind in () if self._situations else np.unique(kinds):
+                keep.append(excesses[:, kinds == kind].mean(axis=1).argsort(kind="stable")[: max(most // 4, 1)])
+            left, count = left[np.unique(np.concatenate(keep))], min(2 * count, self._searched)
+        return left
+
+    def _others(self, done: Done) -> dict[int, str]:
+        """Return the finalists beside the best single option, each with its label."""
+        single = self._single(done)
+        labels = {int(option): f"{FIXED}:{self.options[option]}" for option in self._left(done) if option != single}
+        taken = [entrant.label for entrant in self.entrants]
+        return {option: label for option, label in labels.items() if self._finalists and label not in taken}
 
     def _cases(self, done: Done) -> dict[str, int]:
         """Return the best option for each case."""
         situations = self._situations
         if situations:
             return dict(zip(situations, self._rule(done).tolist(), strict=True))
-        excesses, kinds = self._excesses(self._singles, done), np.array(scenario_kinds(self._scenarios("train")))
-        return {kind: int(excesses[:, kinds == kind].mean(axis=1).argmin()) for kind in np.unique(kinds).tolist()}
+        left, kinds = self._left(done), self._kinds("train")
+        excesses = self._excesses(self._singles[left], done)
+        return {kind: int(left[excesses[:, kinds == kind].mean(axis=1).argmin()]) for kind in np.unique(kinds).tolist()}
 
     def _rule(self, done: Done) -> Ints:
         """Return the best rule (S,) for situations."""
-        rule = np.full(len(self._situations), self._single(done))
+        rule, left = np.full(len(self._situations), self._single(done)), self._left(done)
         for _ in range(MOST_ROUNDS):
             before = rule.copy()
             for situation in range(len(rule)):
-                tried = np.tile(rule, (len(self.options), 1))
-                tried[:, situation] = np.arange(len(self.options))
+                tried = np.tile(rule, (len(left), 1))
+                tried[:, situation] = left
                 rule = tried[self._excesses(tried, done).mean(axis=1).argmin()]
             if np.array_equal(rule, before):
                 break
@@ -155,11 +209,14 @@ class HeadroomEvaluation(FamilyEvaluation):
         if self._situations:
             return np.tile(np.array(list(cases.values())), (len(self.scenarios), 1))
         single = self._single(done)
-        return np.array([[cases.get(kind, single)] for kind in scenario_kinds(self._scenarios("test"))])
+        return np.array([[cases.get(kind, single)] for kind in self._kinds("test").tolist()])
 
-    def _excesses(self, rules: Ints, done: Done) -> Floats:
-        """Return the excess costs (Q, T) of `rules` (Q, S) on the scenarios of the search; Lacking for a new rule."""
-        names = [scenario_name("train", k) for k in range(self._searched)]
+    def _excesses(self, rules: Ints, done: Done, count: int = 0) -> Floats:
+        """Return the excess costs (Q, T) of `rules` (Q, S) on all scenarios of the search, or the first `count`.
+
+        Lacking says which runs are not done.
+        """
+        names = [scenario_name("train", k) for k in range(count or self._searched)]
         conditions = [" / ".join(self.options[option] for option in rule) for rule in rules]
         tasks = [
             task
@@ -183,10 +240,11 @@ class HeadroomEvaluation(FamilyEvaluation):
             found.append(RuleTask(**settings, situations=self._situations, rules=rule_of))
         return found
 
-    def _scenarios(self, split: Split) -> list[Scenario]:
-        """Return the scenarios of the search, or those that judge."""
+    @cache  # noqa: B019  (an evaluation lives as long as its process)
+    def _kinds(self, split: Split) -> NDArray[np.str_]:
+        """Return the kinds (T,) of the scenarios of the search, or of those that judge."""
         count = self._searched if split == "train" else len(self.scenarios)
-        return [self._drawn(scenario_name(split, k)) for k in range(count)]
+        return np.array(scenario_kinds([self._drawn(scenario_name(split, k)) for k in range(count)]))
 
 
 def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
@@ -194,6 +252,7 @@ def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
     tasks = [scenario.mission.task for scenario in scenarios]
     return [
         f"spots {len(task.garbage.spots)} stations {len(set(task.stations.places))}"
+        + (" harmless" if task.consequences.harmless else "")
         if isinstance(task, CleaningSettings)
         else task.name
         for task in tasks

@@ -9,9 +9,10 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.around import Around, write_way
 from clean_swarm_env.learning.observation.team_terms import CrowdTerm
-from clean_swarm_env.learning.observation.term import TERMS, compiled_term
+from clean_swarm_env.learning.observation.term import TERMS, Term, compiled_term
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
-from selforg.arrays import Floats
+from clean_swarm_env.tasks.cleaning.task import cleaning_of
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.elementary import sine_cosine
 from selforg.space import nearest_image
@@ -81,3 +82,17 @@ def see_true_done(around: Around, row: int, out: Floats) -> None:
     """Share of the items dumped of those that arrived."""
     world = row // around.robots
     out[0] = around.done[world] / max(around.arrived[world], 1)
+
+
+@TERMS.register
+class TrueSeasonTerm(Term):
+    """One flag: garbage comes anywhere now, or about spots."""
+
+    name = "true_season"
+    components = ("true_anywhere", "true_spots")
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Write the flags."""
+        worlds = self.observed.worlds
+        at_spots = np.repeat(cleaning_of(worlds.task).agendas.at_spots, worlds.robots)[rows]
+        out[0, rows], out[1, rows] = ~at_spots, at_spots

@@ -29,6 +29,7 @@ class Consequence(NamedTuple):
     standing: Annotated[Ints, "R", KEPT]  # ticks for which the robot stands, that of the collision included
     collisions: Annotated[Ints, "R", KEPT]  # of each robot since it was last as new
     away: Annotated[Floats, "R 2", KEPT]  # where the robot drives off [m/s]
+    harmless: Annotated[Ints, "W", KEPT]  # 1 where collisions have none of these consequences
     lost: Annotated[Ints, "R", SCRATCH]  # rows whose cargo was lost in this tick, the first ones
     stop: int  # ticks for which a robot that collides stands
     back_off: int  # ticks for which it then drives off, the last ones of `standing`
@@ -50,21 +51,24 @@ class Consequences:
         active: whether collisions have any consequence in this mission.
         standing: (R,) int64, ticks for which a robot stands, that of the collision included; 0 for others.
         collisions: (R,) int64, collisions of each robot since it was last as new.
+        harmless: (W,) int64, 1 where collisions have no consequences in the mission of a world.
 
     """
 
-    def __init__(self, mission: MissionConfig, rows: int) -> None:
+    def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
         config, rate = settings_of(mission).consequences, mission.world.control_rate
         self.active = config.stop > 0.0 or config.back_off > 0.0 or config.drop or config.damage_after > 0
         self._damage_after = config.damage_after
         self.standing: Ints = np.zeros(rows, dtype=np.int64)
         self.collisions: Ints = np.zeros(rows, dtype=np.int64)
+        self.harmless: Ints = np.zeros(worlds, dtype=np.int64)
         self._away: Floats = np.zeros((rows, 2))
         self._packed: Packed[Consequence] = CONSEQUENCE.pack(
             Consequence(
                 standing=self.standing,
                 collisions=self.collisions,
                 away=self._away,
+                harmless=self.harmless,
                 lost=np.zeros(rows, dtype=np.int64),
                 stop=round(config.stop * rate),
                 back_off=round(config.back_off * rate),
@@ -161,7 +165,7 @@ def suffer(
     count, per_world = 0, f.robots.shape[0] // f.stations.shape[0]
     for row in range(entered.shape[0]):
         world, x, y = row // per_world, f.robots[row, 0], f.robots[row, 1]
-        if entered[row] > 0 and working[row]:
+        if entered[row] > 0 and working[row] and c.harmless[world] == 0:
             c.collisions[row] += entered[row]
             c.standing[row] = max(c.standing[row], c.stop + c.back_off + 1)
             turn_away(row, present, f, c)

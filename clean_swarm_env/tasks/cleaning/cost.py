@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from clean_swarm_env.config.events import Land, Respawn, in_order
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.tasks.cleaning.settings import settings_of
+from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from selforg.compiler.decorators import part
 
 LEFT_LIMITS: Final = 2.0
@@ -33,7 +33,8 @@ EVENT, SAMPLE, LIMIT, LEFT, ITEMS, WORTH = range(6)
 
 def cost_terms(mission: MissionConfig) -> CostTerms:
     """Return the prices of a mission."""
-    event, sample = mission.collision_cost, mission.contact_cost / mission.world.physics_rate
+    price = 1.0 - settings_of(mission).consequences.harmless if isinstance(mission.task, CleaningSettings) else 1.0
+    event, sample = price * mission.collision_cost, price * mission.contact_cost / mission.world.physics_rate
     items = mission.items
     if items.keep_coming:
         return CostTerms(event, sample, mission.time_limit, 0.0, 0.0, mission.time_limit / max(_coming(mission), 1.0))

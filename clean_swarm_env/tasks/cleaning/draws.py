@@ -59,9 +59,11 @@ def draw_events(
 ) -> list[dict[str, Any]]:
     """Return the events of one scenario that begins with `robots` and `spots`, in the order of their times.
 
-    Spots that move remain as many. An event that would leave fewer than two robots becomes a join if robots may join;
-    otherwise it is left out.
+    Spots that move remain as many, unless they come and go in phases. An event that would leave fewer than two robots
+    becomes a join if robots may join; otherwise it is left out.
     """
+    if changes.phases:
+        return draw_phases(changes.phases, size, spots, time_limit, rng)
     number = int(rng.integers(changes.number[0], changes.number[1] + 1))
     times = np.sort(rng.uniform(QUIET, 1.0 - QUIET, size=number)) * time_limit
     working, numbered = list(range(robots)), robots
@@ -84,6 +86,17 @@ def draw_events(
             event |= _drawn(kind, changes, size, rng)
         events.append(event)
     return events
+
+
+def draw_phases(
+    phases: int, size: tuple[float, float], spots: int, time_limit: float, rng: np.random.Generator
+) -> list[dict[str, Any]]:
+    """Return the events by which garbage comes at one new spot and anywhere in turn, if it first comes at `spots`."""
+    at_spot = [(spots > 0) == (phase % 2 == 0) for phase in range(phases)]
+    return [
+        {"at": round(time_limit * k / phases, 3), "do": "move_spots", "spots": random_spots(int(at_spot[k]), size, rng)}
+        for k in range(1, phases)
+    ]
 
 
 def _drawn(kind: str, changes: ChangesConfig, size: tuple[float, float], rng: np.random.Generator) -> dict[str, Any]:

@@ -63,6 +63,11 @@ class Agenda:
         self._find_due(tick)
 
     @property
+    def at_spots(self) -> bool:
+        """Whether garbage comes about spots now."""
+        return len(self._garbage.spots) > 0
+
+    @property
     def over(self) -> bool:
         """Whether no more garbage will come."""
         return self._ends and self._landing == 0
@@ -126,6 +131,11 @@ class Agendas:
         agenda = self._agendas[number] = Agenda(self._world.missions[number], seed)
         self.over[number] = agenda.over
         self._due[0] = 0
+
+    @property
+    def at_spots(self) -> Flags:
+        """Where (W,) garbage comes about spots now."""
+        return np.array([agenda is not None and agenda.at_spots for agenda in self._agendas])
 
     def came(self, number: int) -> int:
         """Return how many items have come into a world, those without room included: whatever robots do."""

@@ -46,12 +46,13 @@ class CleaningMissions(TaskKind):
 
     @classmethod
     def frame_settings(cls, mission: MissionConfig) -> CleaningSettings:
-        """Return the settings without places, and with as many items as there are rows."""
+        """Return the settings without places and harmless collisions, and with as many items as there are rows."""
         task = settings_of(mission)
         rows = cls.count_items(mission).rows
         anywhere = {"count": 0, "respawn": 0.0, "capacity": rows, "spots": (), "spot_radius": 1.0}
         stations = task.stations.at((NOWHERE,) * len(task.stations.places))
-        return task.model_copy(update={"garbage": task.garbage.model_copy(update=anywhere), "stations": stations})
+        own = {"garbage": task.garbage.model_copy(update=anywhere), "stations": stations}
+        return task.model_copy(update=own | {"consequences": task.consequences.model_copy(update={"harmless": False})})
 
     @classmethod
     def count_items(cls, mission: MissionConfig) -> ItemCounts:
@@ -94,9 +95,13 @@ class CleaningMissions(TaskKind):
         if family.spots is not None:
             spots = random_spots(int(rng.integers(family.spots[0], family.spots[1] + 1)), size, rng)
         events = draw_events(family.changes, size, robots, len(spots), family.mission.time_limit, rng)
-        drawn = {"count": items, "respawn": respawn, "spots": spots, "capacity": _rows_of_items(family)}
-        garbage = task.garbage.model_copy(update=drawn)
-        return task.model_copy(update={"garbage": garbage, "stations": stations}), events
+        lying = {"count": items, "respawn": respawn, "spots": spots, "capacity": _rows_of_items(family)}
+        garbage = task.garbage.model_copy(update=lying)
+        drawn = {"garbage": garbage, "stations": stations}
+        if family.harmless > 0.0:
+            harmless = bool(rng.uniform() < family.harmless)
+            drawn["consequences"] = task.consequences.model_copy(update={"harmless": harmless})
+        return task.model_copy(update=drawn), events
 
 
 def _places(mission: MissionConfig) -> dict[str, Point]:

@@ -109,6 +109,9 @@ class PatrolConfig(Closed):
 class ConsequencesConfig(Closed):
     """Consequences of a collision event for the robots at work that take part; none unless set."""
 
+    harmless: Flag = False
+    """Whether collisions have none of these consequences and cost nothing; missions of one batch may differ in it."""
+
     stop: Wait = 0.0
     """Time for which a robot that collides stops, decides nothing and handles no cargo; 0: it does not stop [s]."""
     back_off: Wait = 0.0

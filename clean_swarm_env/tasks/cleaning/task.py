@@ -74,7 +74,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
 
     def __init__(self, world: World) -> None:
         super().__init__(world)
-        self.consequences = Consequences(world.mission, world.rows)
+        self.consequences = Consequences(world.mission, world.worlds, world.rows)
         self.site = Site(world, self.consequences)
         self.garbage, self.stations = self.site.garbage, self.site.stations
         self.agendas, self.movers = Agendas(world, self.site), Movers(world)
@@ -114,7 +114,8 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         self.agendas.reset(start.world, start.seed)
 
     def reset(self, world: int, rows: slice) -> None:
-        """Show items and stations of a world."""
+        """Show items and stations of a world, whose mission may have harmless collisions."""
+        self.consequences.harmless[world] = settings_of(self.world.missions[world]).consequences.harmless
         self.site.show(world)
 
     def lose(self, rows: Ints) -> None:

@@ -10,9 +10,10 @@ from clean_swarm_env.config.frames import check_frame, grouped
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import for_start, nearest_distance
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.tasks.cleaning.cost import mission_cost
 from clean_swarm_env.world.mission import run_mission
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, validated
 from selector.documents.find import files_of
 from tests.clean_swarm_env.courses import avoidance, course, difference, long_course, mission
 
@@ -22,7 +23,7 @@ FAMILIES = list(files_of("families"))
 def test_all_families_are_shipped():
     alike = ["continuous", "crowded", "random", "shifting", "sparse", "unseen"]
     exploring = ["clustered", "crowded-exploring", "hotspots", "rare", "unseen-exploring"]
-    others = ["table1", "yards", *exploring]
+    others = ["table1", "yards", "bumpers-or-not-1", "seasons-1", *exploring]
     assert sorted(FAMILIES) == sorted([*others, *alike, *(f"{name}-bumpers" for name in alike)])
 
 
@@ -72,6 +73,23 @@ def test_scenarios_are_those_of_the_time_before_spots_of_garbage(name, digest):
     assert found == digest
 
 
+@pytest.mark.parametrize(
+    ("name", "digest"),
+    [("bumpers-or-not-1", 2524771815), ("clustered", 3990978693), ("hotspots", 132852503), ("seasons-1", 2938303589)],
+)
+def test_accepted_families_are_frozen(name, digest):
+    """A changed family gets a new name: docs/families.md."""
+    family, found = load_family(name), 0
+    for scenario in [family.scenario(3, k, split) for split in ("train", "test") for k in range(20)]:
+        mission, start, events = scenario.mission, scenario.start, [event.model_dump() for event in scenario.events]
+        world = mission.world.width, mission.world.height, mission.time_limit, mission.collision_cost
+        task = mission.task.garbage.respawn, mission.task.garbage.spots, mission.task.stations.places
+        harm = mission.task.consequences.stop, mission.task.consequences.harmless
+        drawn = scenario.seed, start.robots, start.items, events, world, task, harm, mission.contact_cost
+        found = zlib.crc32(repr(drawn).encode(), found)
+    assert found == digest
+
+
 def test_spots_of_garbage_are_drawn_and_move():
     base = load_family("continuous").mission.model_copy(update={"name": "spots"})
     changes = {"number": (3, 3), "kinds": ("move_spots",)}
@@ -84,6 +102,42 @@ def test_spots_of_garbage_are_drawn_and_move():
     assert len(set(moved)) == len(moved)
     assert len(grouped(missions)) == 1
     assert family.model_copy(update={"spots": None}).scenario(1, 0, "test").mission.task.garbage.spots == ()
+
+
+def test_garbage_comes_anywhere_and_at_a_new_spot_in_turn():
+    drawn = [load_family("seasons-1").scenario(1, k, "test").mission for k in range(40)]
+    for each in drawn:
+        phases = [each.task.garbage.spots, *(event.spots for event in each.events)]
+        assert [event.at for event in each.events] == [600.0, 1200.0, 1800.0]
+        assert [len(spots) for spots in phases] in ([0, 1, 0, 1], [1, 0, 1, 0])
+        assert len(set(phases)) == 3  # both spots differ
+    assert 10 <= sum(not each.task.garbage.spots for each in drawn) <= 30
+    assert len(grouped(drawn)) == 1
+
+
+def test_collisions_are_harmless_in_their_share_of_the_scenarios_and_cost_nothing_there():
+    family = load_family("bumpers-or-not-1")
+    drawn = [family.scenario(1, k, "test").mission for k in range(100)]
+    harmless = [each.task.consequences.harmless for each in drawn]
+    assert 65 <= sum(harmless) <= 85
+    assert len(grouped(drawn)) == 1
+    for each, free in zip(drawn, harmless, strict=True):
+        assert mission_cost(each, 10.0, 5, 20, 20) == pytest.approx(10.0 if free else 10.0 + 5 * 2.0 + 20 * 0.2 / 20)
+        assert each.task.consequences.stop == 2.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "events", "message"),
+    [
+        ({"phases": 4, "number": (1, 2), "kinds": ("land",)}, [], r"phases: expected 0 beside events .*, got 4"),
+        ({"phases": -1}, [], "changes.phases: .*-1"),
+        ({"phases": 2}, [{"at": 5.0, "do": "land", "items": 1}], "mission.events: expected none where .*, got 1"),
+    ],
+)
+def test_phases_are_refused_beside_other_events(changes, events, message):
+    given = {"name": "phases", "description": "Phases.", "mission": mission(events=events), "changes": changes}
+    with pytest.raises(DocumentError, match=message):
+        validated(FamilyConfig, given, "family")
 
 
 @pytest.mark.parametrize("name", FAMILIES)

@@ -218,6 +218,15 @@ def test_loads_count_who_was_heard_before_the_robot_at_the_nearest_station_and_t
     assert (met > 0.0).tolist() == [loss < 1.0, loss < 1.0, True]
 
 
+def test_the_season_is_where_garbage_comes_now():
+    events = [{"at": 2.0, "do": "move_spots", "spots": [[3.0, 3.0]]}, {"at": 5.0, "do": "move_spots", "spots": []}]
+    batch = Batch(mission(events=events), observation=ObservationConfig(terms=["true_season"]))
+    batch.reset([1])
+    seen = [batch.step(np.zeros(batch.rows, np.int64)).observations[0].tolist() for _ in range(7)]
+    anywhere, spots = [1.0, 0.0], [0.0, 1.0]
+    assert seen == [anywhere, anywhere, spots, spots, spots, anywhere, anywhere]
+
+
 def away(places, place):
     """Return how far places (..., 2) are from a place on the torus of the mission `transport` [m]."""
     ways = np.abs(places - place)

@@ -57,6 +57,26 @@ def test_two_robots_that_collide_stand_for_the_time_and_then_go_on():
     assert np.abs(worlds.physics.positions - places)[:2, 0].min() > 0.3
 
 
+def test_collisions_are_harmless_in_the_worlds_whose_missions_say_so():
+    hard = open_mission(consequences={"stop": STOP, "drop": True})
+    soft = open_mission(consequences={"stop": STOP, "drop": True, "harmless": True})
+    batch = Batch(hard, worlds=2, action={"mode": "velocity"})
+    worlds = batch.worlds
+    for turn in range(2):
+        for world, own in enumerate((soft, hard) if turn else (hard, soft)):
+            worlds.reset(world, FACING, 1, own)
+            batch.progress.reset(world)
+        worlds.drive(np.array([[speed, 0.0] for speed in (1.0, -1.0, 0.5)] * 2))
+        while not (entered := worlds.tick()).any():
+            pass
+        assert (entered > 0).tolist() == [True, True, False] * 2
+        hurt = (worlds.task.consequences.standing > 0).reshape(2, 3)
+        assert hurt[turn].tolist() == [True, True, False]
+        assert not hurt[1 - turn].any()
+        costs = [worlds.task.cost(world, {}) for world in range(2)]
+        assert costs[turn] - costs[1 - turn] == pytest.approx(hard.collision_cost)
+
+
 def test_robots_that_back_off_part_after_they_have_stood():
     worlds = driven(open_mission(consequences={"stop": 1.0, "back_off": 3.0}))
     while not worlds.tick().any():

@@ -83,6 +83,42 @@ def test_the_best_choice_for_each_kind_of_scenario_is_found_and_judged():
     assert "best choices: " + ", ".join(f"{kind} {option}" for kind, option in planted.items()) in notes
 
 
+def test_a_search_among_many_options_drops_the_worse_half_and_judges_who_is_left():
+    goal = "AvoidCollision+ExplorationPatrol"
+    family = load_family("bumpers-or-not-1")
+    evaluation = HeadroomEvaluation(Request("bumpers-or-not-1", scenarios=12, goal=goal), (), 16, family, finalists=3)
+    planted = {"spots 0 stations 2": "ORCA+Patrol", "spots 0 stations 2 harmless": "Off+Finds"}
+    places = {kind: evaluation.options.index(option) for kind, option in planted.items()}
+    both = evaluation.options.index("PredictiveSteering+Patrol")  # second best in each kind
+
+    def excess(task, scenario):
+        [kind], [option] = scenario_kinds([scenario]), task.rules[scenario.id]
+        far = abs(option - places[kind])
+        return 10.0 + (0 if far == 0 else 2 if option == both else 5 + far)
+
+    done, rounds = played(evaluation, excess)
+    first, *_, judged = rounds
+    assert {scenario.id for task in first for scenario in task.scenarios} == {f"train-{k}" for k in range(1, 5)}
+    rows, notes = rows_of(evaluation, done)
+    assert set(rows) >= {SINGLE, RULE_FOUND, "fixed:ORCA+Patrol", "fixed:Off+Finds"}
+    assert 4 <= len(rows) <= 2 + 3 + 2
+    assert [task.condition for task in judged] == list(rows)
+    assert (rows[SINGLE][1], rows[RULE_FOUND][1]) == ("12.0", "10.0")
+    assert "best single choice: PredictiveSteering+Patrol" in notes
+    assert "best choices: " + ", ".join(f"{kind} {option}" for kind, option in planted.items()) in notes
+    assert f"ratio to the best in hindsight of {len(rows) - 1}, best single choice: 0.833 [0.833, 0.833]" in notes
+    searched = sum(scenario.startswith("train") for scenario, _ in done)
+    assert 35 * 4 < searched < 35 * 16 / 1.4
+
+
+def test_rules_may_be_told_what_no_robot_senses():
+    asked = Request("seasons-1", scenarios=4, goal="AvoidCollision+ExplorationPatrol")
+    situations = ("true_anywhere", "true_spots")
+    with pytest.raises(DocumentError, match="--situations: unknown component 'true_anywhere'"):
+        HeadroomEvaluation(asked, situations, 2)
+    assert "true_spots" in HeadroomEvaluation(asked, situations, 2, told=("true_season",)).problem.features
+
+
 def test_a_search_that_was_cut_off_goes_on_to_the_same_results(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(headroom, "MOST_ROUNDS", 1)
     family = load_family("random-bumpers")
