@@ -41,7 +41,7 @@ def make(manifest: Manifest, folder: Path) -> None:
         words += ["--knowledge", _with_configured(folder, manifest, manifest.configured)]
     for family, compared in manifest.families.items():
         asked = ("--goal", manifest.goal, *words, "--scenarios", compared.scenarios, "--seed", 1)
-        _run("evaluate", "--family", family, *asked, "--output", folder / family, "--resume")
+        run("evaluate", "--family", family, *asked, "--output", folder / family, "--resume")
         if compared.looked_ahead:
             _look_ahead(folder, manifest, family, compared)
     if manifest.pairs is not None:
@@ -69,9 +69,7 @@ def _pair(folder: Path, manifest: Manifest, pairs: Pairs) -> None:
             asked = ("--family", family, "--goal", manifest.goal, "--knowledge", knowledge, *words)
             for seed in pairs.seeds:
                 output = pair_folder(folder, family, option, seed)
-                _run(
-                    "evaluate", *asked, "--scenarios", paired.scenarios, "--seed", seed, "--output", output, "--resume"
-                )
+                run("evaluate", *asked, "--scenarios", paired.scenarios, "--seed", seed, "--output", output, "--resume")
 
 
 def _trained(folder: Path, label: str, learner: Learner) -> str:
@@ -83,7 +81,7 @@ def _trained(folder: Path, label: str, learner: Learner) -> str:
     for seed in learner.seeds:
         output = folder / f"{label}-{seed}"
         new = not output.exists()
-        took = _run("train", kind, "--config", learner.training, "--seed", seed, "--output", output, "--resume")
+        took = run("train", kind, "--config", learner.training, "--seed", seed, "--output", output, "--resume")
         if new:
             known = json.loads(times.read_text(encoding="utf-8")) if times.exists() else {}
             write_whole(times, json.dumps({**known, output.name: took}, indent=2).encode())
@@ -127,7 +125,7 @@ def _with_configured(folder: Path, manifest: Manifest, configured: Configured) -
     """Configure the option; return knowledge in which it stands beside all others."""
     output = folder / "configured"
     asked = ("--family", configured.family, "--knowledge", manifest.knowledge, "--trials", configured.trials)
-    _run("study", "configure", configured.option, *asked, "--seed", 1, "--output", output, "--resume")
+    run("study", "configure", configured.option, *asked, "--seed", 1, "--output", output, "--resume")
     (found,) = (output / "knowledge").glob("*.yaml")
     option = read_mapping(found)["goals"][manifest.goal][0]
     options = _options(manifest)
@@ -145,7 +143,7 @@ def _look_ahead(folder: Path, manifest: Manifest, family: str, compared: Compare
     asked = ("--goal", manifest.goal, "--scenarios", compared.looked_ahead, "--seed", 1)
     ahead = ("--copies", COPIES, "--hold", HOLD, "--horizon", HORIZON)
     output = folder / f"look-ahead-of-{family}"
-    _run("study", "look-ahead", family, "--base", base, *asked, *ahead, "--output", output, "--resume")
+    run("study", "look-ahead", family, "--base", base, *asked, *ahead, "--output", output, "--resume")
     looked = sorted(
         (run for run in runs_of(output / JOURNAL) if run.condition == LOOKING),
         key=lambda run: natural_order(run.scenario),
@@ -156,7 +154,7 @@ def _look_ahead(folder: Path, manifest: Manifest, family: str, compared: Compare
     write_whole(file, json.dumps(content).encode())
 
 
-def _run(*words: object) -> float:
+def run(*words: object) -> float:
     """Run `clean-swarm` with `words`; return its CPU time [s]."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([*CLEAN_SWARM, *map(str, words)], cwd=ROOT, check=True)

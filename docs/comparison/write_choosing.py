@@ -5,6 +5,7 @@ results/NAME holds already is kept. Tables of a manifest without a page are prin
 """
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from docs.comparison.manifest import Manifest
@@ -27,12 +28,8 @@ def main(arguments: list[str]) -> int:
     results = Results(manifest, folder)
     wrong = results.broken()
     if manifest.page:
-        page = DOCS / f"{manifest.name}.md"
-        text = page.read_text(encoding="utf-8")
-        for name, table in results.tables().items():
-            text = put(text, name, table)
-        text = put(text, "broken", "\n".join(f"- {line}." for line in wrong) or "Nothing.")
-        page.write_text(text, encoding="utf-8")
+        lost = "\n".join(f"- {line}." for line in wrong) or "Nothing."
+        put_tables(manifest.name, {**results.tables(), "broken": lost})
         if manifest.drawn:
             results.draw_curves(DOCS / "pictures" / f"{manifest.name}.png")
     else:
@@ -40,6 +37,15 @@ def main(arguments: list[str]) -> int:
     for line in wrong:
         print(line)
     return 1 if wrong else 0
+
+
+def put_tables(name: str, tables: Mapping[str, str]) -> None:
+    """Put tables between their marks on the page of a name."""
+    page = DOCS / f"{name}.md"
+    text = page.read_text(encoding="utf-8")
+    for mark, table in tables.items():
+        text = put(text, mark, table)
+    page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

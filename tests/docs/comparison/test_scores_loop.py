@@ -1,0 +1,185 @@
+"""The command behind the loop of docs/scores.md: what it computes from single options is what `--learn` does."""
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+
+from clean_swarm_env.config.load import load_family
+from docs.comparison import loop_runs, write_scores
+from docs.comparison.loop import (
+    LEARNERS,
+    RIGHT,
+    STARTS,
+    WRONG,
+    LoopedMissions,
+    LoopManifest,
+    learned_choices,
+    stored_choices,
+    tried_numbers,
+)
+from docs.comparison.loop_runs import LoopedRuns, make_loop
+from docs.comparison.loop_tables import LoopResults
+from docs.comparison.thoughts import BY_SCORE
+from docs.comparison.write_choosing import DOCS
+from selector.documents.reading import read_mapping
+from selector.knowledge import knowledge_from, load_knowledge
+from selector.strategies.registry import named, spec_from_text
+from tests.train.commands import told
+from train.deciders.named import decider_named
+from train.evaluation.claims import family_runs
+
+GOAL = "AvoidCollision"
+ROOMS = {
+    "name": "rooms",
+    "description": "Table 1 with fewer items.",
+    "mission": {"base": "table1", "knowledge": "cleaning", "time_limit": 400.0},
+    "items": [4, 4],
+}
+SMALL = {
+    "name": "tried",
+    "families": {"rooms": {"goal": GOAL}},
+    "missions": 4,
+    "last": 2,
+    "seeds": [3, 4],
+    "training": 2,
+    "training_seed": 1,
+    "scaled": ["exploration", "deviation"],
+    "numbers": {"UCB1": {"prior": [0.0, 1.0], "exploration": [0.5]}},
+    "drawn": ["MaxScore", "UCB1"],
+    "thoughts": {
+        "policy": "policy:exploring-ppo",
+        "goal": "ExplorationPatrol",
+        "family": "clustered",
+        "training": 1,
+        "situations": ["finds_none", "finds_together"],
+        "families": ["clustered"],
+        "judged": 2,
+        "seed": 1,
+    },
+}
+KNOWN = knowledge_from({"goals": {"G": [{"configuration": name, "score": k} for k, name in enumerate("abc")]}})
+
+
+@pytest.fixture
+def rooms(tmp_path, monkeypatch, capsys):
+    """The path of a family, and a function that runs the command line."""
+    file = tmp_path / "rooms.yaml"
+    file.write_text(yaml.safe_dump(ROOMS))
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        code, out, err = told(capsys, *words)
+        assert code == 0, err
+        return out
+
+    monkeypatch.setattr(loop_runs, "run", call)
+    return file, call
+
+
+def taken(directory):
+    """The options of the missions of an evaluation that learned."""
+    lines = map(json.loads, (directory / "choices.jsonl").read_text().splitlines())
+    return [one["options"][GOAL] for one in lines]
+
+
+def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms, tmp_path):
+    file, call = rooms
+    manifest = LoopManifest(**{**SMALL, "families": {"rooms": {"goal": GOAL, "file": str(file)}}})
+    own = make_loop(manifest, "rooms", tmp_path)
+    assert own.training.scores.shape == (1, 3, 2)
+    assert own.missions.scores.shape == (2, 3, 4)
+    names = own.missions.options
+    for text in ("UCB1:exploration=0.05,prior=0", "EpsilonGreedy:epsilon=0.5", "GaussianThompson"):
+        found = learned_choices(spec_from_text(f"{text},sharing=robot" if ":" in text else f"{text}:sharing=robot"),
+                                own.missions.knowledge, own.missions, (3, 4))  # fmt: skip
+        for row, seed in enumerate((3, 4)):
+            output = tmp_path / f"{text[:3]}-{seed}"
+            call("evaluate", "--family", file, "--store", f"{output}.sqlite", "--learn", "--strategy", text,
+                 "--scenarios", 4, "--seed", seed, "--output", output)  # fmt: skip
+            assert taken(output) == [names[option] for option in found[row]]
+            (excess,) = family_runs(output).table(lambda _, result: result.excess_s).values()
+            assert excess[0, :, 0].tolist() == own.missions.paid(found)[row].tolist()
+
+
+def test_max_score_takes_what_the_store_says_at_the_beginning_of_each_command(rooms, tmp_path):
+    file, call = rooms
+    options = [
+        {**one.model_dump(), "score": 1.0 - 0.01 * k} for k, one in enumerate(load_knowledge("cleaning").options(GOAL))
+    ]
+    knowledge = tmp_path / "close.yaml"
+    knowledge.write_text(yaml.safe_dump({"goals": {GOAL: options}}))
+    costs, expected = [], []
+    for seed in (10, 11, 12):
+        asked = ("evaluate", "--family", file, "--knowledge", knowledge, "--scenarios", 1, "--seed", seed, "--output")
+        call(*asked, tmp_path / str(seed))
+        named_options = [f"fixed:{one['name']}" for one in options]
+        costs.append(loop_runs.read_table(tmp_path / str(seed), "test", named_options, "cost_s"))
+        call(*asked, tmp_path / f"learned-{seed}", "--store", "s.sqlite", "--learn", "--strategy", "MaxScore")
+        expected += taken(tmp_path / f"learned-{seed}")
+    cost = np.concatenate(costs, axis=1)[None]
+    missions = LoopedMissions(load_knowledge(str(knowledge)), GOAL, cost, 1.0 - cost / 400.0)
+    found = stored_choices(missions.knowledge, missions)[0][0]
+    assert [missions.options[option] for option in found] == expected
+    assert len(set(expected)) == 3  # each one did worse than the next one's score
+
+
+def looped(means, missions=40, seeds=2):
+    """Missions of three options with these mean costs."""
+    noise = np.random.default_rng(1).normal(0.0, 1.0, (seeds, 1, missions))
+    excess = np.array(means)[None, :, None] + noise
+    return LoopedMissions(KNOWN, "G", excess, 1.0 - excess / 1000.0)
+
+
+def test_further_seeds_have_the_same_missions_in_another_order():
+    missions = looped([30.0, 10.0, 20.0], seeds=1)
+    own = LoopedRuns(missions, missions, {"Random": missions.excess.mean(axis=1)}).in_orders((1, 2, 3))
+    assert own.missions.scores.shape == (3, 3, 40)
+    assert own.missions.excess[0].tolist() == missions.excess[0].tolist()
+    for part in (own.missions.excess[:, 0], own.missions.scores[:, 2], own.beside["Random"]):
+        assert len({tuple(row) for row in part}) == 3
+        assert np.ptp(np.sort(part, axis=1), axis=0).max() == 0.0
+    assert np.allclose(own.missions.excess.mean(axis=1), own.beside["Random"])  # options and the others stay together
+
+
+def test_scores_at_the_beginning_are_those_of_training_missions_or_the_same_the_wrong_way_round():
+    missions = looped([30.0, 10.0, 20.0])
+    right, wrong = (missions.starting(start).scores("G") for start in (RIGHT, WRONG))
+    assert np.argsort(right).tolist() == [0, 2, 1]
+    assert np.argsort(wrong).tolist() == [1, 2, 0]
+    assert sorted(right) == sorted(wrong)
+    assert missions.starting(STARTS[0]).scores("G").tolist() == [0.0, 1.0, 2.0]
+
+
+def test_tables_say_who_ends_at_the_best_option_and_who_stays_with_a_wrong_one():
+    manifest = LoopManifest(
+        **{**SMALL, "missions": 40, "last": 10, "seeds": [1, 2], "families": {"one": {"goal": "G"}}}
+    )
+    training, missions = looped([30.0, 10.0, 20.0]), looped([30.0, 10.0, 20.0])
+    beside = {"Random": missions.excess.mean(axis=1)}
+    results = LoopResults(manifest, {"one": LoopedRuns(training, missions, beside)})
+    tables = results.tables()
+    assert list(tables) == ["held", "scores of one", "numbers", "families"]
+    assert set(results.taken[("one", WRONG, BY_SCORE)].ravel()) == {0, 2}  # never 1, whose score is the lowest
+    rows = {row.split("|")[1].strip(): row for row in tables["scores of one"].splitlines()}
+    assert set(rows) == {"", "---", f"`{BY_SCORE}`", *(f"`{name}`" for name in LEARNERS), "`Random`"}
+    assert "| **1.00** [1.00, 1.00] | **1.00** |" in rows[f"`{BY_SCORE}`"]  # of all and at worst, from right scores
+    random = np.mean(beside["Random"][:, -10:]) / missions.excess[:, 1, -10:].mean()
+    assert rows["`Random`"].startswith(f"| `Random` | {random:.2f} [")
+    assert results.numbers["UCB1"] in tried_numbers(manifest, "UCB1")
+
+
+def test_the_manifest_that_ships_names_what_there_is_and_the_page_has_its_tables():
+    manifest = LoopManifest(**read_mapping(write_scores.OWN))
+    assert set(manifest.numbers) == set(LEARNERS)
+    for name in LEARNERS:
+        assert set(manifest.numbers[name]) <= set(named(name).Parameters.model_fields)
+        assert named(name).can_learn()
+    page = (DOCS / "scores.md").read_text(encoding="utf-8")
+    assert f"pictures/{manifest.name}-loop.png" in page
+    for label, family in manifest.families.items():
+        assert load_family(family.file or label).name == label
+        assert f"<!-- begin: scores of {label} -->" in page
+        for strategy in family.beside:
+            decider_named(strategy)
