@@ -57,7 +57,8 @@ LearnedScores = dict[Name, dict[Name, LearnedScore]]
 SituatedScores = dict[Name, dict[Name, dict[Name, Number]]]
 """Goal -> situation -> option -> its score in this situation [-].
 
-Situations are components of an observation; a robot is in that of the largest one."""
+Situations are components of an observation; a robot is in that of the largest one
+(docs/decisions/0231-scores-by-situation.md)."""
 
 
 class _KnowledgeFile(Closed):

@@ -8,6 +8,7 @@ import yaml
 from selector.documents.reading import read_mapping
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
+from tests.selector.strategies.policies import exported
 from tests.train.commands import told
 
 GOAL = "ExplorationPatrol"
@@ -87,17 +88,27 @@ def test_a_situation_that_never_occurred_has_the_scores_of_all(run, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ({"decider": "policy:none"}, "unknown policy 'none' (known: exploring-ppo)"),
+        ({"decider": "policy:none"}, "unknown policy 'none' (known: "),
         ({"decider": "fixed:Patrl"}, "--strategy fixed:Patrl: goal AvoidCollision: unknown option 'Patrl'"),
         ({"output": "thoughts.txt"}, "thoughts.txt: expected a name that ends in .yaml"),
         ({"output": "my/families/small.yaml"}, "my/families/small.yaml: cannot be written (File exists)"),
         ({"family": "smal"}, "unknown family or task 'smal'"),
         ({"situations": " , "}, "--situations: expected components of the observation, got none"),
         ({"situations": "finds_none,lost"}, "--situations: unknown component 'lost'"),
+        (
+            {"decider": "policy:steers"},
+            "policy:steers: expected a decider that only chooses options, got one that drives",
+        ),
+        (
+            {"decider": "Random", "more": ("--goal", "AvoidCollision"), "family": "alone"},
+            "alone: expected robots that run options of AvoidCollision, got none",
+        ),
         ({"decider": "Random", "more": ("--goal", f"{GOAL}+AvoidCollision")}, "expected a decider for one goal, got"),
     ],
 )
 def test_mistakes_are_one_line_and_write_nothing(run, tmp_path, changes, expected):
+    exported(tmp_path / "my" / "policies" / "steers", GOAL, (), ("idle",), vector=True)
+    (tmp_path / "my/families/alone.yaml").write_text(yaml.safe_dump({**SMALL, "name": "alone", "robots": [1, 1]}))
     code, _, err = write(run, **{"decider": "policy:exploring-ppo", **changes})
     assert code == 2
     assert expected in err
