@@ -158,16 +158,20 @@ class HeadroomEvaluation(FamilyEvaluation):
 
     def _single(self, done: Done) -> int:
         """Return the best single option."""
-        left = self._left(done)
-        return int(left[self._excesses(self._singles[left], done).mean(axis=1).argmin()])
+        return self._best(self._singles, done)
 
-    def _left(self, done: Done) -> Ints:
-        """Return the options (L,) that no round of the search has dropped: the best ones, and those of each kind."""
-        left, count = np.arange(len(self.options)), min(FIRST_SCENARIOS, self._searched)
+    def _best(self, rules: Ints, done: Done) -> int:
+        """Return the number of the best of `rules` (Q, S)."""
+        left = self._left(rules, done)
+        return int(left[self._excesses(rules[left], done).mean(axis=1).argmin()])
+
+    def _left(self, rules: Ints, done: Done) -> Ints:
+        """Return numbers (L,) of the `rules` (Q, S) that no round has dropped: the best, and those of each kind."""
+        left, count = np.arange(len(rules)), min(FIRST_SCENARIOS, self._searched)
         most = len(left) if self._finalists else 0
         while most > self._finalists:
             most = max(most // 2, self._finalists)
-            excesses, kinds = self._excesses(self._singles[left], done, count), self._kinds("train")[:count]
+            excesses, kinds = self._excesses(rules[left], done, count), self._kinds("train")[:count]
             keep = [excesses.mean(axis=1).argsort(kind="stable")[:most]]
             for kind in () if self._situations else np.unique(kinds):
                 keep.append(excesses[:, kinds == kind].mean(axis=1).argsort(kind="stable")[: max(most // 4, 1)])
@@ -177,7 +181,11 @@ class HeadroomEvaluation(FamilyEvaluation):
     def _others(self, done: Done) -> dict[int, str]:
         """Return the finalists beside the best single option, each with its label."""
         single = self._single(done)
-        labels = {int(option): f"{FIXED}:{self.options[option]}" for option in self._left(done) if option != single}
+        labels = {
+            int(option): f"{FIXED}:{self.options[option]}"
+            for option in self._left(self._singles, done)
+            if option != single
+        }
         taken = [entrant.label for entrant in self.entrants]
         return {option: label for option, label in labels.items() if self._finalists and label not in taken}
 
@@ -186,19 +194,19 @@ class HeadroomEvaluation(FamilyEvaluation):
         situations = self._situations
         if situations:
             return dict(zip(situations, self._rule(done).tolist(), strict=True))
-        left, kinds = self._left(done), self._kinds("train")
+        left, kinds = self._left(self._singles, done), self._kinds("train")
         excesses = self._excesses(self._singles[left], done)
         return {kind: int(left[excesses[:, kinds == kind].mean(axis=1).argmin()]) for kind in np.unique(kinds).tolist()}
 
     def _rule(self, done: Done) -> Ints:
         """Return the best rule (S,) for situations."""
-        rule, left = np.full(len(self._situations), self._single(done)), self._left(done)
+        rule = np.full(len(self._situations), self._single(done))
         for _ in range(MOST_ROUNDS):
             before = rule.copy()
             for situation in range(len(rule)):
-                tried = np.tile(rule, (len(left), 1))
-                tried[:, situation] = left
-                rule = tried[self._excesses(tried, done).mean(axis=1).argmin()]
+                tried = np.tile(rule, (len(self.options), 1))
+                tried[:, situation] = np.arange(len(self.options))
+                rule = tried[self._best(tried, done)]
             if np.array_equal(rule, before):
                 break
         return rule

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_family
@@ -109,6 +110,21 @@ def test_a_search_among_many_options_drops_the_worse_half_and_judges_who_is_left
     assert f"ratio to the best in hindsight of {len(rows) - 1}, best single choice: 0.833 [0.833, 0.833]" in notes
     searched = sum(scenario.startswith("train") for scenario, _ in done)
     assert 35 * 4 < searched < 35 * 16 / 1.4
+
+
+def test_a_race_in_each_situation_finds_what_is_a_bad_single_choice():
+    evaluation = HeadroomEvaluation(Request("random-bumpers", scenarios=4), SITUATIONS[:2], 8, finalists=2)
+    planted = (9, 3)
+
+    def excess(task, scenario):
+        rule = np.array(task.rules[scenario.id])
+        return 50.0 - 20.0 * (rule == planted).sum() + 15.0 * (rule == planted[::-1]).sum() - 5.0 * (rule == 5).sum()
+
+    done, _ = played(evaluation, excess)
+    rows, notes = rows_of(evaluation, done)
+    assert (rows[SINGLE][1], rows[RULE_FOUND][1]) == ("40.0", "10.0")
+    assert not {f"fixed:{evaluation.options[option]}" for option in planted} <= set(rows)
+    assert f"best choices: free_far {evaluation.options[9]}, free_near {evaluation.options[3]}" in notes
 
 
 def test_rules_may_be_told_what_no_robot_senses():
