@@ -28,7 +28,7 @@ from selforg.arrays import Ints
 from train.deciders.decided_goal import option_named
 from train.deciders.decider import BaselineDecider, Decider, DeciderMaker, mode_of
 from train.deciders.models import LOADERS, ModelDecider, remembered
-from train.deciders.rules import MachineDecider
+from train.deciders.machines import MachineDecider
 from train.deciders.strategies import PolicyDecider, StrategyDecider
 
 FIXED, POLICY, LEARNED, MACHINE, VELOCITY = FILED_KINDS

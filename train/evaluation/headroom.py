@@ -31,8 +31,8 @@ from train.analysis.family_report import excess_ratios, excesses_of
 from train.analysis.intervals import Ratio
 from train.analysis.strategy_comparison import BestFixed
 from train.deciders.decider import Decider, TeamsDecider, columns_of
+from train.deciders.machines import RuleDecider
 from train.deciders.named import FIXED
-from train.deciders.rules import RuleDecider
 from train.evaluation.base import Done
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask

@@ -26,7 +26,7 @@ from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
 from train.deciders.decider import DeciderMaker
-from train.deciders.rules import MachineDecider
+from train.deciders.machines import MachineDecider
 from train.learning.config import DesignConfig
 from train.learning.members import Drawing, MembersTraining, ObservationScale
 from train.learning.racing import race

@@ -29,7 +29,7 @@ from selforg.arrays import Flags, Floats, Ints
 from selforg.elementary import logarithms
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import TeamsDecider, columns_of
-from train.deciders.rules import RuleDecider
+from train.deciders.machines import RuleDecider
 from train.learning.config import ComparisonConfig, TrainingConfig
 from train.learning.curriculum import Curriculum
 from train.learning.training import judged

@@ -26,7 +26,7 @@ from selector.documents.reading import read_json
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
 from train.deciders.decider import DeciderMaker, TeamsDecider
-from train.deciders.rules import RuleDecider
+from train.deciders.machines import RuleDecider
 from train.learning.config import MembersConfig
 from train.learning.training import Checkpoint, Training, TrainingJob, judged
 from train.running.runs import RunKey, RunRecord

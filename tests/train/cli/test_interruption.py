@@ -83,10 +83,10 @@ def test_ctrl_c_twice_during_the_imports_is_one_line(tmp_path, wait):
 def test_a_signal_waits_until_an_import_or_llvm_is_done(module):
     code = (
         "import os, signal, sys, time\n"
-        "from train.cli import _Ending\n"
+        "from train.cli.interruption import Interruption\n"
         f"space = {{'__name__': '{module}', 'os': os, 'time': time}}\n"
         "exec('def compiles():\\n os.kill(os.getpid(), 2)\\n time.sleep(0.3)\\n print(1, flush=True)', space)\n"
-        "with _Ending():\n"
+        "with Interruption():\n"
         "    try:\n"
         "        space['compiles']()\n"
         "        time.sleep(60.0)\n"
@@ -101,11 +101,11 @@ def test_a_signal_waits_until_an_import_or_llvm_is_done(module):
 def test_no_signal_that_waited_comes_after_the_end(ends):
     code = (
         "import os, signal\n"
-        "from train.cli import _Ending\n"
+        "from train.cli.interruption import Interruption\n"
         "space = {'__name__': 'llvmlite.binding', 'os': os}\n"
         "exec('def compiles():\\n os.kill(os.getpid(), 2)', space)\n"
         "try:\n"
-        "    with _Ending():\n"
+        "    with Interruption():\n"
         "        space['compiles']()\n"
         "        print(signal.getitimer(signal.ITIMER_REAL)[0] > 0.0)\n"
         f"        {ends}\n"
@@ -134,12 +134,12 @@ def test_ctrl_c_before_a_command_begins_is_one_line(place):
 def test_a_signal_comes_again_where_its_exception_was_dropped():
     code = (
         "import os, time\n"
-        "from train.cli import _Ending\n"
+        "from train.cli.interruption import Interruption\n"
         "class Dropping:\n"
         "    def __del__(self):\n"
         "        os.kill(os.getpid(), 2)\n"
         "        time.sleep(60.0)\n"
-        "with _Ending():\n"
+        "with Interruption():\n"
         "    try:\n"
         "        Dropping()\n"
         "        time.sleep(60.0)\n"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.train.learning.trainings import job, written
-from train.deciders.rules import RuleDecider
+from train.deciders.machines import RuleDecider
 from train.learning import lessons
 from train.learning.bandit import BanditTraining
 from train.learning.config import load_training

@@ -11,7 +11,7 @@ from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from tests.train.learning.trainings import job, written
 from train.deciders.decider import TeamsDecider
-from train.deciders.rules import RuleDecider
+from train.deciders.machines import RuleDecider
 from train.learning import lessons as mission_learning
 from train.learning.bandit import BanditTraining
 from train.learning.config import load_training

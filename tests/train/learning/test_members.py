@@ -12,7 +12,7 @@ from selector.strategies.policy_file import Network, load_policy
 from selector.strategies.problem import Problem
 from tests.train.learning.trainings import job, written
 from train.deciders.decider import TeamsDecider
-from train.deciders.rules import MachineDecider, RuleDecider
+from train.deciders.machines import MachineDecider, RuleDecider
 from train.learning.config import DesignConfig, load_training
 from train.learning.design import DesignTraining, MachineSpace
 from train.learning.es import EsState, EsTraining, climbed
