@@ -104,14 +104,15 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         self.possible_agents = [f"robot_{row}" for row in range(self._batch.robots)]
         self.agents: list[str] = []
         self.observation_spaces = {agent: observation_space(self._batch) for agent in self.possible_agents}
-        self.action_spaces = {agent: action_space(self._batch) for agent in self.possible_agents}
+        own = self._batch.options, self._batch.action.mode
+        self.action_spaces = {agent: action_space(*own) for agent in self.possible_agents}
         self._state = self._batch.global_state()
         self.observation_names, self.state_names = self._batch.observer.names, self._state.names
         self._sees_all = state == "global"
         self.state_space = observation_space(self._batch, self._batch.robots)
         if self._sees_all:
             self.state_space = gymnasium.spaces.Box(-1.0, 1.0, (len(self.state_names),), np.float32)
-        space = action_space(self._batch)
+        space = action_space(*own)
         self._choices = int(space.n) if isinstance(space, gymnasium.spaces.Discrete) else 0
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Box:

@@ -42,7 +42,7 @@ from clean_swarm_env.learning.given import seeds_from
 from clean_swarm_env.learning.interface import BatchStep, Finished
 from clean_swarm_env.learning.joined import Joined
 from clean_swarm_env.learning.observation.observer import Observations
-from selforg.arrays import Flags
+from selforg.arrays import Flags, Ints
 from selforg.sealing import check_alike, sealed, unsealed
 
 
@@ -52,10 +52,12 @@ class RobotVecEnv(VecEnv):
     Args:
         worlds: W, for worlds of one mission or family.
         batches: batches that are used in place of `worlds` and `settings`; see `clean_swarm_env.learning.joined`.
+            Their goals and options may differ: `action_masks` says which a robot has.
         settings: see `VectorSettings`.
 
     Attributes:
         batches: the batches, one unless others are given.
+        options: goal -> names of the options of all batches, which the numbers of actions mean.
         finished: the missions that ended in the last period.
 
     """
@@ -86,9 +88,10 @@ class RobotVecEnv(VecEnv):
         self._returns = np.zeros(self._joined.rows)
         self._lengths = np.zeros(self._joined.worlds, dtype=np.int64)
         self._began = time.monotonic()
-        first = self.batches[0]
-        self._choices = first.choices.counts if first.action.mode == "both" else ()
-        super().__init__(self._joined.rows, observation_space(first), flat_space(first))
+        first, self.options = self.batches[0], self._joined.options
+        self._choices = self._joined.counts if first.action.mode == "both" else ()
+        space = flat_space(self.options, first.action.mode)
+        super().__init__(self._joined.rows, observation_space(first), space)
 
     def reset(self) -> Observations:
         """Begin an episode in every world; seeds and options given before are used once."""
@@ -159,6 +162,10 @@ class RobotVecEnv(VecEnv):
     def action_masks(self) -> Flags:
         """Return which options (R, O) of all goals, one goal after the other, can serve next."""
         return self._joined.masks()
+
+    def default_options(self) -> Ints:
+        """Return the option (R, C) of the highest expert score of each goal."""
+        return self._joined.defaults()
 
     def close(self) -> None:
         """End the recordings of missions that are still going on."""

@@ -81,7 +81,8 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         self.num_envs = self.batch.rows // self._together
         self._per_world = self.batch.robots // self._together
         self.single_observation_space = observation_space(self.batch, self._together)
-        self.single_action_space = action_space(self.batch, self._together // self._sharing)
+        own = self.batch.options, self.batch.action.mode, self._together // self._sharing
+        self.single_action_space = action_space(*own)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._over = np.zeros(worlds, dtype=np.bool_)

@@ -11,6 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import config_from
 from selforg.registry import unknown
@@ -33,31 +34,31 @@ def observation_space(batch: Batch, robots: int = 1) -> spaces.Box:
     return space
 
 
-def action_space(batch: Batch, robots: int = 1) -> spaces.Space[Any]:
-    """Return the space of the actions of `robots` robots, one after the other.
+def action_space(options: Mapping[str, Sequence[str]], mode: Mode, robots: int = 1) -> spaces.Space[Any]:
+    """Return the space of the actions of `robots` robots, one after the other; `options` are those of each goal.
 
     A single option is Discrete, several options are MultiDiscrete, vectors are a Box. Both are a Dict: `option`, and
     `correction` of its movement.
     """
     vectors = spaces.Box(-1.0, 1.0, (2 * robots,), np.float32)
-    if batch.action.mode == "velocity":
+    if mode == "velocity":
         return vectors
-    counts = list(batch.choices.counts) * robots
-    options = spaces.Discrete(counts[0]) if len(counts) == 1 else spaces.MultiDiscrete(counts)
-    vars(options)[NAMES] = dict(batch.options)
-    return options if batch.action.mode == "option" else spaces.Dict({OPTION: options, CORRECTION: vectors})
+    counts = [len(names) for names in options.values()] * robots
+    choices = spaces.Discrete(counts[0]) if len(counts) == 1 else spaces.MultiDiscrete(counts)
+    vars(choices)[NAMES] = dict(options)
+    return choices if mode == "option" else spaces.Dict({OPTION: choices, CORRECTION: vectors})
 
 
-def flat_space(batch: Batch) -> spaces.Space[Any]:
+def flat_space(options: Mapping[str, Sequence[str]], mode: Mode) -> spaces.Space[Any]:
     """Return the space of the actions of a robot for learners that know no dictionaries.
 
     Actions of both kinds are a Box: a number for each option, the largest of which is taken, and the correction.
     """
-    space = action_space(batch)
+    space = action_space(options, mode)
     if not isinstance(space, spaces.Dict):
         return space
-    box = spaces.Box(-1.0, 1.0, (sum(batch.choices.counts) + 2,), np.float32)
-    vars(box)[NAMES] = dict(batch.options)
+    box = spaces.Box(-1.0, 1.0, (sum(map(len, options.values())) + 2,), np.float32)
+    vars(box)[NAMES] = dict(options)
     return box
 
 
@@ -139,7 +140,7 @@ class Member:
     @property
     def action_space(self) -> spaces.Space[Any]:
         """Space of the actions."""
-        return action_space(self._batch, self._rows.stop - self._rows.start)
+        return action_space(self._batch.options, self._batch.action.mode, self._rows.stop - self._rows.start)
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Return which options of all goals and robots, one after the other, can serve next (for sb3-contrib)."""

@@ -5,7 +5,7 @@ Rows are those of all batches, one batch after the other. The same holds for wor
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import accumulate
 from pathlib import Path
@@ -29,9 +29,13 @@ class Joined:
     """Several batches used as one. The caller owns the arrays that are returned.
 
     Args:
-        batches: B batches, at least one, with the same options, actions and observations.
+        batches: B batches, at least one, with the same kind of actions and the same observations. Options are those of
+            all batches, by name. Where a batch lacks the option of an action, the option of the highest expert score
+            serves; actions for goals that it does not coordinate are ignored. `masks` says what each row has.
 
     Attributes:
+        options: goal -> names of the options of all batches.
+        counts: (C,) number of options of each goal.
         rows: R, number of rows of all batches.
         worlds: W, number of worlds of all batches.
         world_of: (R,) int64, world of each row.
@@ -55,6 +59,12 @@ class Joined:
         self.first_rows: Ints = np.cumsum(robots) - robots
         self._cuts = list(accumulate(batch.rows for batch in batches))[:-1]
         self._first_worlds = list(accumulate((batch.count for batch in batches), initial=0))[:-1]
+        self.options: dict[str, tuple[str, ...]] = {}
+        for batch in self.batches:
+            for goal, names in batch.options.items():
+                self.options[goal] = tuple(dict.fromkeys((*self.options.get(goal, ()), *names)))
+        self.counts = tuple(map(len, self.options.values()))
+        self._alike = all(list(batch.options.items()) == list(self.options.items()) for batch in self.batches)
 
     def reset(
         self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
@@ -75,7 +85,7 @@ class Joined:
         if actions.shape[:1] != (self.rows,):
             raise ValueError(f"actions: expected one for each of {self.rows} rows, got shape {actions.shape}")
         parts = np.split(actions, self._cuts)
-        steps = [batch.step(own) for batch, own in zip(self.batches, parts, strict=True)]
+        steps = [batch.step(self._own(batch, part)) for batch, part in zip(self.batches, parts, strict=True)]
         return BatchStep(*(np.concatenate(arrays) for arrays in zip(*steps, strict=True)))
 
     @property
@@ -93,8 +103,34 @@ class Joined:
         return np.concatenate([batch.worlds.physics.present for batch in self.batches])
 
     def masks(self) -> Flags:
-        """Return which options (R, O) can serve in the coming period."""
-        return np.concatenate([batch.masks() for batch in self.batches])
+        """Return which options (R, O) can serve in the coming period; the first one of a goal that a batch lacks."""
+        masks = np.zeros((self.rows, sum(self.counts)), dtype=np.bool_)
+        firsts = dict(zip(self.options, accumulate(self.counts, initial=0), strict=False))
+        for batch, rows in zip(self.batches, np.split(masks, self._cuts), strict=True):
+            rows[:, [first for goal, first in firsts.items() if goal not in batch.options]] = True
+            own = [firsts[goal] + self.options[goal].index(name) for goal, name in _each(batch.options)]
+            rows[:, own] = batch.masks()
+        return masks
+
+    def _own(self, batch: Batch, actions: NDArray[Any]) -> NDArray[Any]:
+        """Return the actions (rows of the batch, ...) by the numbers of its own goals and options."""
+        if self._alike or batch.action.mode == "velocity":
+            return actions
+        given, own = actions.reshape(len(actions), -1), []
+        for (goal, names), default in zip(batch.options.items(), batch.choices.default.tolist(), strict=True):
+            known = np.array([names.index(name) if name in names else default for name in self.options[goal]])
+            numbers = given[:, list(self.options).index(goal)].astype(np.int64)
+            fit = (numbers >= 0) & (numbers < len(known))
+            own.append(np.where(fit, known[numbers * fit], numbers))  # those that do not fit are an error of the batch
+        return np.column_stack([*own, given[:, len(self.options) :]])
+
+    def defaults(self) -> Ints:
+        """Return the option (R, C) of the highest expert score of each goal; 0 for goals that a batch lacks."""
+        options = np.zeros((self.rows, len(self.options)), dtype=np.int64)
+        for batch, rows in zip(self.batches, np.split(options, self._cuts), strict=True):
+            for (goal, names), default in zip(batch.options.items(), batch.choices.default.tolist(), strict=True):
+                rows[:, list(self.options).index(goal)] = self.options[goal].index(names[default])
+        return options
 
 
 def family_batches(
@@ -119,6 +155,11 @@ def family_batches(
     ]
 
 
+def _each(options: Mapping[str, Sequence[str]]) -> list[tuple[str, str]]:
+    """Return goal and name of each option."""
+    return [(goal, name) for goal, names in options.items() for name in names]
+
+
 def _check_alike(batches: Sequence[Batch]) -> None:
     """Raise an error if there are no batches, or if one learner cannot decide for all of them."""
     if not batches:
@@ -136,7 +177,6 @@ def _check_alike(batches: Sequence[Batch]) -> None:
 def _compared(batch: Batch) -> dict[str, Any]:
     """Return the settings that must be equal in batches that are joined."""
     return {
-        "options": dict(batch.options),
         "action": batch.action.model_dump(),
         "observations and their bounds": dict(zip(batch.observer.names, batch.observer.bounds.tolist(), strict=True)),
     }

@@ -1,8 +1,9 @@
 """Files of trained policies, which are read and run without torch: weights as safetensors, the rest as JSON.
 
 A policy is a directory with `policy.json` (`PolicySpec`) and `policy.safetensors`: `hidden.0.weight` (H, F) and
-`hidden.0.bias` (H,), ..., `options.weight` (O, H) and `options.bias` (O,), float32 as torch lays them out. One that
-drives has `vector.weight` (2, H) and `vector.bias` (2,) in place of those of options, or beside them.
+`hidden.0.bias` (H,), ..., `options.weight` (O, H) and `options.bias` (O,), float32 as torch lays them out. Options are
+those of all goals, one goal after the other. One that drives has `vector.weight` (2, H) and `vector.bias` (2,) in place
+of those of options, or beside them.
 """
 
 import hashlib
@@ -28,6 +29,7 @@ from selector.documents.writing import write_whole
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel
 from selforg.elementary import hyperbolic_tangent
+from selforg.registry import unknown
 
 Floats32 = npt.NDArray[np.float32]
 SPECIFICATION, WEIGHTS_FILE = "policy.json", "policy.safetensors"
@@ -37,12 +39,15 @@ ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}
 class PolicySpec(Closed):
     """The problem that a policy was trained for, and the shape of its network."""
 
-    version: Literal[1] = 1
+    version: Literal[2] = 2
     """Version of this form."""
-    goal: JointName
-    """Name of the self-organisation goal."""
-    options: tuple[JointName, ...]
-    """(O,) names of the options, in the order of the network's outputs; none if it only drives."""
+    goals: dict[JointName, Annotated[tuple[JointName, ...], Field(min_length=1)]] = Field(default_factory=dict)
+    """Goal of self-organisation -> names of its options, in the order of the network's outputs; none if it only drives.
+    Several goals that are decided as one have one name here, joined by `+`."""
+    holds: dict[JointName, Annotated[int, Field(strict=True, ge=1, le=1_000_000)]] = Field(default_factory=dict)
+    """Goal -> decision periods for which a robot keeps an option; 1 for goals that are not named."""
+    terms: tuple[Name, ...] = ()
+    """Terms of the observation, with their usual settings; none: the usual terms and those of the mission."""
     vector: bool = False
     """Whether the network gives a movement vector: ahead and left, in shares of the largest speed."""
     observations: tuple[Name, ...]
@@ -66,8 +71,14 @@ class PolicySpec(Closed):
 
     @model_validator(mode="after")
     def _widths(self) -> Self:
-        if not self.options and not self.vector:
-            raise ValueError("options: expected at least one, or a vector, got none")
+        if not self.goals and not self.vector:
+            raise ValueError("goals: expected at least one, or a vector, got none")
+        for goal in self.holds:
+            if goal not in self.goals:
+                raise ValueError(f"holds: {unknown('goal', goal, tuple(self.goals))}")
+        for goal, options in self.goals.items():
+            if len(set(options)) < len(options):
+                raise ValueError(f"goals: {goal}: expected each option once, got {list(options)}")
         for name in ("mean", "variance"):
             count = len(getattr(self, name))
             if count != len(self.observations):
@@ -83,7 +94,8 @@ class PolicySpec(Closed):
     @property
     def heads(self) -> dict[str, int]:
         """Names of the last layers, and their outputs."""
-        return {name: count for name, count in (("options", len(self.options)), ("vector", 2 * self.vector)) if count}
+        counts = {"options": sum(map(len, self.goals.values())), "vector": 2 * self.vector}
+        return {name: count for name, count in counts.items() if count}
 
 
 @dataclass(frozen=True)

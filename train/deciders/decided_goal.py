@@ -1,4 +1,4 @@
-"""The goals of a mission for which a learner or a decider chooses options; others keep the option of highest score.
+"""The goals of a mission for which a decider chooses options; others keep the option of highest score.
 
 Several goals are decided as one: their names and those of their options are joined by `+`. The joint goal
 `ExplorationPatrol+AvoidCollision` has an option `LevyWalk+ORCA`, and as many others as there are combinations.
@@ -29,13 +29,17 @@ from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 from train.deciders.decider import Decider
 
+AskedGoal = str | Sequence[str] | None
+"""Which goals are decided: one, several joined by `+`, those of a sequence that there are, or the usual one."""
+
 
 class DecidedGoal:
     """One goal of a batch, or several, and its options as actions.
 
     Args:
         batch: the worlds.
-        goal: name of the goal, or several joined by `+`; the goal that `named_goal` returns unless given.
+        goal: name of the goal, or several joined by `+`; the goal that `named_goal` returns unless given. Of a sequence
+            of goals, those that the mission coordinates are decided.
 
     Attributes:
         problem: goal, options and scores; the features are all components of the observation. The score of a
@@ -50,9 +54,12 @@ class DecidedGoal:
 
     """
 
-    def __init__(self, batch: Batch, goal: str | None = None) -> None:
+    def __init__(self, batch: Batch, goal: AskedGoal = None) -> None:
         models = {coordinator.model.goal: coordinator.model for coordinator in batch.worlds.coordinators}
-        names = [named_goal(tuple(models), name) for name in ([None] if goal is None else goal.split(JOINT))]
+        if goal is None or isinstance(goal, str):
+            names = [named_goal(tuple(models), name) for name in ([None] if goal is None else goal.split(JOINT))]
+        else:
+            names = [name for name in goal if name in models] or [named_goal(tuple(models), goal[0])]
         if len(set(names)) < len(names):
             raise DocumentError(f"goal: expected each goal once, got {goal}")
         self._goals, self.columns = names, [list(models).index(name) for name in names]

@@ -16,6 +16,7 @@ from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.observation.config import TRUE_TERMS, ObservationConfig
 from selector.documents.arrays import check_known
 from selector.documents.errors import shown, validated
+from selector.documents.fields import JOINT
 from selector.documents.find import find_file
 from selector.documents.imported import is_import, source_of
 from selector.documents.trust import BASELINE, FILED_KINDS
@@ -25,10 +26,10 @@ from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named, named_in, spec_from_text
 from selforg.arrays import Ints
-from train.deciders.decided_goal import option_named
+from train.deciders.decided_goal import AskedGoal, option_named
 from train.deciders.decider import BaselineDecider, Decider, DeciderMaker, mode_of
-from train.deciders.models import LOADERS, ModelDecider, remembered
 from train.deciders.machines import MachineDecider
+from train.deciders.models import LOADERS, ModelDecider, remembered
 from train.deciders.strategies import PolicyDecider, StrategyDecider
 
 FIXED, POLICY, LEARNED, MACHINE, VELOCITY = FILED_KINDS
@@ -52,10 +53,12 @@ class NamedDecider:
     """What it gives: options, movement vectors, or both."""
     goal: str = ""
     """The goal whose options it chooses, whatever is asked; empty if that which is asked for."""
-    meant_for: str = ""
-    """The goal that it was made for; empty if any."""
+    meant_for: AskedGoal = None
+    """The goals that it was made for; None if any."""
     trained_with: tuple[str, ...] = ()
     """Names of the components of an observation that it was trained with; none if it takes any."""
+    terms: tuple[str, ...] = ()
+    """Terms of the observation that it was trained with; none if its file does not say."""
     knows: tuple[str, ...] = ()
     """Names of the options that it was trained with; none if it knows all."""
 
@@ -69,8 +72,14 @@ class NamedDecider:
         """Whether it is a strategy that could learn, and has learned nothing."""
         return self.spec is not None and named(self.spec().name).can_learn()
 
+    def decides(self, asked: str | None) -> AskedGoal:
+        """Return the goals whose options it chooses if one is `asked` for, or none."""
+        return self.goal or asked or self.meant_for
+
     def observation(self, terms: Sequence[str]) -> ObservationConfig:
-        """Return what it sees: the default terms, `terms`, and what is true if it was trained with that."""
+        """Return what it sees: its own terms, or the default terms, `terms`, and true ones that it learned from."""
+        if self.terms:
+            return validated(ObservationConfig, {"terms": self.terms}, self.text, own=True)
         true = [term for term in TRUE_TERMS if any(component.startswith(term) for component in self.trained_with)]
         return ObservationConfig().beside((*terms, *true), driven=self.mode == "velocity")
 
@@ -149,10 +158,11 @@ def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
         text,
         partial(PolicyDecider, policy),
         spec.weights_sha256,
-        mode=mode_of(options=bool(spec.options), vector=spec.vector),
-        meant_for=spec.goal,
+        mode=mode_of(options=bool(spec.goals), vector=spec.vector),
+        meant_for=[goal for joint in spec.goals for goal in joint.split(JOINT)] or None,
         trained_with=spec.observations,
-        knows=spec.options,
+        terms=spec.terms,
+        knows=tuple(name for options in spec.goals.values() for joint in options for name in joint.split(JOINT)),
     )
 
 
@@ -163,7 +173,7 @@ def _model(text: str, path: Path) -> NamedDecider:
     goal = known.goal if mode != "velocity" else ""
     digest = _sha256(*(file for file in (path, path.with_suffix(".pkl")) if file.is_file()))
     build = partial(ModelDecider, path, mode)
-    return NamedDecider(text, build, digest, mode=mode, goal=goal, meant_for=goal, trained_with=known.observations)
+    return NamedDecider(text, build, digest, mode=mode, goal=goal, trained_with=known.observations)
 
 
 SEARCHED = {LEARNED: _learned, MACHINE: _machine, POLICY: _policy}

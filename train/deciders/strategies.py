@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from clean_swarm_env.learning.observation.observer import Observations
-from selector.documents.arrays import check_known
 from selector.documents.errors import DocumentError
+from selector.documents.fields import JOINT
 from selector.strategies.choosing import shares
 from selector.strategies.policy_file import Network, TrainedPolicy
 from selector.strategies.problem import Problem
@@ -68,25 +68,53 @@ LEAST = float(np.finfo(np.float32).min)
 
 
 class PolicyDecider(Decider):
-    """A trained network: the likeliest option, a movement vector, or both."""
+    """A trained network: the likeliest option of each goal, a movement vector, or both.
+
+    Options are found by name: one that the network does not know is not taken. A network that knows no option of a goal
+    that is decided does not fit.
+    """
 
     def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints) -> None:
         super().__init__(problem, teams)
-        spec = policy.spec
-        check_known("policy", "options", problem.options, spec.options)
-        if spec.options and spec.goal != problem.goal:
-            raise DocumentError(f"policy: goal: expected {problem.goal}, got {spec.goal}")
+        spec, self._rows = policy.spec, len(teams)
         self._columns = columns_of(problem, spec.observations, "policy: observations")
-        self._places = [problem.options.index(name) for name in spec.options]
         self._network = Network(policy)
+        self._heads: list[tuple[slice, Ints, int]] = []  # outputs, option -> output or -1, periods of a hold
+        self._keeping = np.zeros((len(spec.goals), len(teams)), dtype=np.int64)
+        self._kept = self._keeping.copy()
+        goals, first = problem.goal.split(JOINT), 0
+        decided = [goal for joint in spec.goals for goal in joint.split(JOINT)]
+        if spec.goals and not set(goals) <= set(decided):
+            raise DocumentError(f"policy: goals: expected {', '.join(goals)}, got {', '.join(spec.goals)}")
+        for joint, names in spec.goals.items():
+            if set(joint.split(JOINT)) <= set(goals):
+                places = [goals.index(goal) for goal in joint.split(JOINT)]
+                own = [JOINT.join(option.split(JOINT)[k] for k in places) for option in problem.options]
+                numbers = np.array([names.index(name) if name in names else -1 for name in own])
+                if numbers.max() < 0:
+                    expected = f"some of {', '.join(dict.fromkeys(own))}"
+                    raise DocumentError(f"policy: {joint}: options: expected {expected}, got {', '.join(names)}")
+                self._heads.append((slice(first, first + len(names)), numbers, spec.holds.get(joint, 1)))
+            first += len(names)
+
+    def reset(self, rows: Ints, seed: int) -> None:
+        """Let rows (N,) choose anew."""
+        self._keeping[:, rows] = 0
 
     def opinions(self) -> Floats:
         """Return the probabilities (R, O) of the network."""
         return shares(self._outputs)
 
     def _decide(self, observations: Observations) -> Decided:
-        rows = len(observations)
         heads = self._network.heads(observations[:, self._columns].astype(np.float64))
-        self._outputs = np.full((rows, len(self.problem.options)), LEAST)
-        self._outputs[:, self._places] = heads.get("options", np.zeros((rows, 0)))
-        return Decided(self._outputs.argmax(axis=1), heads.get("vector", np.zeros((rows, 2))))
+        self._outputs = np.zeros((self._rows, len(self.problem.options)))
+        taken = self._outputs.copy()
+        for k, (outputs, numbers, hold) in enumerate(self._heads):
+            own = np.where(numbers < 0, LEAST, heads["options"][:, outputs][:, numbers])
+            self._outputs += own
+            chosen = numbers[own.argmax(axis=1)]
+            free = self._keeping[k] == 0
+            self._kept[k] = np.where(free, chosen, self._kept[k])
+            self._keeping[k] = np.where(free, hold, self._keeping[k]) - 1
+            taken += numbers == self._kept[k][:, None]
+        return Decided(taken.argmax(axis=1), heads.get("vector", np.zeros((self._rows, 2))))

@@ -16,7 +16,6 @@ from clean_swarm_env.world.task import task_class
 from selector.documents.errors import within
 from selector.documents.fields import JOINT
 from selector.documents.trust import BASELINE
-from selector.strategies.problem import Problem
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FILED, FIXED, decider_named
 
@@ -71,14 +70,17 @@ def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
     return found
 
 
-def check_fit(entrants: Sequence[Entrant], batch: Batch, problem: Problem, directories: Sequence[Path]) -> None:
-    """Raise an error of one line for a strategy that does not exist or does not fit a batch with options as actions."""
+def check_fit(entrants: Sequence[Entrant], batch: Batch, goal: str | None, directories: Sequence[Path]) -> None:
+    """Raise an error of one line for a strategy that does not exist or does not fit a batch with options as actions.
+
+    `goal` is that which is asked for, None without one.
+    """
     teams, terms = np.zeros(batch.rows, dtype=np.int64), batch.mission.terms
     for entrant in entrants:
         for member in entrant.members:
             with within(f"--strategy {entrant.label}"):
                 named = decider_named(member, directories)
-                decided = DecidedGoal(batch, named.goal or problem.goal)
+                decided = DecidedGoal(batch, named.decides(goal))
                 seen = Observer(batch.worlds, batch.progress, named.observation(terms)).names
                 decided.check(named.build(replace(decided.problem, features=seen), teams))
 
@@ -93,12 +95,15 @@ def with_baselines(entrants: Sequence[Entrant], options: Sequence[str], mission:
     return [*entrants, *(Entrant(name, (name,)) for name in names if name in exist and name not in taken)]
 
 
-def remarks_on(entrants: Sequence[Entrant], options: Sequence[str], directories: Sequence[Path] = ()) -> list[str]:
-    """Return which options strategies never take, and which strategies could learn, but have learned nothing."""
+def remarks_on(
+    entrants: Sequence[Entrant], batch: Batch, goal: str | None = None, directories: Sequence[Path] = ()
+) -> list[str]:
+    """Return which options of a batch strategies never take, and which could learn, but have learned nothing."""
     told = []
     for entrant in entrants:
         named = decider_named(entrant.members[0], directories)
-        missing = [option for option in options if named.knows and option not in named.knows]
+        parts = DecidedGoal(batch, named.decides(goal)).parts if named.knows else ()
+        missing = [option for options in parts for option in options if option not in named.knows]
         if missing:
             told.append(f"{entrant.label}: never takes {', '.join(missing)}, which it was trained without")
         if named.learns:

@@ -78,7 +78,7 @@ class FamilyEvaluation(Evaluation):
         self.entrants = entrants_of(request.strategies, self.options)
         if self.beside_baselines and not (periods or request.scoring or request.store.learn):
             self.entrants = with_baselines(self.entrants, self.options, self.mission)
-        check_fit(self.entrants, self.batch, self.problem, request.directories)
+        check_fit(self.entrants, self.batch, request.goal, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
         self.stem = f"{self.family.name}-seed{request.seed}{'-periods' if periods else ''}"
@@ -107,7 +107,7 @@ class FamilyEvaluation(Evaluation):
 
     def remarks(self) -> list[str]:
         """Return what strategies never take, and which have learned nothing and do not here."""
-        told = remarks_on(self.entrants, self.options, self.request.directories)
+        told = remarks_on(self.entrants, self.batch, self.request.goal, self.request.directories)
         return [remark for remark in told if not (self.request.store.url and remark.endswith(UNTAUGHT))]
 
     def tasks(self, done: Done) -> list[TrialTask]:
@@ -125,7 +125,7 @@ class FamilyEvaluation(Evaluation):
 
     def task(self, scenarios: Sequence[Scenario], condition: str, member: str) -> TrialTask:
         """Return the task of a member on scenarios."""
-        own = (self.family.name, self.request.seed, tuple(scenarios), condition, member, self.goal)
+        own = (self.family.name, self.request.seed, tuple(scenarios), condition, member, self.request.goal or "")
         return TrialTask(*own, directories=self.request.directories)
 
     def scenario(self, family: FamilyConfig, name: str) -> Scenario:
@@ -157,7 +157,8 @@ class FamilyEvaluation(Evaluation):
 
     def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> TrialTask:
         """Return the task of one run in which an option serves the goal."""
-        return self.task([self.scenario(self.family, scenario)], condition, "").serving(options)
+        task = self.task([self.scenario(self.family, scenario)], condition, "")
+        return replace(task, goal=self.goal).serving(options)
 
     def _members(self) -> list[tuple[str, str]]:
         """Return the condition and the name of each member of all entrants."""

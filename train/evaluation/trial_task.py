@@ -38,7 +38,7 @@ class TrialTask(Job):
 
     member: str
     goal: str = ""
-    """Goal whose options it chooses; empty: the goal that it was made for."""
+    """Goal whose options it chooses; empty: the goals that it was made for."""
 
     def each(self) -> Iterator[RunRecord]:
         """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
@@ -69,8 +69,7 @@ class TrialTask(Job):
         """What the member decides on, sees and gives."""
         named = self.named
         seen, action = named.observation(self.first.mission.terms), ActionConfig(mode=named.mode)
-        goal = named.goal or self.goal or named.meant_for or None
-        return TrialSettings(goal, TASK_SCENARIOS, seen, self.directories, self.record, action)
+        return TrialSettings(named.decides(self.goal), TASK_SCENARIOS, seen, self.directories, self.record, action)
 
     def decider(self, problem: Problem, teams: Ints) -> Decider:
         """Return the decider of the member."""

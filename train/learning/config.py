@@ -64,10 +64,15 @@ class PpoConfig(Closed):
     """Number of passes over all decisions of an update."""
     learning_rate: Positive = 3e-4
     """Step size of Adam at the beginning; it falls linearly to a tenth [-]."""
-    counted: Literal["all", "running"] = "all"
-    """Decisions of robots at work that are learned from: all, or those in whose period the behaviour of the goal ran.
-    This is for goals whose options have a say only then, as ways to explore. The others are held: what they bring is
-    that of the last one that counted."""
+    running: tuple[Name, ...] = ()
+    """Goals whose options have a say only while their behaviour runs, as ways to explore: only decisions in whose
+    period it ran are learned from. What the others bring is that of the last one that counted."""
+    holds: dict[Name, Count] = Field(default_factory=dict)
+    """Goal -> decision periods for which a robot keeps an option; 1 for goals that are not named."""
+    start: dict[Name, Name] = Field(default_factory=dict)
+    """Goal -> the option that is likeliest at the beginning; all are equally likely for goals that are not named."""
+    lead: Positive = 2.0
+    """Output by which it is ahead of the others."""
     discount: Share = 0.98
     """Weight of a reward one decision period later [-]."""
     trace: Share = 0.95
@@ -94,8 +99,8 @@ class PpoConfig(Closed):
 
     @model_validator(mode="after")
     def _has_a_say(self) -> Self:
-        if self.counted == "running" and self.action != "option":
-            raise ValueError(f"counted: expected all with action {self.action}, got running")
+        if self.running and self.action != "option":
+            raise ValueError(f"running: expected none with action {self.action}, got {', '.join(self.running)}")
         return self
 
 
@@ -204,8 +209,8 @@ class TrainingConfig(Closed):
     tasks: Annotated[tuple[TaskConfig, ...], Field(min_length=1)]
     """The families to train on."""
     goal: JointName | None = None
-    """Goal of which the options are learned, or several joined by `+`; AvoidCollision, or the only goal of missions,
-    unless given."""
+    """Goal of which the options are learned, or several joined by `+`, each of which PPO decides for itself;
+    AvoidCollision, or the only goal of missions, unless given."""
     observation: ObservationConfig = ObservationConfig()
     """Observation of each robot."""
     reward: RewardConfig | Name = RewardConfig()

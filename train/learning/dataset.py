@@ -80,7 +80,7 @@ def write_dataset(
 def _mission(env: Any, seed: int, named: NamedDecider, on_mission: Callable[[], object]) -> dict[str, float]:  # noqa: ANN401
     """Run one mission and return its figures."""
     batch = env.unwrapped.batch
-    decided = DecidedGoal(batch)
+    decided = DecidedGoal(batch, named.decides(None))
     decider = named.build(decided.problem, np.zeros(batch.rows, dtype=np.int64))
     env.reset(seed=seed)
     decider.reset(np.arange(batch.rows), seed)

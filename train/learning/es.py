@@ -63,8 +63,7 @@ class EsTraining(MembersTraining):
         problem, tables = self.problem, parameters.reshape(-1, len(self.problem.features) + 1)
         matrix = tables[self._rows_of(np.arange(len(problem.options)))].sum(axis=1).astype(np.float32)
         spec = PolicySpec(
-            goal=problem.goal,
-            options=problem.options,
+            goals={problem.goal: problem.options},
             observations=problem.features,
             hidden=(),
             mean=self.scale.mean,

@@ -25,9 +25,10 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult
+from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Number
 from selector.knowledge import Knowledge, load_knowledge
-from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decided_goal import AskedGoal, DecidedGoal
 from train.deciders.decider import DeciderMaker
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
@@ -162,18 +163,29 @@ class Training(ABC):
 
     CHECKPOINT: ClassVar[str]
     """Name of the file with the last checkpoint."""
+    alike: ClassVar[bool] = True
+    """Whether all families must have the same options."""
 
     def __init__(self, job: TrainingJob) -> None:
         self.job, self.config = job, job.config
         self.curriculum = Curriculum(job.config, job.seed, job.directories)
-        self.goal = DecidedGoal(self.curriculum.batches[0], job.config.goal)
+        self.goal = DecidedGoal(self.curriculum.batches[0], self.decides)
+        for task, batch in zip(job.config.tasks, self.curriculum.batches, strict=False):
+            if self.alike and batch.options != self.curriculum.batches[0].options:
+                expected, got = dict(self.curriculum.batches[0].options), dict(batch.options)
+                raise DocumentError(f"tasks: {task.family}: options: expected {expected} as in the first, got {got}")
         self.trials = TrialSettings(
-            self.goal.problem.goal,
+            self.decides or self.goal.problem.goal,
             observation=job.config.observation,
             directories=job.directories,
             action=job.config.action,
         )
         self.history = CheckpointHistory()
+
+    @property
+    def decides(self) -> AskedGoal:
+        """The goals whose options are learned."""
+        return self.config.goal
 
     @property
     def finished(self) -> bool:

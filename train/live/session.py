@@ -70,7 +70,7 @@ class Session:
         assert self.batch.recorder is not None
         self._recorder, self._play = self.batch.recorder, play
         self.worlds = self.batch.worlds
-        self._decided = DecidedGoal(self.batch, play.goal or named.meant_for or None)
+        self._decided = DecidedGoal(self.batch, named.decides(play.goal))
         self.goal, self.options = self._decided.problem.goal, self._decided.problem.options
         self.strategy, self._decider = self._decided_by(play.strategy)
         self._by_hand: Ints = np.full(self.batch.rows, -1)  # the option that each robot holds by hand, -1 for none

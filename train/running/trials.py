@@ -18,7 +18,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult
-from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decided_goal import AskedGoal, DecidedGoal
 from train.deciders.decider import DeciderMaker
 
 MOST_WORLDS = 32
@@ -29,8 +29,8 @@ MOST_WORLDS = 32
 class TrialSettings:
     """Settings of trials."""
 
-    goal: str | None = None
-    """Goal that the decider chooses options for; see `DecidedGoal`."""
+    goal: AskedGoal = None
+    """Goals that the decider chooses options for; see `DecidedGoal`."""
     worlds: int = MOST_WORLDS
     """Largest number of worlds side by side."""
     observation: ObservationConfig | None = None

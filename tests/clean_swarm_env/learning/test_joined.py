@@ -117,7 +117,6 @@ def test_wrong_use_is_named():
 @pytest.mark.parametrize(
     ("settings", "what"),
     [
-        ({"knowledge": "avoidance"}, "options"),
         ({"action": ActionConfig(mode="velocity")}, "action"),
         ({"observation": ObservationConfig(terms=["crowd"])}, "observations and their bounds"),
     ],
@@ -125,3 +124,41 @@ def test_wrong_use_is_named():
 def test_batches_that_no_learner_could_decide_for_together_are_refused(settings, what):
     with pytest.raises(DocumentError, match=rf"batches\[1\]: {what}: expected .* as in the first, got"):
         Joined([Batch(SHORT), Batch(SHORT, **settings)])
+
+
+def test_batches_of_other_goals_and_options_are_joined_by_name():
+    seen = {"observation": {"terms": ["situation"]}}
+    batches = [Batch("table1", **seen), Batch("exploring", **seen), Batch("table1", knowledge="avoidance", **seen)]
+    joined = Joined(batches)
+    joined.reset([1, 2, 3])
+    assert list(joined.options) == ["AvoidCollision", "ExplorationPatrol"]
+    avoiding, exploring = joined.options.values()
+    assert exploring == batches[1].options["ExplorationPatrol"]
+    assert set(avoiding) == {name for batch in batches for name in batch.options["AvoidCollision"]}
+    masks, row = joined.masks(), 0
+    for batch in batches:
+        able = {name for name, mask in zip((*avoiding, *exploring), masks[row], strict=True) if mask}
+        first = {exploring[0]} if "ExplorationPatrol" not in batch.options else set()
+        assert able == {name for names in batch.options.values() for name in names} | first
+        assert (masks[row : row + batch.rows] == masks[row]).all()
+        row += batch.rows
+    wanted, held = ("Off", "Finds"), [batch.worlds.coordinators for batch in batches]
+    joined.step(np.tile([avoiding.index(wanted[0]), exploring.index(wanted[1])], (joined.rows, 1)))
+    for batch, coordinators, expected in zip(batches, held, ({}, {1: "Finds", 0: "Off"}, {0: "Off"}), strict=True):
+        for coordinator in coordinators:
+            goal = list(joined.options).index(coordinator.model.goal)
+            options = coordinator.model.options
+            default = options[int(np.argmax(coordinator.model.scores))]
+            assert {options[k] for k in coordinator.held[: batch.rows]} == {expected.get(goal, default)}
+    for wrong in (-1, len(avoiding)):
+        with pytest.raises(ValueError, match=rf"options\[0\]: expected 0\.\.2, got {wrong}"):
+            joined.step(np.full((joined.rows, 2), wrong))
+
+
+def test_default_options_are_those_of_the_highest_scores():
+    batches = [Batch(name, observation={"terms": ["situation"]}) for name in ("exploring", "transport")]
+    joined = Joined(batches)
+    defaults = [dict(zip(joined.options, row, strict=True)) for row in (joined.defaults()[0], joined.defaults()[-1])]
+    for batch, numbers in zip(batches, defaults, strict=True):
+        for (goal, names), best in zip(batch.options.items(), batch.choices.default, strict=True):
+            assert joined.options[goal][numbers[goal]] == names[best]

@@ -5,13 +5,12 @@ import numpy as np
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy, save_policy
 
 
-def untrained(goal, options, observations, *, hidden=(5, 4), activation="tanh", seed=0, **changes):
-    """Return a policy with random weights."""
+def untrained(goal, options, observations, *, goals=None, hidden=(5, 4), activation="tanh", seed=0, **changes):
+    """Return a policy with random weights, of one goal or of several `goals`."""
     generator = np.random.default_rng(seed)
     count = len(observations)
     spec = PolicySpec(
-        goal=goal,
-        options=options,
+        goals=goals or ({goal: options} if options else {}),
         observations=observations,
         hidden=hidden,
         activation=activation,

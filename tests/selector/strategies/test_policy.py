@@ -12,6 +12,12 @@ from train.deciders.strategies import PolicyDecider
 
 OPTIONS, OBSERVATIONS = ("a", "b", "c"), tuple(f"x{k}" for k in range(7))
 PROBLEM = Problem("Goal", OPTIONS, np.zeros(3), OBSERVATIONS)
+TEAMS, CONTEXT = np.zeros(40, dtype=np.int64), np.random.default_rng(3).normal(size=(40, 7))
+
+
+def several(goals, **changes):
+    """Return a policy of several goals with random weights."""
+    return untrained("", (), OBSERVATIONS, goals=goals, **changes)
 
 
 def reference(policy, context):
@@ -44,7 +50,7 @@ def test_outputs_are_those_of_the_network(tmp_path, activation, hidden):
 
 
 def test_a_policy_that_gives_nothing_is_refused():
-    with pytest.raises(ValueError, match="options: expected at least one, or a vector, got none"):
+    with pytest.raises(ValueError, match="goals: expected at least one, or a vector, got none"):
         untrained("Goal", (), OBSERVATIONS)
 
 
@@ -108,9 +114,9 @@ def test_what_is_written_is_read_again(tmp_path):
 @pytest.mark.parametrize(
     ("problem", "message"),
     [
-        (Problem("Other", OPTIONS, np.zeros(3), OBSERVATIONS), "goal: expected Other, got Goal"),
-        (Problem("Goal", ("a", "b", "d"), np.zeros(3), OBSERVATIONS), "options: knows c, which does not exist here"),
-        (Problem("Goal", ("a", "b"), np.zeros(2), OBSERVATIONS), "options: knows c, which does not exist here"),
+        (Problem("Other", OPTIONS, np.zeros(3), OBSERVATIONS), "goals: expected Other, got Goal"),
+        (Problem("Goal+Other", ("a+x", "b+x"), np.zeros(2), OBSERVATIONS), "goals: expected Goal, Other, got Goal"),
+        (Problem("Goal", ("d", "e"), np.zeros(2), OBSERVATIONS), "Goal: options: expected some of d, e, got a, b, c"),
         (Problem("Goal", OPTIONS, np.zeros(3), OBSERVATIONS[2:]), "observations: unknown component 'x0'"),
     ],
 )
@@ -139,7 +145,7 @@ def damage(directory):
         (lambda d: (d / "policy.json").write_text("[]"), r"policy\.json: expected a mapping of keys"),
         (lambda d: (d / "policy.safetensors").unlink(), r"policy\.safetensors: cannot be read"),
         (damage, r"policy\.json: weights_sha256: expected that of policy\.safetensors"),
-        (lambda d: edit(d, version=2), "version: expected 1, got 2"),
+        (lambda d: edit(d, version=3), "version: expected 2, got 3"),
         (lambda d: edit(d, mean=[0.0]), "mean: expected 7 numbers, one an observation, got 1"),
         (lambda d: edit(d, luck=7), "luck: unknown key"),
         (lambda d: edit(d, activation="sine"), "activation: expected 'tanh' or 'relu', got 'sine'"),
@@ -186,3 +192,60 @@ def test_a_policy_can_be_moved(tmp_path):
     exported(tmp_path / "here", "Goal", OPTIONS, OBSERVATIONS)
     shutil.move(tmp_path / "here", tmp_path / "there")
     assert isinstance(load_policy(tmp_path / "there").spec, PolicySpec)
+
+
+def test_a_policy_of_several_goals_decides_those_that_there_are():
+    goals = {"A": ("a", "b"), "B": ("x", "y", "z"), "C+D": ("k+m", "l+n")}
+    policy = several(goals)
+    outputs = np.split(Network(policy).heads(CONTEXT)["options"], [2, 5], axis=1)
+    likeliest = [part.argmax(axis=1) for part in outputs]
+    joint = Problem("B+A", tuple(f"{b}+{a}" for b in "zyxw" for a in "ba"), np.zeros(8), OBSERVATIONS)
+    decided = PolicyDecider(policy, joint, TEAMS).decide(CONTEXT).options
+    names = [joint.options[number] for number in decided]
+    assert names == [f"{'xyz'[b]}+{'ab'[a]}" for a, b in zip(likeliest[0], likeliest[1], strict=True)]
+    alone = Problem("A", ("b", "c"), np.zeros(2), OBSERVATIONS)
+    decider = PolicyDecider(policy, alone, TEAMS)
+    assert set(decider.decide(CONTEXT).options) == {0}  # it does not know c
+    assert (decider.opinions() == [1.0, 0.0]).all()
+    pairs = Problem("C+D", ("l+n", "k+n", "k+m"), np.zeros(3), OBSERVATIONS)
+    decided = PolicyDecider(policy, pairs, TEAMS).decide(CONTEXT).options
+    assert [pairs.options[number] for number in decided] == [goals["C+D"][k] for k in likeliest[2]]
+
+
+def test_a_policy_holds_the_options_of_a_goal():
+    policy = several({"A": ("a", "b"), "B": ("x", "y", "z")}, holds={"B": 3})
+    problem = Problem("A+B", tuple(f"{a}+{b}" for a in "ab" for b in "xyz"), np.zeros(6), OBSERVATIONS)
+    free = PolicyDecider(several({"A": ("a", "b"), "B": ("x", "y", "z")}), problem, TEAMS)
+    held = PolicyDecider(policy, problem, TEAMS)
+    expected = np.zeros(len(TEAMS), dtype=np.int64)
+    for period in range(8):
+        seen = np.random.default_rng(period).normal(size=CONTEXT.shape)
+        if period == 5:
+            held.reset(np.array([0]), seed=1)  # a row that begins anew chooses anew
+        a, b = np.divmod(free.decide(seen).options, 3)
+        fresh = np.full(len(TEAMS), period % 3 == 0)
+        fresh[0] |= period == 5
+        fresh[0] &= period != 6
+        expected = np.where(fresh, b, expected)
+        np.testing.assert_array_equal(held.decide(seen).options, 3 * a + expected)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"holds": {"Other": 2}}, "holds: unknown goal 'Other'"),
+        ({"holds": {"Goal": 0}}, "holds.Goal: expected"),
+        ({"goals": {"Goal": ["a", "a"]}}, "goals: Goal: expected each option once"),
+        ({"goals": {"Goal": []}}, "goals.Goal"),
+        ({"goals": {"Goal": ["a", "b"], "More": ["c", "d"]}}, "options.weight: expected"),
+        ({"terms": ["evil:Term"]}, "terms.0"),
+        ({"version": 1}, "version"),
+    ],
+)
+def test_a_specification_that_cannot_be_is_one_line(tmp_path, changes, message):
+    exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS)
+    file = tmp_path / "policy.json"
+    file.write_text(json.dumps({**json.loads(file.read_text()), **changes}))
+    with pytest.raises(DocumentError, match=message) as told:
+        load_policy(tmp_path)
+    assert "\n" not in str(told.value)

@@ -12,8 +12,8 @@ from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.problem import Problem
 from tests.paths import ROOT
 from train.deciders.decided_goal import DecidedGoal
-from train.deciders.named import decider_named
 from train.deciders.machines import MachineDecider, RuleDecider
+from train.deciders.named import decider_named
 from train.running.trials import run_trials
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.zeros(3), ("near", "far"))

@@ -5,6 +5,7 @@ import pytest
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.learning.batch import Batch
 from selector.knowledge import load_knowledge
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
@@ -22,7 +23,9 @@ OWN = (TRAINED,)
 
 def test_the_library_begins_with_the_options_that_policies_were_trained_for():
     assert load_knowledge("avoidance").options(GOAL)[: len(SIX)] == SIX
-    assert load_policy(find_policy("general", OWN)).spec.options == tuple(option.name for option in SIX)
+    assert load_policy(find_policy("general", OWN)).spec.goals == {
+        "AvoidCollision": tuple(option.name for option in SIX)
+    }
 
 
 @pytest.mark.parametrize("member", LEARNED)
@@ -63,10 +66,11 @@ def test_more_options_change_no_mission_of_the_others(option):
 
 def test_options_that_a_strategy_was_trained_without_are_named():
     options = [option.name for option in load_knowledge("avoidance").options(GOAL)]
-    told = remarks_on(entrants_of([*LEARNED, "fixed", "fsm:rule", "Random"], options), options, OWN)
+    batch = Batch("table1", knowledge="avoidance")
+    told = remarks_on(entrants_of([*LEARNED, "fixed", "fsm:rule", "Random"], options), batch, GOAL, OWN)
     missing = ", ".join(options[len(SIX) :])
     assert told == [f"{name}: never takes {missing}, which it was trained without" for name in LEARNED]
-    assert remarks_on(entrants_of(LEARNED, options), options[: len(SIX)], OWN) == []
+    assert remarks_on(entrants_of(LEARNED, options), Batch("table1", knowledge="repulsion"), GOAL, OWN) == []
 
 
 def test_off_and_random_come_beside_once():

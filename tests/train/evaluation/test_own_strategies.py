@@ -75,14 +75,14 @@ def test_mistakes_are_one_line(folder, member, message):
 
 
 def test_a_family_without_the_options_of_a_policy_is_one_line():
-    with pytest.raises(DocumentError, match="--strategy policy:general: policy: options: ") as told:
-        FamilyEvaluation(Request("table1", ("policy:general",), 0, 1, "cleaning", directories=(TRAINED,)))
+    with pytest.raises(DocumentError, match="--strategy policy:general: policy: AvoidCollision: options: ") as told:
+        FamilyEvaluation(Request("yards", ("policy:general",), 0, 1, directories=(TRAINED,)))
     assert "\n" not in str(told.value)
 
 
 def test_strategies_that_have_learned_nothing_are_named():
     given = ("fixed", "fsm:rule", "UCB1", "mine=GaussianThompson", "Random", "learned:rules", "policy:general")
-    told = remarks_on(entrants_of(given, PROBLEM.options), (), (TRAINED,))
+    told = remarks_on(entrants_of(given, PROBLEM.options), Batch("table1", knowledge="repulsion"), None, (TRAINED,))
     assert told == [f"UCB1: {UNTAUGHT}", f"mine: {UNTAUGHT}"]
 
 

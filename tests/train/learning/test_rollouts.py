@@ -6,11 +6,12 @@ import pytest
 pytest.importorskip("stable_baselines3")
 
 import torch
-from gymnasium.spaces import Box, Discrete
+from gymnasium.spaces import Box, Discrete, MultiDiscrete
 
 from train.learning.ppo.rollouts import MomentsOfRobots, RobotRollouts
 
 PERIODS, ROWS, GAMMA, TRACE = 7, 40, 0.9, 0.8
+COUNTS, PARTS = (5, 3), torch.tensor([[0.25, 0.5]])  # options of two goals; logarithms of their probabilities
 
 
 class Course:
@@ -18,7 +19,8 @@ class Course:
 
     def __init__(self, rollouts, *, working=0.8, effective=0.4, over=0.05):
         random, shape = np.random.default_rng(5), (rollouts * PERIODS + 1, ROWS)
-        self.working, self.effective = random.random(shape) < working, random.random(shape) < effective
+        self.working, self.goals = random.random(shape) < working, random.random((*shape, 2)) < effective / 2
+        self.effective = self.goals.any(axis=2)
         self.over, self.values = random.random(shape) < over, random.normal(size=shape).astype(np.float32)
         self.paid = random.normal(size=shape).astype(np.float32)
 
@@ -49,32 +51,40 @@ def filled(course, rollouts):
     """Yield the buffer after each rollout of a course."""
     now = {"t": 0}
     buffer = RobotRollouts(
-        PERIODS, Box(-1e9, 1e9, (2,)), Discrete(5), device="cpu", gae_lambda=TRACE, gamma=GAMMA, n_envs=ROWS,
-        deciding=lambda: course.working[now["t"]], effective=lambda: course.effective[now["t"] - 1],
+        PERIODS, Box(-1e9, 1e9, (10,)), MultiDiscrete(COUNTS), device="cpu", gae_lambda=TRACE, gamma=GAMMA,
+        n_envs=ROWS, deciding=lambda: course.working[now["t"]], effective=lambda: course.goals[now["t"] - 1],
+        parts=lambda: PARTS.expand(ROWS, -1), counts=COUNTS, drives=False,
     )  # fmt: skip
     starts = np.ones(ROWS)
     for rollout in range(rollouts):
         buffer.reset()
         for t in range(rollout * PERIODS, (rollout + 1) * PERIODS):
             now["t"] = t + 1
-            seen = np.stack([np.full(ROWS, t), np.arange(ROWS)], axis=1)
+            seen = np.hstack([np.full((ROWS, 1), t), np.arange(ROWS)[:, None], np.ones((ROWS, 8))])
             values, chances = torch.tensor(course.values[t]), torch.full((ROWS,), float(t))
-            buffer.add(seen, np.full((ROWS, 1), t % 5), course.paid[t], starts, values, chances)
+            buffer.add(seen, np.tile([t % 5, t % 3], (ROWS, 1)), course.paid[t], starts, values, chances)
             starts = course.over[t]
         buffer.compute_returns_and_advantage(torch.full((ROWS, 1), 1e6), starts)
         yield buffer
 
 
-def learned(buffer):
-    """Return (period, row) -> advantage and return of what PPO gets, and check what stands beside it."""
+def learned(buffer, course):
+    """Return (period, row) -> advantage and return of what PPO gets, and check what stands beside it.
+
+    A goal whose option had no effect could have had no other.
+    """
     found = {}
     for batch in buffer.get(16):
         for seen, action, chance, advantage, gain in zip(
             batch.observations, batch.actions, batch.old_log_prob, batch.advantages, batch.returns, strict=True
         ):
-            t, row = (int(number) for number in seen)
+            t, row = (int(number) for number in seen[:2])
             assert (t, row) not in found
-            assert (int(action), float(chance)) == (t % 5, t)
+            assert action.tolist() == [t % 5, t % 3]
+            effective = course.goals[t, row]
+            assert float(chance) == t - float((PARTS[0] * torch.tensor(~effective)).sum())
+            for able, taken, counts in zip(seen[2:].split(COUNTS), action, effective, strict=True):
+                assert able.tolist() == [1.0 if counts or k == taken else 0.0 for k in range(len(able))]
             found[t, row] = float(advantage), float(gain)
     return found
 
@@ -83,7 +93,7 @@ def test_a_decision_is_compared_with_the_next_that_counts_by_a_naive_list():
     rollouts = 6
     course, got = Course(rollouts), {}
     for number, buffer in enumerate(filled(course, rollouts)):
-        own = learned(buffer)
+        own = learned(buffer, course)
         assert not own.keys() & got.keys()
         got |= own
         periods = (number + 1) * PERIODS

@@ -25,7 +25,7 @@ from train.request import Request
 pytest.importorskip("stable_baselines3")
 
 POLICY = ("ppo", "policy/policy.safetensors")
-RESULTS = dict.fromkeys(("ppo", "both"), POLICY)
+RESULTS = dict.fromkeys(("ppo", "both", "goals"), POLICY)
 BANDIT = ("bandit", "strategy.safetensors")
 TIMEOUT = 400.0
 
@@ -41,7 +41,7 @@ def finish(words):
     return done
 
 
-@pytest.mark.parametrize("kind", ["ppo", "both", "bandit", "missions"])
+@pytest.mark.parametrize("kind", ["ppo", "both", "goals", "bandit", "missions"])
 def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
     config = written(tmp_path, kind)
     learner, learned = RESULTS.get(kind, BANDIT)
@@ -121,7 +121,7 @@ def test_a_minibatch_that_is_no_part_of_the_rows_is_no_warning(tmp_path):
     PpoTraining(job(load_training(str(written(tmp_path, "ppo", **changes)), "ppo"), tmp_path / "run"))
 
 
-@pytest.mark.parametrize("kind", ["ppo", "team", "both", "velocity"])
+@pytest.mark.parametrize("kind", ["ppo", "team", "both", "goals", "velocity"])
 def test_the_exported_policy_decides_as_the_trained_one_by_what_a_robot_sees(tmp_path, kind):
     import torch
 
@@ -135,19 +135,21 @@ def test_the_exported_policy_decides_as_the_trained_one_by_what_a_robot_sees(tmp
     seen = np.random.default_rng(0).uniform(-1.0, 1.0, (50, *training.normal.observation_space.shape))
     seen = seen.astype(np.float32)
     normal = torch.as_tensor(training.normal.normalize_obs(seen))
+    normal = torch.hstack((normal, torch.ones((50, sum(training.envs.counts)))))
     with torch.no_grad():
         expected = model.action_net(model.mlp_extractor.forward_actor(normal)).numpy()
         likeliest = model.get_distribution(normal).mode().numpy().reshape(50, -1)
         values = model.predict_values(normal)
-        normal[:, own:] = 0.0
-        assert torch.equal(model.predict_values(normal), values) == (kind == "ppo")
+        normal[:, own : seen.shape[1]] = 0.0
+        assert torch.equal(model.predict_values(normal), values) == (kind in ("ppo", "goals"))
     heads = Network(policy).heads(seen[:, :own].astype(np.float64))
     assert list(heads) == {"both": ["options", "vector"], "velocity": ["vector"]}.get(kind, ["options"])
     if policy.spec.vector:
         for given in (expected, likeliest):
             given[:, -2:] = given[:, -2:].clip(-1.0, 1.0)
     np.testing.assert_allclose(np.hstack(list(heads.values())), expected, atol=1e-4)
-    decided = [heads["options"].argmax(axis=1)[:, None]] if "options" in heads else []
+    parts = np.split(heads.get("options", np.zeros((50, 0))), np.cumsum(training.envs.counts)[:-1], axis=1)
+    decided = [part.argmax(axis=1)[:, None] for part in parts if training.envs.counts]
     np.testing.assert_allclose(
         np.hstack(decided + [heads[name] for name in heads if name == "vector"]), likeliest, atol=1e-4
     )
@@ -156,11 +158,11 @@ def test_the_exported_policy_decides_as_the_trained_one_by_what_a_robot_sees(tmp
 def test_an_option_and_a_vector_are_drawn_as_their_densities_say():
     import torch
 
-    from train.learning.ppo.networks import OptionAndVector
+    from train.learning.ppo.networks import OptionOfEachGoal, OptionsAndVector
 
     torch.manual_seed(1)
     outputs, deviations = torch.tensor([[0.0, 1.0, 2.0, 0.5, -0.5]]), torch.tensor([-1.0, 0.0])
-    drawn = OptionAndVector(3).proba_distribution(outputs.expand(20_000, -1), deviations)
+    drawn = OptionsAndVector(OptionOfEachGoal([3])).proba_distribution(outputs.expand(20_000, -1), deviations)
     actions = drawn.sample()
     option, vector = (
         torch.distributions.Categorical(logits=outputs[:, :3]),
@@ -176,11 +178,12 @@ def test_an_option_and_a_vector_are_drawn_as_their_densities_say():
 
 
 def test_the_critic_sees_the_state_of_its_world_also_at_the_end_of_a_mission():
+    from clean_swarm_env.sb3 import RobotVecEnv
     from train.learning.ppo.worlds import TeamEnv
 
     batches = [Batch(mission(time_limit=3.0 + k), worlds=2 - k) for k in range(2)]
     own, names = batches[0].observer.width, batches[0].global_state().names
-    envs = TeamEnv(batches)
+    envs = TeamEnv(RobotVecEnv(batches=batches))
     envs.seed(1)
     seen, ended = envs.reset(), 0
     for period in range(1, 9):
@@ -198,11 +201,12 @@ def test_the_critic_sees_the_state_of_its_world_also_at_the_end_of_a_mission():
 
 
 def test_the_states_of_worlds_that_differ_in_size_have_zeros_for_what_they_lack():
+    from clean_swarm_env.sb3 import RobotVecEnv
     from train.learning.ppo.worlds import TeamEnv
 
     batches = [Batch(mission(robots={"count": robots}, time_limit=2.0), worlds=1) for robots in (3, 5)]
     states = [batch.global_state() for batch in batches]
-    envs = TeamEnv(batches)
+    envs = TeamEnv(RobotVecEnv(batches=batches))
     envs.seed(1)
     rows = envs.reset()
     over, infos = np.zeros(8, bool), []
@@ -225,3 +229,55 @@ def test_learned_scores_go_to_the_knowledge_store(tmp_path):
     learned = store.contents().learned
     assert {(key.context, key.source) for key in learned} == {("training tiny", "training tiny, seed 5")}
     assert sum(entry.moments.count for entry in learned.values()) > 10
+
+
+def test_what_a_robot_cannot_take_is_not_taken_and_options_are_kept(tmp_path):
+    from train.learning.ppo.training import PpoTraining
+
+    training = PpoTraining(job(load_training(str(written(tmp_path, "goals")), "ppo"), tmp_path / "run"))
+    envs, model = training.envs, training.model
+    exploring, avoiding = envs.options.values()
+    rows = [batch.rows for batch in training.curriculum.batches]
+    seen, before = envs.reset(), None
+    for period in range(7):
+        flags = seen[:, -len(exploring) - len(avoiding) :]
+        actions, _ = model.predict(seen)
+        assert flags[np.arange(len(seen)), actions[:, 0]].all()
+        assert flags[np.arange(len(seen)), len(exploring) + actions[:, 1]].all()
+        assert (flags[: rows[0], : len(exploring)].sum(axis=1) == 1).all()  # there is nothing to explore by
+        held = period % 3 != 0
+        assert (flags[rows[0] :, : len(exploring)].sum(axis=1) == (1 if held else len(exploring))).all()
+        if held:
+            np.testing.assert_array_equal(actions[:, 0], before)
+        seen, _, over, _ = envs.step(actions)
+        assert not over.any()
+        assert (envs.chosen[rows[0] :, 0] == (not held)).all()
+        assert not envs.chosen[: rows[0], 0].any()
+        before = actions[:, 0]
+
+
+def test_a_policy_begins_with_the_option_that_it_is_given(tmp_path):
+    from train.learning.ppo.training import PpoTraining
+
+    training = PpoTraining(job(load_training(str(written(tmp_path, "goals")), "ppo"), tmp_path / "run"))
+    _, avoiding = training.envs.options.values()
+    actions, _ = training.model.predict(training.envs.reset(), deterministic=True)
+    assert {avoiding[number] for number in actions[:, 1]} == {"ORCA"}
+    wrong = {"ppo": {"start": {"AvoidCollision": "Orca"}}}
+    with pytest.raises(DocumentError, match="ppo: start: unknown option 'Orca'") as told:
+        PpoTraining(job(load_training(str(written(tmp_path, "ppo", **wrong)), "ppo"), tmp_path / "wrong"))
+    assert "\n" not in str(told.value)
+    missing = job(
+        load_training(str(written(tmp_path, "goals", goal="AvoidCollision+Transport")), "ppo"), tmp_path / "o"
+    )
+    with pytest.raises(DocumentError, match="goal: unknown goal 'Transport'"):
+        PpoTraining(missing)
+
+
+def test_other_learners_need_the_same_options_everywhere(tmp_path):
+    tasks = [{"family": "random", "worlds": 2}, {"family": "hotspots", "worlds": 2}]
+    config = written(tmp_path, "bandit", tasks=tasks, goal="AvoidCollision")
+    words = command("bandit", config, tmp_path / "run")
+    done = subprocess.run(words, capture_output=True, text=True, timeout=TIMEOUT)
+    assert "tasks: hotspots: options: expected " in done.stderr
+    assert "Traceback" not in done.stderr

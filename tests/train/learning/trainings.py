@@ -21,6 +21,12 @@ KINDS = {
     "team": {"ppo": SMALL | {"critic": "team"}},
     "both": {"ppo": SMALL | {"critic": "team", "action": "both"}},
     "velocity": {"ppo": SMALL | {"hidden": [], "critic": "team", "action": "velocity"}},
+    "goals": {
+        "tasks": [{"family": "random", "worlds": 2}, {"family": "hotspots", "worlds": 1}],
+        "goal": "ExplorationPatrol+AvoidCollision",
+        "ppo": SMALL
+        | {"running": ["ExplorationPatrol"], "holds": {"ExplorationPatrol": 3}, "start": {"AvoidCollision": "ORCA"}},
+    },
     "bandit": {
         "bandit": {
             "strategy": {"name": "LinearThompson"},

@@ -1,16 +1,17 @@
 """Rollouts of robots that come and go, and whose decisions have no effect at times.
 
-Only decisions that count are learned from. What a robot is paid until its next decision that counts belongs to the one
-before, each period by the discount more: a semi-Markov decision process (Sutton, Precup & Singh 1999,
-doi:10.1016/S0004-3702(99)00052-1). The loss of PPO is that of Stable-Baselines3.
+Only decisions that count are learned from, and of each only the goals whose options had an effect. What a robot is
+paid until its next decision that counts belongs to the one before, each period by the discount more: a semi-Markov
+decision process (Sutton, Precup & Singh 1999, doi:10.1016/S0004-3702(99)00052-1). The loss of PPO is that of
+Stable-Baselines3.
 docs/decisions/0215-decisions-that-count.md has what it brings.
 
-Shapes: T periods of a rollout, R rows (robots).
+Shapes: T periods of a rollout, R rows (robots), G goals, O options of all goals.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.type_aliases import RolloutBufferSamples
 
 from selforg.arrays import Flags
+from train.learning.ppo.worlds import keep_only
 
 WAITING = ("observations", "actions", "values", "log_probs")
 """Arrays of a decision that waits."""
@@ -37,7 +39,10 @@ class RobotRollouts(RolloutBuffer):
         steps: T.
         *spaces: of observations and actions.
         deciding: returns which rows (R,) have a robot that decides now.
-        effective: returns which decisions (R,) had an effect in the last period.
+        effective: returns for which goals (R, G) an option was chosen that had an effect in the last period.
+        parts: returns the logarithms of the probabilities (R, G) with which the options were chosen.
+        counts: (G,) number of options of each goal; none if actions are only vectors.
+        drives: whether actions have vectors beside options; vectors always count.
         **settings: of the base class.
 
     Attributes:
@@ -55,9 +60,13 @@ class RobotRollouts(RolloutBuffer):
         *spaces: Any,  # noqa: ANN401  (of the base class)
         deciding: Callable[[], Flags],
         effective: Callable[[], Flags],
+        parts: Callable[[], torch.Tensor],
+        counts: Sequence[int],
+        drives: bool,
         **settings: Any,  # noqa: ANN401
     ) -> None:
-        self._now, self._effective = deciding, effective
+        self._now, self._effective, self._parts = deciding, effective, parts
+        self._counts, self._drives = counts, drives
         self._waiting: dict[str, NDArray[Any]] = {}
         super().__init__(steps + 1, *spaces, **settings)
         self._waited = np.ones(self.n_envs)  # discount of the time for which decisions have waited
@@ -72,9 +81,18 @@ class RobotRollouts(RolloutBuffer):
         self.pos, self.deciding = 1, self._now()
 
     def add(self, *step: Any) -> None:  # noqa: ANN401  (of the base class)
-        """Add a period that has just passed."""
-        self._there[self.pos] = self.deciding
-        self.counted[self.pos] = self.deciding & self._effective()
+        """Add a period that has just passed.
+
+        Where the option of a goal had no effect, no other is possible afterwards: its probability is 1.
+        """
+        self._there[self.pos], self.counted[self.pos] = self.deciding, self.deciding
+        if self._counts:
+            seen, actions, *others, chances = step
+            effective = self._effective()
+            self.counted[self.pos] &= effective.any(axis=1) | self._drives
+            seen, options = seen.copy(), actions[:, : len(self._counts)].astype(np.int64)
+            keep_only(seen[:, -sum(self._counts) :], self._counts, options, ~effective)
+            step = seen, actions, *others, chances - (self._parts() * torch.as_tensor(~effective)).sum(dim=1)
         super().add(*step)
         self.deciding = self._now()
 

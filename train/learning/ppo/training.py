@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import pickle
 import warnings
-from collections.abc import Callable
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,17 +20,19 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.sb3 import RobotVecEnv
 from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import JOINT
 from selector.strategies.policy_file import TrainedPolicy, save_policy
-from selector.strategies.problem import Problem
 from selforg.arrays import Flags
+from selforg.registry import unknown
+from train.deciders.decided_goal import named_goal
 from train.deciders.decider import DeciderMaker
 from train.deciders.strategies import PolicyDecider
-from train.learning.config import PpoConfig
 from train.learning.ppo.networks import RobotPolicy, exported
 from train.learning.ppo.rollouts import MomentsOfRobots, RobotPPO, RobotRollouts
-from train.learning.ppo.worlds import OneGoalEnv, TeamEnv
+from train.learning.ppo.worlds import SelectorEnv, TeamEnv
 from train.learning.training import Checkpoint, Training, TrainingJob
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
@@ -58,7 +60,7 @@ class PpoTraining(Training):
 
     """
 
-    CHECKPOINT = "checkpoint.pt"
+    CHECKPOINT, alike = "checkpoint.pt", False
 
     def __init__(self, job: TrainingJob) -> None:
         torch.set_num_threads(1)
@@ -66,16 +68,19 @@ class PpoTraining(Training):
         assert job.config.ppo is not None
         self.settings = job.config.ppo
         self._costs: list[float] = []
-        batches = self.curriculum.batches
-        envs = TeamEnv(batches) if self.settings.critic == "team" else RobotVecEnv(batches=batches)
-        decided = OneGoalEnv(envs, self.goal, self.settings.action)
-        self.normal = VecNormalize(decided, gamma=self.settings.discount)
+        self._cuts = np.cumsum([batch.rows for batch in self.curriculum.batches])[:-1]
+        robots = RobotVecEnv(batches=self.curriculum.batches)
+        goals = [named_goal(tuple(robots.options), name) for name in self.decides]
+        self.normal = VecNormalize(
+            TeamEnv(robots) if self.settings.critic == "team" else robots, gamma=self.settings.discount
+        )
         self.normal.obs_rms = MomentsOfRobots(self._working, self.normal.observation_space.shape or ())
         self.normal.ret_rms = MomentsOfRobots(lambda: self.model.rollout_buffer.deciding)
-        buffer = {"deciding": self._working, "effective": self._effective}
+        holds = {goal: self.settings.holds.get(goal, 1) for goal in goals}
+        self.envs = SelectorEnv(self.normal, robots, holds, self.settings.action)
         with warnings.catch_warnings():  # the last part of the rows is smaller, as teams differ
             warnings.filterwarnings("ignore", "You have specified a mini-batch size")
-            self.model = _model(self.settings, self.normal, self.goal.problem, job.seed, buffer)
+            self.model = self._model()
         self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
         if self.checkpoint_file.is_file():
@@ -85,13 +90,30 @@ class PpoTraining(Training):
                 raise DocumentError(f"{shown(self.checkpoint_file)}: cannot be continued ({error})") from error
 
     @property
+    def decides(self) -> Sequence[str]:
+        """The goals whose options are learned, each by outputs of its own."""
+        if self.config.goal is None:
+            return [named_goal(tuple(self.curriculum.batches[0].options), None)]
+        return self.config.goal.split(JOINT)
+
+    @property
     def decisions(self) -> int:
         """Decisions made so far."""
         return int(self.model.num_timesteps)
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
-        return exported(self.model, self.normal, self.goal.problem, training)
+        terms = tuple(term.name for term in self.config.observation.terms)
+        usual = self.config.observation == ObservationConfig.model_validate({"terms": terms})
+        return exported(
+            self.model,
+            self.normal,
+            self.curriculum.batches[0].observer.names,
+            self.envs.options,
+            holds=self.settings.holds if self.envs.options else {},
+            terms=terms if usual else (),
+            training=training,
+        )
 
     def export(self, command: str) -> Path:
         """Write the best policy so far and return its directory."""
@@ -127,10 +149,52 @@ class PpoTraining(Training):
         return np.concatenate([batch.working for batch in self.curriculum.batches])
 
     def _effective(self) -> Flags:
-        """Return which decisions (R,) of the last period count, see `PpoConfig.counted`."""
-        every, goals = self.settings.counted == "all", self.goal.columns
-        ran = [batch.progress.acted[:, goals].any(axis=1) for batch in self.curriculum.batches]
-        return np.concatenate(ran) | every
+        """Return which options (R, G) that were chosen in the last period count, see `PpoConfig.running`."""
+        acted = np.ones_like(self.envs.chosen)
+        for batch, rows in zip(self.curriculum.batches, np.split(acted, self._cuts), strict=True):
+            for k, goal in enumerate(self.envs.options):
+                if goal in self.settings.running and goal in batch.options:
+                    rows[:, k] = batch.progress.acted[:, list(batch.options).index(goal)]
+        return acted & self.envs.chosen
+
+    def _model(self) -> RobotPPO:
+        settings, layers = self.settings, list(self.settings.hidden)
+        outputs = [(goal, option) for goal, options in self.envs.options.items() for option in options]
+        for wanted in settings.start.items():
+            if wanted not in outputs:
+                raise DocumentError(f"ppo: start: {unknown('option', wanted[1], [name for _, name in outputs])}")
+        start = {outputs.index(wanted): settings.lead for wanted in settings.start.items()}
+        set_random_seed(_derived(self.job.seed, -1))  # the argument of PPO would also seed the worlds
+        return RobotPPO(
+            RobotPolicy,
+            self.envs,
+            rollout_buffer_class=RobotRollouts,
+            rollout_buffer_kwargs={
+                "deciding": self._working,
+                "effective": self._effective,
+                "parts": lambda: self.model.policy.action_dist.parts,
+                "counts": self.envs.counts,
+                "drives": settings.action == "both",
+            },
+            n_steps=settings.steps,
+            batch_size=settings.minibatch,
+            n_epochs=settings.epochs,
+            learning_rate=settings.learning_rate,
+            gamma=settings.discount,
+            gae_lambda=settings.trace,
+            clip_range=settings.clip,
+            ent_coef=settings.entropy,
+            vf_coef=settings.value,
+            max_grad_norm=settings.gradient,
+            policy_kwargs={
+                "net_arch": {"pi": layers, "vf": layers},
+                "log_std_init": float(np.log(settings.deviation)),
+                "own": self.curriculum.batches[0].observer.width,
+                "counts": self.envs.counts,
+                "start": start,
+            },
+            device="cpu",
+        )
 
     def _decider_maker(self) -> DeciderMaker:
         return partial(PolicyDecider, self.policy())
@@ -177,36 +241,6 @@ class PpoTraining(Training):
         self.model.num_timesteps = found.decisions
         self.model._n_updates, self._best = int(content["updates"]), content["best"]
         self._go_on(found)
-
-
-def _model(
-    settings: PpoConfig, env: VecNormalize, problem: Problem, seed: int, buffer: dict[str, Callable[[], Flags]]
-) -> RobotPPO:
-    layers = list(settings.hidden)
-    set_random_seed(_derived(seed, -1))  # the argument of PPO would also seed the worlds
-    return RobotPPO(
-        RobotPolicy,
-        env,
-        rollout_buffer_class=RobotRollouts,
-        rollout_buffer_kwargs=buffer,
-        n_steps=settings.steps,
-        batch_size=settings.minibatch,
-        n_epochs=settings.epochs,
-        learning_rate=settings.learning_rate,
-        gamma=settings.discount,
-        gae_lambda=settings.trace,
-        clip_range=settings.clip,
-        ent_coef=settings.entropy,
-        vf_coef=settings.value,
-        max_grad_norm=settings.gradient,
-        policy_kwargs={
-            "net_arch": {"pi": layers, "vf": layers},
-            "log_std_init": float(np.log(settings.deviation)),
-            "own": len(problem.features),
-            "options": len(problem.options) if settings.action == "both" else 0,
-        },
-        device="cpu",
-    )
 
 
 def _derived(seed: int, checkpoint: int) -> int:

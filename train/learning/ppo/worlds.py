@@ -1,78 +1,135 @@
 """The worlds of a training as an environment of Stable-Baselines3.
 
-Shapes: R rows (robots), F components of an observation, G components of the global state.
+Shapes: R rows (robots), F components of an observation, S components of the global state, G decided goals, O options of
+all these goals.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box, Discrete
+from gymnasium.spaces import Box, MultiDiscrete
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvObs, VecEnvStepReturn
 
+from clean_swarm_env.borders.spaces import observation_space
 from clean_swarm_env.learning.actions import Mode
-from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.sb3 import RobotVecEnv
-from train.deciders.decided_goal import DecidedGoal
+from selforg.arrays import Flags, Ints
 
 
-class OneGoalEnv(VecEnvWrapper):
-    """An environment whose actions are the option of one goal, a vector, or both in a row, the option first.
+class SelectorEnv(VecEnvWrapper):
+    """Robots whose observations end with which options they can take; (R, F + O).
 
-    Other goals keep the option of the highest score. The components of vectors lie within [-1, 1].
+    Actions are an option of each decided goal, a vector, or both in a row, options first. Other goals keep the option
+    of the highest score. Options are kept for some decision periods: then no other can be taken. The components of
+    vectors lie within [-1, 1].
+
+    Args:
+        envs: wraps `robots`.
+        robots: the robots.
+        holds: decided goal -> decision periods for which its options are kept.
+        mode: what actions are.
+
+    Attributes:
+        options: decided goal -> names of its options.
+        chosen: (R, G) where an option was chosen in the last period among several.
+
     """
 
-    def __init__(self, envs: VecEnv, goal: DecidedGoal, mode: Mode) -> None:
-        count = len(goal.problem.options)
-        highest = np.array([count - 1.0, 1.0, 1.0], dtype=np.float32)
-        spaces = {
-            "option": Discrete(count),
-            "velocity": Box(-highest[1:], highest[1:]),
-            "both": Box(np.array([0.0, -1.0, -1.0], dtype=np.float32), highest),
-        }
-        super().__init__(envs, action_space=spaces[mode])
-        self._goal, self._mode = goal, mode
+    def __init__(self, envs: VecEnv, robots: RobotVecEnv, holds: Mapping[str, int], mode: Mode) -> None:
+        self._robots, self._mode = robots, mode
+        self.options = {goal: robots.options[goal] for goal in (() if mode == "velocity" else holds)}
+        self.counts = tuple(map(len, self.options.values()))
+        firsts = dict(zip(robots.options, accumulate(map(len, robots.options.values()), initial=0), strict=False))
+        self._columns = [list(firsts).index(goal) for goal in self.options]
+        self._places = [firsts[goal] + k for goal, names in self.options.items() for k in range(len(names))]
+        self._holds = np.array([holds[goal] for goal in self.options], dtype=np.int64)
+        self._defaults = robots.default_options() if self.options else np.zeros((robots.num_envs, 0), dtype=np.int64)
+        self._left = np.zeros((robots.num_envs, len(self.counts)), dtype=np.int64)
+        self._masks = np.zeros((robots.num_envs, len(self._places)), dtype=np.bool_)
+        self.chosen = self._left > 0
+        highest = np.array([*(count - 1.0 for count in self.counts), 1.0, 1.0], dtype=np.float32)
+        lowest = np.array([*(0.0 for _ in self.counts), -1.0, -1.0], dtype=np.float32)
+        seen = envs.observation_space
+        assert isinstance(seen, Box)
+        flags = np.ones(len(self._places), np.float32)
+        super().__init__(
+            envs,
+            Box(np.append(seen.low, -flags), np.append(seen.high, flags), dtype=np.float32),
+            MultiDiscrete(list(self.counts)) if mode == "option" else Box(lowest, highest),
+        )
 
     def reset(self) -> VecEnvObs:
         """Begin all episodes."""
-        return self.venv.reset()
+        seen = self.venv.reset()
+        self._left[:] = 0
+        return self._followed(seen)
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Send the action (R, ...) of each robot to the worlds."""
-        if self._mode == "option":
-            actions = self._goal.actions(actions)
-        elif self._mode == "both":
-            actions = np.hstack([self._goal.actions(actions[:, 0].astype(np.int64)), actions[:, 1:]])
-        self.venv.step_async(actions)
+        if self._mode == "velocity":
+            self.venv.step_async(actions)
+            return
+        self._options = actions[:, : len(self.counts)].astype(np.int64)
+        self._left = np.where(self._left == 0, self._holds, self._left) - 1
+        whole = self._defaults.copy()
+        whole[:, self._columns] = self._options
+        self.venv.step_async(np.hstack([whole, actions[:, len(self.counts) :]]) if self._mode == "both" else whole)
 
     def step_wait(self) -> VecEnvStepReturn:
         """Return the results of the step."""
-        return self.venv.step_wait()
+        seen, rewards, over, infos = self.venv.step_wait()
+        assert isinstance(seen, np.ndarray)
+        several = [part.sum(axis=1) > 1 for part in np.split(self._masks, np.cumsum(self.counts)[:-1], axis=1)]
+        self.chosen = np.stack(several, axis=1) if self.counts else self.chosen
+        self._left[over] = 0
+        for row in np.flatnonzero(over).tolist():
+            last = infos[row]["terminal_observation"]
+            infos[row]["terminal_observation"] = np.append(last, np.ones(len(self._places), np.float32))
+        return self._followed(seen), rewards, over, infos
+
+    def _followed(self, seen: VecEnvObs) -> VecEnvObs:
+        """Return observations (R, F) with what can be taken behind them."""
+        assert isinstance(seen, np.ndarray)
+        if not self.counts:
+            return seen
+        self._masks = self._robots.action_masks()[:, self._places]
+        if self._left.any():
+            keep_only(self._masks, self.counts, self._options, self._left > 0)
+        return np.hstack([seen, self._masks.astype(np.float32)])
+
+
+def keep_only(masks: NDArray[Any], counts: Sequence[int], options: Ints, where: Flags) -> None:
+    """Leave in `masks` (R, O) only the `options` (R, G) that were taken, for the goals and rows `where` (R, G)."""
+    for k, own in enumerate(np.split(masks, np.cumsum(counts)[:-1], axis=1)):
+        rows = np.flatnonzero(where[:, k])
+        own[rows] = 0
+        own[rows, options[rows, k]] = 1
 
 
 class TeamEnv(VecEnvWrapper):
-    """An environment in which the global state of its world follows the observation of each robot: (R, F + G).
+    """An environment in which the global state of its world follows the observation of each robot: (R, F + S).
 
     A state has the components of all batches; those that a world lacks, as of robots and items beyond its own, are 0.
 
     Attributes:
-        names: (G,) names of the components of a state.
+        names: (S,) names of the components of a state.
 
     """
 
-    def __init__(self, batches: Sequence[Batch]) -> None:
-        self._batches, self._states = batches, [batch.global_state() for batch in batches]
+    def __init__(self, robots: RobotVecEnv) -> None:
+        self._batches, self._states = robots.batches, [batch.global_state() for batch in robots.batches]
         self.names = tuple(dict.fromkeys(name for state in self._states for name in state.names))
         column = {name: number for number, name in enumerate(self.names)}
         self._columns = [[column[name] for name in state.names] for state in self._states]
-        envs = RobotVecEnv(batches=batches)
-        highest = np.append(envs.observation_space.high, np.ones(len(self.names), np.float32))
-        super().__init__(envs, observation_space=Box(-highest, highest, dtype=np.float32))
+        highest = np.append(observation_space(robots.batches[0]).high, np.ones(len(self.names), np.float32))
+        super().__init__(robots, observation_space=Box(-highest, highest, dtype=np.float32))
 
     def reset(self) -> Observations:
         """Begin all episodes."""
@@ -99,7 +156,7 @@ class TeamEnv(VecEnvWrapper):
         return np.hstack([observations, np.concatenate(states)])
 
     def _filled(self, number: int, states: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return states (..., components of batch `number`) with zeros for the components that it lacks (..., G)."""
+        """Return states (..., components of batch `number`) with zeros for the components that it lacks (..., S)."""
         filled = np.zeros((*states.shape[:-1], len(self.names)), dtype=np.float32)
         filled[..., self._columns[number]] = states
         return filled
