@@ -13,6 +13,7 @@ import numpy as np
 from clean_swarm_env.config.families import Scenario, scenario_name
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.types import ConfigurationError
+from selector.documents.fields import JOINT
 from selector.knowledge import Knowledge
 from selforg.arrays import Floats
 from train.deciders.decider import columns_of
@@ -39,7 +40,9 @@ def knowledge_of_decider(request: Request, situations: Sequence[str]) -> tuple[K
     named = decider_named(request.strategies[0], request.directories)
     if named.mode != "option":
         raise ConfigurationError(f"{named.text}: expected a decider that only chooses options, got one that drives")
-    evaluation = FamilyEvaluation(replace(request, goal=request.goal or named.goal or named.meant_for or None))
+    asked = named.decides(request.goal)
+    goals = asked if asked is None or isinstance(asked, str) else JOINT.join(asked)
+    evaluation = FamilyEvaluation(replace(request, goal=goals))
     goal, known = evaluation.goal, knowledge_of(evaluation.mission, request.directories)
     if goal not in known.goals:
         raise ConfigurationError(f"{named.text}: expected a decider for one goal, got one for {goal}")
