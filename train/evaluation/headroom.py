@@ -61,7 +61,7 @@ class RuleTask(TrialTask):
     @property
     def settings(self) -> TrialSettings:
         """What robots see and give."""
-        return TrialSettings(self.goal, TASK_SCENARIOS, directories=self.directories, record=self.record)
+        return TrialSettings(self.goal or None, TASK_SCENARIOS, directories=self.directories, record=self.record)
 
     def decider(self, problem: Problem, teams: Ints) -> Decider:
         """Return the decider by the rules."""
