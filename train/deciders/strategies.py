@@ -77,7 +77,6 @@ class PolicyDecider(Decider):
     def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints) -> None:
         super().__init__(problem, teams)
         spec, self._rows = policy.spec, len(teams)
-        self._columns = columns_of(problem, spec.observations, "policy: observations")
         self._network = Network(policy)
         self._heads: list[tuple[slice, Ints, int]] = []  # outputs, option -> output or -1, periods of a hold
         self._keeping = np.zeros((len(spec.goals), len(teams)), dtype=np.int64)
@@ -96,6 +95,7 @@ class PolicyDecider(Decider):
                     raise DocumentError(f"policy: {joint}: options: expected {expected}, got {', '.join(names)}")
                 self._heads.append((slice(first, first + len(names)), numbers, spec.holds.get(joint, 1)))
             first += len(names)
+        self._columns = columns_of(problem, spec.observations, "policy: observations")
 
     def reset(self, rows: Ints, seed: int) -> None:
         """Let rows (N,) choose anew."""

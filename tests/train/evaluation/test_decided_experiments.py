@@ -58,7 +58,7 @@ def test_an_option_and_a_machine_of_one_state_have_the_bits_of_the_highest_score
 def test_a_policy_decides_for_its_own_goal(folder):
     experiment = load_experiment(str(written(folder, {"name": "policy", "strategy": "policy:exploring-ppo"})))
     (task, _) = experiment_tasks(experiment.model_copy(update={"starts": starts(experiment)}), 0)
-    assert task.settings.goal == "ExplorationPatrol"
+    assert task.settings.goal == ["ExplorationPatrol"]
     with pytest.raises(DocumentError, match="unknown goal 'ExplorationPatrol'"):
         task.team()
 
