@@ -42,6 +42,8 @@ class RewardConfig(Closed):
     """Shaping: once, when all garbage is dumped [-]."""
     collision: Number = 0.0
     """Shaping: for each collision event in which the robot took part [1/event]."""
+    price: Number = 0.0
+    """Shaping: for each second that the robot's own collisions add to the cost, none where they cost nothing [1/s]."""
     own_picked: Number = 0.0
     """Shaping: for each item that the robot picked and nobody had picked before [1/item]."""
     own_recycled: Number = 0.0
@@ -90,6 +92,7 @@ class Prices(NamedTuple):
     dumped: float
     tick: float
     completed: float
+    price: float  # for each second of the price of a robot's own collisions
     shared: float
 
 
@@ -120,7 +123,15 @@ class Rewards:
         }
         weights = np.array([own[event] for event in EVENTS])
         self.prices = PRICES_RECORD.pack(
-            Prices(weights, config.cost, config.dumped, config.time * period, config.completed, config.shared)
+            Prices(
+                weights,
+                config.cost,
+                config.dumped,
+                config.time * period,
+                config.completed,
+                config.price,
+                config.shared,
+            )
         )
 
     def start_period(self) -> None:
@@ -209,6 +220,7 @@ def pay(period: Words[Period], prices: Words[Prices], rewards: Floats) -> None:
             rewards[row] = 0.0
             if not counted.took_part[row]:
                 continue
+            rewards[row] += price.price * counted.bumps[row]
             for kind in range(price.own.shape[0]):
                 rewards[row] += price.own[kind] * counted.events[kind, row]
             if bumps > 0.0:

@@ -94,6 +94,13 @@ def test_the_price_of_collisions_is_shared_by_who_took_part_in_them():
     assert gained(RewardConfig(), counted) == pytest.approx([-0.01, -0.01, -0.084, -0.084])
 
 
+def test_collisions_that_cost_nothing_have_no_price():
+    config = RewardConfig(cost=0.0, price=-0.5)
+    counted = progress(collision=[1, 1, 3, 1])
+    assert gained(config, counted) == [0.0, 0.0, -3.0, -1.0]
+    assert gained(config.model_copy(update={"shared": 1.0}), counted) == [0.0, 0.0, -2.0, -2.0]
+
+
 def test_misspelt_weights_are_refused():
     with pytest.raises(ValueError, match="colision"):
         RewardConfig(colision=1.0)
