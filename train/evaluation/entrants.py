@@ -98,11 +98,17 @@ def with_baselines(entrants: Sequence[Entrant], options: Sequence[str], mission:
 def remarks_on(
     entrants: Sequence[Entrant], batch: Batch, goal: str | None = None, directories: Sequence[Path] = ()
 ) -> list[str]:
-    """Return which options of a batch strategies never take, and which could learn, but have learned nothing."""
-    told = []
+    """Return which goals strategies decide, if not the usual one, and which options of a batch they never take.
+
+    And which strategies could learn, but have learned nothing.
+    """
+    told, usual = [], DecidedGoal(batch, goal).problem.goal
     for entrant in entrants:
         named = decider_named(entrant.members[0], directories)
-        parts = DecidedGoal(batch, named.decides(goal)).parts if named.knows else ()
+        decided = DecidedGoal(batch, named.decides(goal))
+        if decided.problem.goal != usual:
+            told.append(f"{entrant.label}: decides {decided.problem.goal}, not {usual}; see --goal")
+        parts = decided.parts if named.knows else ()
         missing = [option for options in parts for option in options if option not in named.knows]
         if missing:
             told.append(f"{entrant.label}: never takes {', '.join(missing)}, which it was trained without")

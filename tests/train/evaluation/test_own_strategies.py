@@ -18,7 +18,7 @@ from tests.paths import TRAINED
 from tests.selector.strategies.policies import untrained
 from train.deciders.models import LOADERS
 from train.deciders.named import decider_named
-from train.evaluation.entrants import UNTAUGHT, entrants_of, remarks_on
+from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.repeat import steps_of
 from train.request import Request
@@ -84,6 +84,17 @@ def test_strategies_that_have_learned_nothing_are_named():
     given = ("fixed", "fsm:rule", "UCB1", "mine=GaussianThompson", "Random", "learned:rules", "policy:general")
     told = remarks_on(entrants_of(given, PROBLEM.options), Batch("table1", knowledge="repulsion"), None, (TRAINED,))
     assert told == [f"UCB1: {UNTAUGHT}", f"mine: {UNTAUGHT}"]
+
+
+def test_without_a_goal_a_policy_decides_its_own_and_says_so():
+    batch, both = Batch(family="clustered"), "AvoidCollision+ExplorationPatrol"
+    entrants = entrants_of(("fixed:ORCA", "policy:exploring-ppo"), batch.options["AvoidCollision"])
+    told = "policy:exploring-ppo: decides ExplorationPatrol, not AvoidCollision; see --goal"
+    assert remarks_on(entrants, batch) == [told]
+    assert remarks_on(entrants[1:], batch, "ExplorationPatrol") == []
+    check_fit(entrants, batch, None, ())
+    with pytest.raises(DocumentError, match="goals: expected AvoidCollision, ExplorationPatrol, got Explor"):
+        check_fit(entrants[1:], batch, both, ())
 
 
 @pytest.fixture
