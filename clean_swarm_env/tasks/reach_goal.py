@@ -24,7 +24,10 @@ class BetweenSettings(ObstacleSettings):
 
 @TASKS.register
 class ReachGoal(Obstacles[BetweenSettings, ObstacleState]):
-    """Robots start around the goal, at least START_AWAY from it; obstacles lie in between."""
+    """Robots start around the goal, at least START_AWAY from it; obstacles lie in between.
+
+    The baseline is that of `Task`, a random walk.
+    """
 
     story = "6 robots, 8 m and more from the goal, get to it around 8 obstacles"
     measures = (

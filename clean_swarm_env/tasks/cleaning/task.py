@@ -14,6 +14,7 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TASKS
+from clean_swarm_env.tasks.cleaning.agenda import Agendas
 from clean_swarm_env.tasks.cleaning.cargo import (
     begin_commands,
     handle_cargo_as_decided,
@@ -22,7 +23,6 @@ from clean_swarm_env.tasks.cleaning.cargo import (
 )
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
-from clean_swarm_env.tasks.cleaning.events import Agendas
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.missions import CleaningMissions
 from clean_swarm_env.tasks.cleaning.movers import Movers
