@@ -84,12 +84,12 @@ class LookingTeam:
         waiting, looking = iter(task.scenarios), task.looking
         self._batch, self._decided, decider = task.team(source=lambda _: next(waiting, None))
         options, follows = self._decided.problem.options, task.member == looking.base
-        self._policy = decider if follows else None
         self.alternatives = (*options, looking.base) if follows else options
         self._base = self.alternatives.index(looking.base)
         worlds = len(self.alternatives) * looking.copies
         costs = {"cost": -1.0} if task_class(task.first.mission).priced else None  # else: what the measures gain
-        self._ahead = task.team(worlds=worlds, begin_anew=False, reward=costs)[0]
+        self._ahead, _, foreseen = task.team(worlds=worlds, begin_anew=False, reward=costs)
+        self._policies = (decider, foreseen) if follows else None
         self._copies, period = looking.copies, self._batch.decision_period
         self._hold, self._horizon = (max(round(length / period), 1) for length in (looking.hold, looking.horizon))
         self._random = np.random.default_rng([task.seed, place_of(task.first.id)[0]])
@@ -103,7 +103,7 @@ class LookingTeam:
             best = self._best(batch.get_state(), observations)
             self.taken[self.alternatives[best]] += 1
             for _ in range(self._hold):
-                observations = batch.step(self._actions(np.full(batch.rows, best), observations)).observations
+                observations = batch.step(self._actions(0, np.full(batch.rows, best), observations)).observations
                 if batch.finished:
                     return batch.finished[0].result
 
@@ -112,6 +112,8 @@ class LookingTeam:
         ahead, robots = self._ahead, self._batch.robots
         count = len(self.alternatives)
         ahead.set_state(state)
+        if self._policies is not None:
+            self._policies[1].reset(np.arange(ahead.rows), 0)
         tried: Ints = np.repeat(np.arange(count), self._copies * robots).reshape(count, self._copies, robots)
         first, copies = tried.copy(), np.arange(self._copies)
         who, what = self._random.integers(robots, size=self._copies), self._random.integers(count, size=self._copies)
@@ -120,21 +122,23 @@ class LookingTeam:
         costs: Floats = np.zeros(ahead.count)
         for period in range(self._horizon):
             held = first if period == 0 else tried if period < self._hold else np.full_like(tried, self._base)
-            step = ahead.step(self._actions(held.ravel(), seen))
+            step = ahead.step(self._actions(1, held.ravel(), seen))
             rewards, seen = step.rewards.reshape(ahead.count, robots), step.observations
             costs -= rewards.sum(axis=1) / np.maximum(ahead.took_part.reshape(ahead.count, robots).sum(axis=1), 1)
             if ahead.over.all():
                 break
         return int(costs.reshape(count, self._copies).mean(axis=1).argmin())
 
-    def _actions(self, alternatives: Ints, observations: Observations) -> NDArray[Any]:
+    def _actions(self, ahead: int, alternatives: Ints, observations: Observations) -> NDArray[Any]:
         """Return the actions (R, ...) of rows with alternatives (R,) that see `observations` (R, F).
+
+        `ahead` is 1 for copies, whose policy begins anew whenever they do, 0 for the mission itself.
 
         A policy that corrects the movement corrects that of all rows, whatever option they hold.
         """
-        if self._policy is None:
+        if self._policies is None:
             return self._decided.actions(alternatives)
-        actions, held = self._decided.decide(self._policy, observations), alternatives != self._base
+        actions, held = self._decided.decide(self._policies[ahead], observations), alternatives != self._base
         actions[held, : self._decided.goals] = self._decided.actions(alternatives[held])
         return actions
 

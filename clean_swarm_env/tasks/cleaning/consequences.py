@@ -16,7 +16,7 @@ from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.world.task_parts import Recorded
-from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words, Written
@@ -29,7 +29,7 @@ class Consequence(NamedTuple):
     standing: Annotated[Ints, "R", KEPT]  # ticks for which the robot stands, that of the collision included
     collisions: Annotated[Ints, "R", KEPT]  # of each robot since it was last as new
     away: Annotated[Floats, "R 2", KEPT]  # where the robot drives off [m/s]
-    harmless: Annotated[Ints, "W", KEPT]  # 1 where collisions have none of these consequences
+    harmless: Annotated[Ints, "W", READ]  # 1 where collisions have none of these consequences
     lost: Annotated[Ints, "R", SCRATCH]  # rows whose cargo was lost in this tick, the first ones
     stop: int  # ticks for which a robot that collides stands
     back_off: int  # ticks for which it then drives off, the last ones of `standing`
@@ -54,6 +54,8 @@ class Consequences:
         harmless: (W,) int64, 1 where collisions have no consequences in the mission of a world.
 
     """
+
+    harmless: Annotated[Ints, "W", KEPT]
 
     def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
         config, rate = settings_of(mission).consequences, mission.world.control_rate

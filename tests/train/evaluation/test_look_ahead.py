@@ -97,8 +97,8 @@ def test_an_option_that_is_tried_takes_the_place_of_that_of_the_policy_but_not_o
     team, _ = team_of(correcting(tmp_path), hold=1.0, horizon=1.0)
     seen, options = team._batch.reset(), np.arange(team._batch.rows) % len(team.alternatives)
     followed, tried = (
-        team._actions(np.full_like(options, team._base), seen),
-        team._actions(options, seen),
+        team._actions(0, np.full_like(options, team._base), seen),
+        team._actions(0, options, seen),
     )
     assert np.array_equal(followed[:, -2:], tried[:, -2:])
     assert np.abs(followed[:, -2:]).max() > 0.0

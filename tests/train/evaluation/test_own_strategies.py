@@ -11,11 +11,13 @@ from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
+from selector.documents.find import files_of
 from selector.strategies.policy_file import save_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import spec_from_text
 from tests.paths import TRAINED
 from tests.selector.strategies.policies import untrained
+from train.deciders.decided_goal import DecidedGoal
 from train.deciders.models import LOADERS
 from train.deciders.named import decider_named
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on
@@ -84,6 +86,14 @@ def test_strategies_that_have_learned_nothing_are_named():
     given = ("fixed", "fsm:rule", "UCB1", "mine=GaussianThompson", "Random", "learned:rules", "policy:general")
     told = remarks_on(entrants_of(given, PROBLEM.options), Batch("table1", knowledge="repulsion"), None, (TRAINED,))
     assert told == [f"UCB1: {UNTAUGHT}", f"mine: {UNTAUGHT}"]
+
+
+@pytest.mark.parametrize("family", files_of("families"))
+def test_the_policy_for_all_goals_fits_every_family(family):
+    batch = Batch(load_family(family).scenario(0, 0, "test").mission)
+    check_fit(entrants_of(("policy:one",), ()), batch, None, ())
+    decided = DecidedGoal(batch, decider_named("policy:one").decides(None)).problem.goal
+    assert set(decided.split("+")) == set(batch.options)
 
 
 def test_without_a_goal_a_policy_decides_its_own_and_says_so():
