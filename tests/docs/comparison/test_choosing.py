@@ -55,8 +55,9 @@ def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path,
         for name in ("ES-1", "no crowd-1", "never off-1", "one option-1")
     )
     assert set(full["observations"]) - set(no_crowd["observations"]) == {"crowd_1m", "crowd_1.5m", "crowd_2.5m"}
-    assert set(full["options"]) - set(never_off["options"]) == {"Off"}
-    assert one_option["options"] == ["ORCA"]
+    goal = "AvoidCollision"
+    assert set(full["goals"][goal]) - set(never_off["goals"][goal]) == {"Off"}
+    assert one_option["goals"] == {goal: ["ORCA"]}
     assert means["one option"]["excess_s"]["mean"] == means["fixed:ORCA"]["excess_s"]["mean"]
     for label in manifest.ablations.of:
         assert f"{means[label]['excess_s']['mean'] / own:.3f}" in tables["ablations"]
