@@ -65,6 +65,20 @@ class Joined:
                 self.options[goal] = tuple(dict.fromkeys((*self.options.get(goal, ()), *names)))
         self.counts = tuple(map(len, self.options.values()))
         self._alike = all(list(batch.options.items()) == list(self.options.items()) for batch in self.batches)
+        order, goals = each_option(self.options), list(self.options)
+        self._places = [[order.index(option) for option in each_option(batch.options)] for batch in self.batches]
+        self._lacking = [
+            [order.index((goal, names[0])) for goal, names in self.options.items() if goal not in batch.options]
+            for batch in self.batches
+        ]
+        self._columns = [[goals.index(goal) for goal in batch.options] for batch in self.batches]
+        self._numbers = [
+            [
+                np.array([names.index(name) if name in names else default for name in self.options[goal]])
+                for (goal, names), default in zip(batch.options.items(), batch.choices.default.tolist(), strict=True)
+            ]
+            for batch in self.batches
+        ]
 
     def reset(
         self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
@@ -85,7 +99,9 @@ class Joined:
         if actions.shape[:1] != (self.rows,):
             raise ValueError(f"actions: expected one for each of {self.rows} rows, got shape {actions.shape}")
         parts = np.split(actions, self._cuts)
-        steps = [batch.step(self._own(batch, part)) for batch, part in zip(self.batches, parts, strict=True)]
+        steps = [
+            batch.step(self._own(k, part)) for k, (batch, part) in enumerate(zip(self.batches, parts, strict=True))
+        ]
         return BatchStep(*(np.concatenate(arrays) for arrays in zip(*steps, strict=True)))
 
     @property
@@ -105,32 +121,31 @@ class Joined:
     def masks(self) -> Flags:
         """Return which options (R, O) can serve in the coming period; the first one of a goal that a batch lacks."""
         masks = np.zeros((self.rows, sum(self.counts)), dtype=np.bool_)
-        firsts = dict(zip(self.options, accumulate(self.counts, initial=0), strict=False))
-        for batch, rows in zip(self.batches, np.split(masks, self._cuts), strict=True):
-            rows[:, [first for goal, first in firsts.items() if goal not in batch.options]] = True
-            own = [firsts[goal] + self.options[goal].index(name) for goal, name in _each(batch.options)]
-            rows[:, own] = batch.masks()
+        parts = np.split(masks, self._cuts)
+        for batch, rows, lacking, places in zip(self.batches, parts, self._lacking, self._places, strict=True):
+            rows[:, lacking] = True
+            rows[:, places] = batch.masks()
         return masks
-
-    def _own(self, batch: Batch, actions: NDArray[Any]) -> NDArray[Any]:
-        """Return the actions (rows of the batch, ...) by the numbers of its own goals and options."""
-        if self._alike or batch.action.mode == "velocity":
-            return actions
-        given, own = actions.reshape(len(actions), -1), []
-        for (goal, names), default in zip(batch.options.items(), batch.choices.default.tolist(), strict=True):
-            known = np.array([names.index(name) if name in names else default for name in self.options[goal]])
-            numbers = given[:, list(self.options).index(goal)].astype(np.int64)
-            fit = (numbers >= 0) & (numbers < len(known))
-            own.append(np.where(fit, known[numbers * fit], numbers))  # those that do not fit are an error of the batch
-        return np.column_stack([*own, given[:, len(self.options) :]])
 
     def defaults(self) -> Ints:
         """Return the option (R, C) of the highest expert score of each goal; 0 for goals that a batch lacks."""
         options = np.zeros((self.rows, len(self.options)), dtype=np.int64)
-        for batch, rows in zip(self.batches, np.split(options, self._cuts), strict=True):
-            for (goal, names), default in zip(batch.options.items(), batch.choices.default.tolist(), strict=True):
-                rows[:, list(self.options).index(goal)] = self.options[goal].index(names[default])
+        for batch, rows, columns in zip(self.batches, np.split(options, self._cuts), self._columns, strict=True):
+            best = [names[k] for names, k in zip(batch.options.values(), batch.choices.default, strict=True)]
+            rows[:, columns] = [self.options[goal].index(name) for goal, name in zip(batch.options, best, strict=True)]
         return options
+
+    def _own(self, number: int, actions: NDArray[Any]) -> NDArray[Any]:
+        """Return the actions (rows of batch `number`, ...) by the numbers of its own goals and options."""
+        batch = self.batches[number]
+        if self._alike or batch.action.mode == "velocity":
+            return actions
+        given = actions.reshape(len(actions), -1)
+        own = [given[:, column].astype(np.int64) for column in self._columns[number]]
+        for numbers, known in zip(own, self._numbers[number], strict=True):
+            fit = (numbers >= 0) & (numbers < len(known))  # others are an error of the batch
+            numbers[fit] = known[numbers[fit]]
+        return np.column_stack([*own, given[:, len(self.options) :]])
 
 
 def family_batches(
@@ -155,8 +170,8 @@ def family_batches(
     ]
 
 
-def _each(options: Mapping[str, Sequence[str]]) -> list[tuple[str, str]]:
-    """Return goal and name of each option."""
+def each_option(options: Mapping[str, Sequence[str]]) -> list[tuple[str, str]]:
+    """Return goal and name of each option, in the order of masks."""
     return [(goal, name) for goal, names in options.items() for name in names]
 
 

@@ -80,7 +80,7 @@ class Followed(NamedTuple):
     standing: Annotated[Ints, "R", READ]  # ticks for which a collision stops the robot, that of the collision included
     collided: Annotated[Floats, "R", KEPT]  # the robot's collision events, which fade
     stopped: Annotated[Floats, "R", KEPT]  # ticks for which they stopped it, which fade alike
-    fading: float  # what is left of both after a tick
+    fading: float  # factor by which both shrink in a tick
 
 
 PERIOD_RECORD = Recording(Period)

@@ -169,11 +169,12 @@ class Training(ABC):
     def __init__(self, job: TrainingJob) -> None:
         self.job, self.config = job, job.config
         self.curriculum = Curriculum(job.config, job.seed, job.directories)
-        self.goal = DecidedGoal(self.curriculum.batches[0], self.decides)
-        for task, batch in zip(job.config.tasks, self.curriculum.batches, strict=False):
-            if self.alike and batch.options != self.curriculum.batches[0].options:
-                expected, got = dict(self.curriculum.batches[0].options), dict(batch.options)
-                raise DocumentError(f"tasks: {task.family}: options: expected {expected} as in the first, got {got}")
+        first, *others = self.curriculum.batches
+        self.goal = DecidedGoal(first, self.decides)
+        for batch in others if self.alike else ():
+            if batch.options != first.options:
+                expected, got = f"{dict(first.options)} as in the first", dict(batch.options)
+                raise DocumentError(f"tasks: {batch.mission.name}: options: expected {expected}, got {got}")
         self.trials = TrialSettings(
             self.decides or self.goal.problem.goal,
             observation=job.config.observation,

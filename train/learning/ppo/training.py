@@ -20,6 +20,8 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.joined import each_option
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.sb3 import RobotVecEnv
 from selector.documents.errors import DocumentError, shown, validated
@@ -68,7 +70,6 @@ class PpoTraining(Training):
         assert job.config.ppo is not None
         self.settings = job.config.ppo
         self._costs: list[float] = []
-        self._cuts = np.cumsum([batch.rows for batch in self.curriculum.batches])[:-1]
         robots = RobotVecEnv(batches=self.curriculum.batches)
         goals = [named_goal(tuple(robots.options), name) for name in self.decides]
         self.normal = VecNormalize(
@@ -150,16 +151,19 @@ class PpoTraining(Training):
 
     def _effective(self) -> Flags:
         """Return which options (R, G) that were chosen in the last period count, see `PpoConfig.running`."""
-        acted = np.ones_like(self.envs.chosen)
-        for batch, rows in zip(self.curriculum.batches, np.split(acted, self._cuts), strict=True):
-            for k, goal in enumerate(self.envs.options):
-                if goal in self.settings.running and goal in batch.options:
-                    rows[:, k] = batch.progress.acted[:, list(batch.options).index(goal)]
-        return acted & self.envs.chosen
+        goals = self.envs.options
+        acted = [np.stack([self._acted(batch, goal) for goal in goals], axis=1) for batch in self.curriculum.batches]
+        return np.concatenate(acted) & self.envs.chosen
+
+    def _acted(self, batch: Batch, goal: str) -> Flags:
+        """Return whether the behaviour of a goal ran (rows of a batch,); where it does not matter, all are True."""
+        if goal in self.settings.running and goal in batch.options:
+            return batch.progress.acted[:, list(batch.options).index(goal)]
+        return np.ones(batch.rows, dtype=np.bool_)
 
     def _model(self) -> RobotPPO:
         settings, layers = self.settings, list(self.settings.hidden)
-        outputs = [(goal, option) for goal, options in self.envs.options.items() for option in options]
+        outputs = each_option(self.envs.options)
         for wanted in settings.start.items():
             if wanted not in outputs:
                 raise DocumentError(f"ppo: start: {unknown('option', wanted[1], [name for _, name in outputs])}")

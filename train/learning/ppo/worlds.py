@@ -7,7 +7,6 @@ all these goals.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvObs, Vec
 
 from clean_swarm_env.borders.spaces import observation_space
 from clean_swarm_env.learning.actions import Mode
+from clean_swarm_env.learning.joined import each_option
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.sb3 import RobotVecEnv
 from selforg.arrays import Flags, Ints
@@ -46,9 +46,9 @@ class SelectorEnv(VecEnvWrapper):
         self._robots, self._mode = robots, mode
         self.options = {goal: robots.options[goal] for goal in (() if mode == "velocity" else holds)}
         self.counts = tuple(map(len, self.options.values()))
-        firsts = dict(zip(robots.options, accumulate(map(len, robots.options.values()), initial=0), strict=False))
-        self._columns = [list(firsts).index(goal) for goal in self.options]
-        self._places = [firsts[goal] + k for goal, names in self.options.items() for k in range(len(names))]
+        order = each_option(robots.options)
+        self._columns = [list(robots.options).index(goal) for goal in self.options]
+        self._places = [order.index(option) for option in each_option(self.options)]
         self._holds = np.array([holds[goal] for goal in self.options], dtype=np.int64)
         self._defaults = robots.default_options() if self.options else np.zeros((robots.num_envs, 0), dtype=np.int64)
         self._left = np.zeros((robots.num_envs, len(self.counts)), dtype=np.int64)
