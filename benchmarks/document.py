@@ -116,7 +116,7 @@ def main() -> None:
     draw_growth(results)
     machine, versions = results["tick"]["machine"], results["tick"]["versions"]
     told = ", ".join(f"{name} {number}" for name, number in versions.items())
-    lines = [f"{machine['cpu']}, {machine['cores']} cores, {machine['platform']}; {told}.", "", "## Required", ""]
+    lines = [f"{machine['cpu']}, {machine['cores']} cores, {machine['platform']};", f"{told}.", "", "## Required", ""]
     lines += [*required(results), "", "## The tick by size", "", *sizes(results), ""]
     lines += ["![tick and floor by robots](pictures/benchmark_growth.png)", ""]
     lines += ["![parts of a tick by size](pictures/benchmark_parts.png)", ""]
