@@ -1,12 +1,11 @@
-"""Document model of a comparison: which learners are trained, and with what they are compared on which families."""
+"""Document model of a comparison: what is raced and trained, and with what it is compared on which families."""
 
 from typing import Annotated, Any
 
 from pydantic import Field
 
-from clean_swarm_env.config.types import Scenarios
-from selector.documents.fields import JOINT, Closed, DocumentName, Flag, JointName, Name
-from train.deciders.named import FIXED
+from clean_swarm_env.config.types import Count, Robots, Scenarios
+from selector.documents.fields import Closed, DocumentName, JointName, Name, Share
 
 
 class Learner(Closed):
@@ -16,40 +15,51 @@ class Learner(Closed):
     """Name of the training."""
     seeds: Annotated[tuple[int, ...], Field(min_length=1)]
     """Seeds of the training."""
-    baseline: Flag = False
-    """Whether the claimed learner has to be better."""
+    families: tuple[Name, ...] = ()
+    """Families on which they are judged; none: all."""
 
 
 class Compared(Closed):
     """A family on which all are compared."""
 
     scenarios: Scenarios
-    """Number of test scenarios."""
-    control: Flag = False
-    """Whether nothing is to be gained there: the learner has to be no worse than the best fixed choice."""
-    looked_ahead: int = 0
-    """Number of the first test scenarios on which teams look ahead, too, from what the claimed learner does."""
+    """Number of test scenarios of each seed."""
+    goal: JointName | None = None
+    """Goals whose best options are raced, in place of those of the comparison."""
+    best: JointName | None = None
+    """The best options of each goal, joined; raced unless given."""
+    searched: Scenarios | None = None
+    """Training scenarios of the race, in place of those of the comparison."""
+    told: dict[Name, JointName] = Field(default_factory=dict)
+    """Component of the observation -> options where it is the largest, for a team that is told; those that the race
+    finds for each kind of scenario unless given."""
+    headroom: bool = False
+    """Whether a team that is told is known to gain something, and stands beside."""
 
 
-class Configured(Closed):
-    """The option that is configured, as `clean-swarm study configure` does it."""
+class Race(Closed):
+    """The race of all options of the goals, joined, on training scenarios: `clean-swarm study headroom --kinds`."""
 
-    option: Name
+    searched: Scenarios
+    finalists: Count
+    seed: int
+
+
+class Variant(Closed):
+    """A family with other numbers of robots, or messages that are lost."""
+
     family: Name
-    trials: int
+    robots: tuple[Robots, Robots] | None = None
+    loss: Share = 0.0
 
 
 class Ablation(Closed):
-    """A training with something else or less."""
+    """A training of the claimed learner with something else or less."""
 
-    learner: Name | None = None
-    """Label of the learner whose training it is; none: the claimed one."""
     changes: dict[Name, Any] = Field(default_factory=dict)
-    """Entries of the training -> what they are instead."""
-    without: Name | None = None
-    """Option that the library lacks."""
-    only: Name | None = None
-    """The only option that the library has."""
+    """Entries of the training -> what they are instead; entries of `ppo` replace its own."""
+    without: tuple[Name, ...] = ()
+    """Options that the library lacks."""
 
 
 class Ablations(Closed):
@@ -57,83 +67,47 @@ class Ablations(Closed):
 
     seeds: Annotated[tuple[int, ...], Field(min_length=1)]
     """Seeds of each."""
+    families: Annotated[tuple[Name, ...], Field(min_length=1)]
+    """Families on which they are judged."""
+    knowledge: DocumentName
+    """Name of the knowledge that lacks options."""
     of: dict[Name, Ablation]
     """Label -> what differs."""
 
 
-class Paired(Closed):
-    """A family on which strategies are judged beside the best pair of options."""
-
-    best: JointName
-    """The pair that cost least on training scenarios: an option of the other goal + one of the goal."""
-    scenarios: Scenarios
-    """Number of test scenarios of each seed."""
-
-
-class Pairs(Closed):
-    """Strategies beside each of several options of another goal, and the best pair of two options."""
-
-    goal: Name
-    """The other goal."""
-    strategies: dict[str, tuple[Name, ...]]
-    """Strategy, as `--strategy` takes it -> the options of the other goal beside which it is judged."""
-    families: dict[Name, Paired]
-    """Families."""
-    seeds: Annotated[tuple[int, ...], Field(min_length=1)]
-    """Seeds of the test scenarios."""
-
-    @property
-    def best(self) -> dict[str, str]:
-        """Family -> the best pair."""
-        return {family: paired.best for family, paired in self.families.items()}
-
-    def beside(self, family: str) -> dict[str, list[str]]:
-        """Return option of the other goal -> the strategies to run beside it, that of the best pair among them."""
-        other, _, own = self.best[family].partition(JOINT)
-        found = {other: [f"{FIXED}:{own}"]}
-        for strategy, options in self.strategies.items():
-            for option in options:
-                found.setdefault(option, []).append(strategy)
-        return found
-
-
 class Manifest(Closed):
-    """What is trained and compared."""
+    """What is raced, trained and compared."""
 
     name: Name
     """Directory of the results, below results/."""
-    page: Flag = False
-    """Whether there is a page with its tables, below docs/; of several learners a picture, too, in docs/pictures/."""
-    goal: Name
-    """Goal that the strategies choose options for."""
-    knowledge: DocumentName
-    """Name of the expert knowledge with the options."""
+    page: bool = False
+    """Whether a page of this name in docs/ shows the tables; else they are printed."""
+    goal: JointName
+    """Goals whose options are chosen."""
+    seeds: Annotated[tuple[int, ...], Field(min_length=1)]
+    """Seeds of the test scenarios."""
     learners: Annotated[dict[Name, Learner], Field(min_length=1)]
     """Label -> trainings. The first is what is claimed."""
+    rules: dict[Name, str] = Field(default_factory=dict)
+    """Label -> rule, as `--strategy` takes it; judged where the goals of the comparison are decided."""
+    race: Race
+    """How the best options are found."""
     families: Annotated[dict[Name, Compared], Field(min_length=1)]
     """Families."""
-    rule: str | None = None
-    """The rule by hand, as `--strategy` takes it; none: no such comparison."""
-    others: tuple[str, ...] = ()
-    """Further strategies to beat."""
-    configured: Configured | None = None
-    """The option that is configured; none: no such comparison."""
+    variants: dict[Name, Variant] = Field(default_factory=dict)
+    """Label -> family that differs, on which the claimed learner and the best options of its base are judged."""
     ablations: Ablations | None = None
     """What the trainings need; none: no such comparison."""
-    pairs: Pairs | None = None
-    """Options of another goal; none: no such comparison."""
-
-    @property
-    def drawn(self) -> bool:
-        """Whether there are curves of several learners to compare."""
-        return self.page and len(self.learners) > 1
-
-    @property
-    def unlearned(self) -> tuple[str, ...]:
-        """The rule by hand, and further strategies."""
-        return (*filter(None, [self.rule]), *self.others)
 
     @property
     def claimed(self) -> str:
         """Label of the learner that is claimed."""
         return next(iter(self.learners))
+
+    def goal_on(self, family: str) -> str:
+        """Return the goals that are decided on a family."""
+        return self.families[family].goal or self.goal
+
+    def judged_on(self, family: str) -> list[str]:
+        """Return the labels of the learners that are judged on a family."""
+        return [label for label, learner in self.learners.items() if family in (learner.families or (family,))]

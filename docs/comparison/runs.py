@@ -1,75 +1,116 @@
-"""The trainings and evaluations of a comparison. What its directory holds already is kept."""
+"""The races, trainings and evaluations of a comparison. What its directory holds already is kept."""
 
 import json
+import re
 import resource
 import subprocess
-from collections import Counter
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from docs.comparison.manifest import Ablations, Compared, Configured, Learner, Manifest, Pairs
+from rich.console import Console
+
+from clean_swarm_env.config.load import load_family
+from docs.comparison.manifest import Ablations, Learner, Manifest, Variant
+from docs.comparison.shuffled import ShuffledEvaluation
 from docs.figures.update_results import CLEAN_SWARM, ROOT
-from selector.documents.find import load_file
+from selector.documents.fields import JOINT
+from selector.documents.find import find_file, load_file
 from selector.documents.reading import as_yaml, read_mapping
 from selector.documents.writing import write_whole
 from selector.knowledge import load_knowledge
 from train.deciders.named import FIXED, MACHINE, POLICY
-from train.evaluation.look_ahead import LOOKING
+from train.evaluation.pipeline import evaluate
 from train.learning.config import TrainingConfig
-from train.running.finished_runs import JOURNAL, natural_order, runs_of
+from train.request import Request
 
-OWN_NAME = "Configured"
-"""Name of the option that is configured."""
-CONFIGURED = f"{FIXED}:{OWN_NAME}"
 CPU_TIMES = "cpu_s.json"
-COPIES, HOLD, HORIZON = 3, 15.0, 180.0
-"""How teams look ahead: copies for each option, seconds to hold one, and seconds to look at."""
+SHUFFLED = "shuffled"
+TOLD = "told"
+"""Label of a machine that sees what no robot can know."""
+TRUE_TERMS = ("true_season", "finds", "recent_finds", "stops", "loads")
+"""Terms that machines on written families see, beside the usual ones."""
+
+
+@dataclass(frozen=True)
+class Raced:
+    """What a race found."""
+
+    best: str
+    """The best options for all scenarios."""
+    told: Mapping[str, str]
+    """Kind of scenario -> the best options for it."""
 
 
 def make(manifest: Manifest, folder: Path) -> None:
     """Do what is missing in the directory of the results."""
     folder.mkdir(parents=True, exist_ok=True)
-    strategies = ["fixed", *manifest.unlearned]
-    for label, learner in manifest.learners.items():
-        strategies.append(f"{label}={_trained(folder, label, learner)}")
-    if manifest.ablations is not None:
-        for label, learner in _ablated(folder, manifest, manifest.ablations).items():
-            strategies.append(f"{label}={_trained(folder, label, learner)}")
-    words = [word for strategy in strategies for word in ("--strategy", strategy)]
-    if manifest.configured is not None:
-        words += ["--knowledge", _with_configured(folder, manifest, manifest.configured)]
-    for family, compared in manifest.families.items():
-        asked = ("--goal", manifest.goal, *words, "--scenarios", compared.scenarios, "--seed", 1)
-        run("evaluate", "--family", family, *asked, "--output", folder / family, "--resume")
-        if compared.looked_ahead:
-            _look_ahead(folder, manifest, family, compared)
-    if manifest.pairs is not None:
-        _pair(folder, manifest, manifest.pairs)
+    for family in manifest.families:
+        _race(folder, manifest, family)
+    learners = {**manifest.learners, **_ablated(folder, manifest)}
+    words = {label: _trained(folder, label, learner) for label, learner in learners.items()}
+    for family in manifest.families:
+        best = raced(manifest, folder, family)
+        others = [f"{FIXED}:{options}" for options in dict.fromkeys((best.best, *best.told.values()))]
+        ablated = manifest.ablations.of if manifest.ablations and family in manifest.ablations.families else ()
+        strategies = [f"{label}={words[label]}" for label in (*manifest.judged_on(family), *ablated)]
+        if manifest.goal_on(family) == manifest.goal:
+            strategies += [f"{label}={rule}" for label, rule in manifest.rules.items()]
+        _judge(folder, manifest, family, family, [*others, *strategies, *_told(folder, manifest, family)])
+        if manifest.families[family].headroom:
+            _shuffle(folder, manifest, family, words[manifest.claimed])
+    claimed = f"{manifest.claimed}={words[manifest.claimed]}"
+    for label, variant in manifest.variants.items():
+        best_there = f"{FIXED}:{raced(manifest, folder, variant.family).best}"
+        _judge(folder, manifest, variant.family, label, [best_there, claimed])
 
 
-def looked_ahead_file(folder: Path, family: str) -> Path:
-    """Return the file with what looking ahead cost on a family."""
-    return folder / f"look-ahead-{family}.json"
+def judged_folder(folder: Path, label: str, seed: int) -> Path:
+    """Return the directory of the runs on the test scenarios of a seed, of a family or of a variant."""
+    return folder / f"{label}-{seed}"
 
 
-def pair_folder(folder: Path, family: str, option: str, seed: int) -> Path:
-    """Return the directory of the runs in which an option of the other goal serves."""
-    return folder / f"{family}-{option}-{seed}"
+def raced(manifest: Manifest, folder: Path, family: str) -> Raced:
+    """Return what was raced, or given."""
+    compared = manifest.families[family]
+    if compared.best is not None:
+        return Raced(compared.best, {})
+    notes = json.loads((_race_folder(folder, family) / "summary.json").read_text(encoding="utf-8"))["notes"]
+    best = next(note for note in notes if note.startswith("best single choice: ")).partition(": ")[2]
+    cases = next(note for note in notes if note.startswith("best choices: ")).partition(": ")[2]
+    told = dict(re.fullmatch(r"(.*) (\S+)", case).groups() for case in cases.split(", "))  # type: ignore[union-attr]
+    return Raced(best, told if compared.headroom and not compared.told else {})
 
 
-def _pair(folder: Path, manifest: Manifest, pairs: Pairs) -> None:
-    """Evaluate the strategies, and the best pair, with the options of the other goal."""
-    for family, paired in pairs.families.items():
-        for option, strategies in pairs.beside(family).items():
-            known = _options(manifest)
-            known[pairs.goal] = [one for one in known[pairs.goal] if one["name"] == option]
-            knowledge = _written(folder / f"{option}.knowledge.yaml", {"goals": known})
-            words = [word for strategy in strategies for word in ("--strategy", strategy)]
-            asked = ("--family", family, "--goal", manifest.goal, "--knowledge", knowledge, *words)
-            for seed in pairs.seeds:
-                output = pair_folder(folder, family, option, seed)
-                run("evaluate", *asked, "--scenarios", paired.scenarios, "--seed", seed, "--output", output, "--resume")
+def run(*words: object) -> float:
+    """Run `clean-swarm` with `words`; return its CPU time [s]."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([*CLEAN_SWARM, *map(str, words)], cwd=ROOT, check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+
+
+def _race_folder(folder: Path, family: str) -> Path:
+    return folder / f"race-of-{family}"
+
+
+def _race(folder: Path, manifest: Manifest, family: str) -> None:
+    """Race the options of the goals on training scenarios."""
+    output, race = _race_folder(folder, family), manifest.race
+    if manifest.families[family].best is None and not (output / "summary.json").exists():
+        sizes = (
+            "--searched",
+            manifest.families[family].searched or race.searched,
+            "--finalists",
+            race.finalists,
+            "--judged",
+            2,
+            "--seed",
+            race.seed,
+        )
+        goal = ("--goal", manifest.goal_on(family))
+        run("study", "headroom", family, "--kinds", *goal, *sizes, "--output", output, "--resume")
 
 
 def _trained(folder: Path, label: str, learner: Learner) -> str:
@@ -80,39 +121,96 @@ def _trained(folder: Path, label: str, learner: Learner) -> str:
     members = []
     for seed in learner.seeds:
         output = folder / f"{label}-{seed}"
-        new = not output.exists()
-        took = run("train", kind, "--config", learner.training, "--seed", seed, "--output", output, "--resume")
-        if new:
+        if not (output / made).exists():
+            took = run("train", kind, "--config", learner.training, "--seed", seed, "--output", output, "--resume")
             known = json.loads(times.read_text(encoding="utf-8")) if times.exists() else {}
             write_whole(times, json.dumps({**known, output.name: took}, indent=2).encode())
         members.append(str(output / made))
     return f"{prefix}:{'+'.join(members)}"
 
 
-def _ablated(folder: Path, manifest: Manifest, ablations: Ablations) -> dict[str, Learner]:
+def _ablated(folder: Path, manifest: Manifest) -> dict[str, Learner]:
     """Write the trainings and the knowledge of what is left out or other; return label -> trainings."""
-    learners = {}
-    for label, ablation in ablations.of.items():
-        whole = manifest.learners[ablation.learner or manifest.claimed].training
-        training = {**load_file("training", whole, TrainingConfig).model_dump(mode="json"), **ablation.changes}
-        if ablation.without is not None or ablation.only is not None:
-            options = _options(manifest)
-            options[manifest.goal] = [
-                one
-                for one in options[manifest.goal]
-                if one["name"] != ablation.without and ablation.only in (None, one["name"])
+    learners, ablations = {}, manifest.ablations
+    for label, ablation in () if ablations is None else ablations.of.items():
+        assert ablations is not None
+        whole = load_file("training", manifest.learners[manifest.claimed].training, TrainingConfig)
+        training = whole.model_dump(mode="json")
+        ppo = {**training["ppo"], **ablation.changes.get("ppo", {})}
+        training |= {**ablation.changes, "ppo": ppo}
+        if ablation.without:
+            given = _lacking(folder, label, ablations, ablation.without)
+            training["tasks"] = [
+                {**task, "knowledge": given} if knows(task["family"], ablations.knowledge) else task
+                for task in training["tasks"]
             ]
-            knowledge = _written(folder / f"{label}.knowledge.yaml", {"goals": options})
-            training["tasks"] = [{**task, "knowledge": str(knowledge)} for task in training["tasks"]]
-        given = {name: value for name, value in training.items() if value is not None}
-        learners[label] = Learner(training=str(_written(folder / f"{label}.yaml", given)), seeds=ablations.seeds)
+        content = {name: value for name, value in training.items() if value is not None}
+        file = _written(folder / f"{label}.yaml", content)
+        learners[label] = Learner(training=str(file), seeds=ablations.seeds, families=ablations.families)
     return learners
 
 
-def _options(manifest: Manifest) -> dict[str, list[dict[str, Any]]]:
-    """Return goal -> options of the knowledge."""
-    known = load_knowledge(manifest.knowledge)
-    return {name: [one.model_dump(mode="json") for one in known.options(name)] for name in known.goals}
+def knows(family: str, knowledge: str) -> bool:
+    """Return whether the missions of a family have the options of this knowledge."""
+    return load_family(family).mission.knowledge == knowledge
+
+
+def _lacking(folder: Path, label: str, ablations: Ablations, without: tuple[str, ...]) -> str:
+    """Write knowledge that lacks options; return its path."""
+    known = load_knowledge(ablations.knowledge)
+    options = {
+        goal: [one.model_dump(mode="json") for one in known.options(goal) if one.name not in without]
+        for goal in known.goals
+    }
+    return str(_written(folder / f"{label}.knowledge.yaml", {"goals": options}))
+
+
+def _told(folder: Path, manifest: Manifest, family: str) -> list[str]:
+    """Write the machine of a team that is told; return it as a strategy, none if the race tells."""
+    told = manifest.families[family].told
+    if not told:
+        return []
+    ways = [{"to": case, "when": case, "above": 0.5} for case in told]
+    states = {case: {"option": options, "transitions": ways} for case, options in told.items()}
+    machine = {"goal": manifest.goal_on(family), "start": next(iter(told)), "states": states}
+    return [f"{TOLD}={MACHINE}:{_written(folder / f'{TOLD}-{family}.yaml', machine)}"]
+
+
+def _judge(folder: Path, manifest: Manifest, family: str, label: str, strategies: list[str]) -> None:
+    """Evaluate strategies on the test scenarios of all seeds of a family, or of its variant `label`."""
+    file = _family_file(folder, family, label, manifest.variants.get(label))
+    words = [word for strategy in strategies for word in ("--strategy", strategy)]
+    goal, count = ("--goal", manifest.goal_on(family)), ("--scenarios", manifest.families[family].scenarios)
+    for seed in manifest.seeds:
+        output = judged_folder(folder, label, seed)
+        run("evaluate", "--family", file, *goal, *words, *count, "--seed", seed, "--output", output, "--resume")
+
+
+def _family_file(folder: Path, family: str, label: str, variant: Variant | None) -> Path:
+    """Write the family, or its variant, with terms that machines may need; return the file."""
+    content = read_mapping(find_file("families", family))
+    mission = {**content["mission"], "terms": [*TRUE_TERMS]}
+    if variant is not None and variant.loss:
+        mission["delivery"] = {"loss": variant.loss}
+    robots = {} if variant is None or variant.robots is None else {"robots": list(variant.robots)}
+    return _written(folder / f"{label}.family.yaml", {**content, **robots, "mission": mission})
+
+
+def _shuffle(folder: Path, manifest: Manifest, family: str, policy: str) -> None:
+    """Judge the claimed learner where each robot gets the observation of another one."""
+    file = _family_file(folder, family, family, None)
+    for seed in manifest.seeds:
+        output = judged_folder(folder, f"{family}-{SHUFFLED}", seed)
+        request = Request(
+            str(file),
+            strategies=(f"{manifest.claimed}={policy}",),
+            seed=seed,
+            scenarios=manifest.families[family].scenarios,
+            goal=manifest.goal_on(family),
+            output=output,
+            resume=True,
+        )
+        evaluate(ShuffledEvaluation(request), Console(quiet=True))
 
 
 def _written(file: Path, content: Mapping[str, Any]) -> Path:
@@ -121,42 +219,17 @@ def _written(file: Path, content: Mapping[str, Any]) -> Path:
     return file
 
 
-def _with_configured(folder: Path, manifest: Manifest, configured: Configured) -> Path:
-    """Configure the option; return knowledge in which it stands beside all others."""
-    output = folder / "configured"
-    asked = ("--family", configured.family, "--knowledge", manifest.knowledge, "--trials", configured.trials)
-    run("study", "configure", configured.option, *asked, "--seed", 1, "--output", output, "--resume")
-    (found,) = (output / "knowledge").glob("*.yaml")
-    option = read_mapping(found)["goals"][manifest.goal][0]
-    options = _options(manifest)
-    options[manifest.goal].append({**option, "name": OWN_NAME})
-    return _written(folder / "knowledge.yaml", {"goals": options})
+def trained_first(manifest: Manifest, folder: Path) -> str:
+    """Return the first training of the claimed learner as a strategy."""
+    return f"{POLICY}:{folder / f'{manifest.claimed}-{manifest.learners[manifest.claimed].seeds[0]}' / 'policy'}"
 
 
-def _look_ahead(folder: Path, manifest: Manifest, family: str, compared: Compared) -> None:
-    """Let teams look ahead from what the first training of the claimed learner does, unless they did."""
-    file = looked_ahead_file(folder, family)
-    if file.exists():
-        return
-    claimed, first = manifest.claimed, manifest.learners[manifest.claimed].seeds[0]
-    base = f"{POLICY}:{folder / f'{claimed}-{first}' / 'policy'}"
-    asked = ("--goal", manifest.goal, "--scenarios", compared.looked_ahead, "--seed", 1)
-    ahead = ("--copies", COPIES, "--hold", HOLD, "--horizon", HORIZON)
-    output = folder / f"look-ahead-of-{family}"
-    run("study", "look-ahead", family, "--base", base, *asked, *ahead, "--output", output, "--resume")
-    looked = sorted(
-        (run for run in runs_of(output / JOURNAL) if run.condition == LOOKING),
-        key=lambda run: natural_order(run.scenario),
-    )
-    counted = sum((Counter(run.counts) for run in looked), Counter())
-    taken = {claimed if name == base else name: number for name, number in counted.items()}
-    content = {"excess_s": [run.result.excess_s for run in looked], "taken": taken}
-    write_whole(file, json.dumps(content).encode())
+def cpu_minutes(folder: Path, names: list[str]) -> float:
+    """Return the mean CPU time of trainings [min]."""
+    times = json.loads((folder / CPU_TIMES).read_text(encoding="utf-8"))
+    return sum(times[name] for name in names) / len(names) / 60.0
 
 
-def run(*words: object) -> float:
-    """Run `clean-swarm` with `words`; return its CPU time [s]."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([*CLEAN_SWARM, *map(str, words)], cwd=ROOT, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+def shown_options(options: str) -> str:
+    """Return joined options for people."""
+    return options.replace(JOINT, ", ")

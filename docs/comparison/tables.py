@@ -1,28 +1,32 @@
-"""The tables of a comparison as Markdown, its learning curves, and what has to hold."""
+"""The tables of a comparison as Markdown, and what has to hold."""
 
-import json
-from collections import Counter
+from collections.abc import Sequence
 from functools import cached_property
+from math import exp, log
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
-from scipy.stats import trim_mean
 
-from docs.comparison.manifest import Ablations, Manifest
-from docs.comparison.pairs import pairs_table
-from docs.comparison.runs import CONFIGURED, CPU_TIMES, looked_ahead_file
-from train.analysis.family_report import excesses_of, limit_ratios, unfinished_of
+from clean_swarm_env.config.load import load_family
+from docs.comparison.manifest import Manifest
+from docs.comparison.runs import SHUFFLED, TOLD, cpu_minutes, judged_folder, raced, shown_options
+from selforg.arrays import Floats
+from train.analysis.family_report import excesses_of, unfinished_of
+from train.analysis.intervals import Ratio
 from train.analysis.statistics import share_cell
-from train.analysis.strategy_comparison import BestFixed
+from train.analysis.verdict import RANDOM
 from train.deciders.named import FIXED
-from train.evaluation.claims import Claim, claims_of, family_runs
-from train.evaluation.entrants import RANDOM
-from train.evaluation.look_ahead import LOOKING, shares_of
-from train.reports.text_table import interval_cell, markdown_table
+from train.evaluation.claims import family_runs
+from train.evaluation.headroom import scenario_kinds
+from train.reports.text_table import EMPTY_CELL, interval_cell, markdown_table
 
-TOLERANCE = 1.02
-"""Largest ratio on a control."""
+NOT_WORSE = 1.02
+"""Largest ratio of what is not worse: the lower end of an interval, or a mean over families."""
+WAY = 0.6
+"""Share of the way to a team that is told that is to be reached."""
+NOTHING = f"{FIXED}:Off"
+BEST = "best options"
+"""Label of the options that the race found."""
 
 
 class Results:
@@ -33,183 +37,204 @@ class Results:
         folder: directory of its results.
 
     Attributes:
-        best: family -> the best fixed option of the library.
+        best: family -> the best options, as the race found them.
 
     """
 
     def __init__(self, manifest: Manifest, folder: Path) -> None:
         self._manifest, self._folder = manifest, folder
-        self._runs = {name: family_runs(folder / name) for name in manifest.families}
-        self._excesses = {name: excesses_of(own) for name, own in self._runs.items()}
-        self.best = {
-            name: BestFixed.of(own, [label for label in self._runs[name].fixed if label != CONFIGURED])
-            for name, own in self._excesses.items()
-        }
-        for name, best in self.best.items():
-            self._excesses[name][best.label] = best.judged(self._excesses[name])
+        self._raced = {family: raced(manifest, folder, family) for family in manifest.families}
+        self.best = {family: found.best for family, found in self._raced.items()}
+        self._left: dict[str, dict[str, Floats]] = {}
+        self._excesses = {family: self._read(family) for family in manifest.families}
+        for family, own in self._excesses.items():
+            own[BEST] = own[f"{FIXED}:{self.best[family]}"]
+            self._left[family][BEST] = self._left[family].get(f"{FIXED}:{self.best[family]}", np.zeros((1, 1, 1)))
+            if self._raced[family].told:
+                own[TOLD] = self._told(family)
 
-    def claims(self, label: str, against: str = "") -> dict[str, Claim]:
-        """Return family -> claim about a strategy beside another one, or beside the best fixed option of each."""
-        others = {name: against or best.label for name, best in self.best.items()}
-        return {claim.family: claim for claim in claims_of(self._excesses, [label], others)}
+    def ratio(self, family: str, label: str, against: str = BEST) -> Ratio | None:
+        """Return the ratio of two labels on a family; None where one of them was not judged."""
+        own = self._excesses[family]
+        if label not in own or against not in own:
+            return None
+        return Ratio.of(own[label].mean(axis=2), own[against].mean(axis=(0, 2)))
 
     def tables(self) -> dict[str, str]:
         """Return name -> table."""
-        tables = {"main": self._main(), "limits": self._limits(), "statistics": self._statistics()}
-        tables["learners"] = self._learners()
-        if any(compared.looked_ahead for compared in self._manifest.families.values()):
-            tables["looking"] = self._looking()
+        tables = {"main": self._main(), "learners": self._learners(), "told": self._headroom()}
+        if self._manifest.variants:
+            tables["variants"] = self._variants()
         if self._manifest.ablations is not None:
-            tables["ablations"] = self._ablated(self._manifest.ablations)
-        if self._manifest.pairs is not None:
-            tables["pairs"] = pairs_table(self._manifest.pairs, self._folder, _ratio)
-        return tables
+            tables["ablations"] = self._ablated(list(self._manifest.ablations.of), self._manifest.ablations.families)
+        return {**tables, "unfinished": self._unfinished()}
 
     def broken(self) -> list[str]:
-        """Return what does not hold of the main claims: the selector costs less than each baseline."""
-        claimed = self._manifest.claimed
-        bounds = {name: TOLERANCE if one.control else 1.0 for name, one in self._manifest.families.items()}
-        return [
-            f"{name}: expected {claimed} below {bounds[name]:g} of {claim.against}, got {claim.ratio:.3f}"
-            for by_family in self._main_claims.values()
-            for name, claim in by_family.items()
-            if claim.ratio >= bounds[name]
+        """Return what does not hold of what was asked of the claimed learner."""
+        claimed, families, lost = self._manifest.claimed, list(self._manifest.families), []
+        ratios = {family: self._shown(family, claimed) for family in families}
+        for family, (ratio, low, _) in ratios.items():
+            if low > NOT_WORSE:
+                lost.append(f"`{family}`: worse than the best options, {ratio:.3f}")
+        middle = exp(float(np.mean([log(ratio) for ratio, *_ in ratios.values()])))
+        if middle > NOT_WORSE:
+            lost.append(f"geometric mean over families: {middle:.3f}, above {NOT_WORSE:g}")
+        gaining = [family for family in families if self._manifest.families[family].headroom]
+        lost += [
+            f"`{family}`: not shown to be better than the best options, {ratios[family][0]:.3f}"
+            for family in gaining
+            if ratios[family][2] >= 1.0
         ]
-
-    def draw_curves(self, file: Path) -> None:
-        """Draw what validation missions of the first family cost after so much CPU time, up to twice the lowest."""
-        figure = Figure(figsize=(7.5, 4.2), layout="constrained")
-        axes, family, lowest = figure.add_subplot(), next(iter(self._manifest.families)), np.inf
-        for number, (label, learner) in enumerate(self._manifest.learners.items()):
-            files = [self._folder / f"{label}-{seed}" / "history.jsonl" for seed in learner.seeds]
-            curves = np.array([_curve(file, family) for file in files])
-            took = self._cpu_minutes(label) / curves.shape[1] * np.arange(1, curves.shape[1] + 1)
-            axes.plot(took, curves.T, color=f"C{number}", alpha=0.3, lw=0.9)
-            axes.plot(took, curves.mean(axis=0), color=f"C{number}", marker="o", lw=2.0, label=f"{label}, mean")
-            lowest = min(lowest, curves.min())
-        axes.set(
-            xlabel="CPU minutes of training", ylabel=f"cost of validation on {family} [s]", ylim=(0.0, 2.0 * lowest)
-        )
-        axes.legend(frameon=False)
-        figure.savefig(file, dpi=110)
-
-    @property
-    def _by_hand(self) -> tuple[str, ...]:
-        """Labels of the strategies that learn nothing, but for fixed options."""
-        return *self._manifest.unlearned, RANDOM
+        ways = [self._way(family) for family in gaining]
+        if ways and np.mean(ways) < WAY:
+            lost.append(f"{np.mean(ways):.0%} of the way to a team that is told in the mean, {WAY:.0%} wanted")
+        for rule in self._manifest.rules:
+            better = [f for f in gaining if _ends(self.ratio(f, claimed, rule))[1] < 1.0]
+            if 2 * len(better) < len(gaining):
+                lost.append(f"shown to be better than `{rule}` on {len(better)} of {len(gaining)} families")
+        for label in self._manifest.learners:
+            worse = [
+                f for f in families if label != claimed and (r := self.ratio(f, claimed, label)) and _ends(r)[1] >= 1
+            ]
+            if worse:
+                lost.append(f"not shown to be better than `{label}` on {', '.join(f'`{family}`' for family in worse)}")
+        for label in self._manifest.variants:
+            found = self._variant_ratio(label)
+            if _ends(found)[0] > NOT_WORSE:
+                lost.append(f"{label}: worse than the best options, {found.ratio:.3f}")
+        return lost + self._failing()
 
     @cached_property
-    def _main_claims(self) -> dict[str, dict[str, Claim]]:
-        """Head of a column, what the claimed learner has to be better than -> family -> claim."""
-        configured = {"configured": CONFIGURED} if self._manifest.configured is not None else {}
-        learned = (label for label, learner in self._manifest.learners.items() if learner.baseline)
-        labels = (*learned, *self._by_hand)
-        others = {"best fixed": "", **configured, **{f"`{label}`": label for label in labels}}
-        return {head: self.claims(self._manifest.claimed, other) for head, other in others.items()}
+    def geometric_mean(self) -> float:
+        """The geometric mean over families of the ratios to the best options."""
+        return exp(float(np.mean([log(self._shown(f, self._manifest.claimed)[0]) for f in self._manifest.families])))
 
-    def _cpu_minutes(self, label: str) -> float:
-        """Return the mean CPU time of the trainings of a learner [min]; not a number if none was measured."""
-        times = json.loads((self._folder / CPU_TIMES).read_text(encoding="utf-8"))
-        names = [f"{label}-{seed}" for seed in self._manifest.learners[label].seeds]
-        return float(np.mean([times[name] for name in names if name in times])) / 60.0
+    def _read(self, label: str) -> dict[str, Floats]:
+        """Return strategy -> excess costs (S, K, 1) of all seeds; note the shares of unfinished missions."""
+        runs = [family_runs(judged_folder(self._folder, label, seed)) for seed in self._manifest.seeds]
+        each, left = [excesses_of(own) for own in runs], [unfinished_of(own) for own in runs]
+        self._left[label] = {
+            name: np.concatenate([own[name] for own in left], axis=1) for name in (left[0] if all(left) else ())
+        }
+        return {name: np.concatenate([own[name] for own in each], axis=1) for name in each[0]}
+
+    def _told(self, family: str) -> Floats:
+        """Return the excess costs (1, K, 1) of a team that takes the options for the kind of its scenario."""
+        count, given = self._manifest.families[family].scenarios, load_family(family)
+        own, told = self._excesses[family], self._raced[family].told
+        kinds = [
+            kind
+            for seed in self._manifest.seeds
+            for kind in scenario_kinds([given.scenario(seed, k, "test") for k in range(count)])
+        ]
+        labels = [f"{FIXED}:{told.get(kind, self.best[family])}" for kind in kinds]
+        return np.array([[own[label][0, k] for k, label in enumerate(labels)]])
+
+    def _shown(self, family: str, label: str, against: str = BEST) -> tuple[float, float, float]:
+        """Return a ratio and the ends of its interval."""
+        found = self.ratio(family, label, against)
+        assert found is not None
+        assert found.ratio is not None
+        return found.ratio, *_ends(found)
+
+    def _way(self, family: str) -> float:
+        """Return the share of the way from the best options to a team that is told."""
+        own = self._excesses[family]
+        best, claimed, told = (own[label].mean() for label in (BEST, self._manifest.claimed, TOLD))
+        return float((best - claimed) / (best - told))
 
     def _main(self) -> str:
-        """Return the claimed learner beside each baseline: a row for each family."""
-        claimed, claims = self._manifest.claimed, self._main_claims
-        heads = ["family", "scenarios", "best fixed", "its excess s", *(f"{claimed} / {head}" for head in claims)]
-        rows = []
-        for name, compared in self._manifest.families.items():
-            best = self.best[name].label
-            own = [f"`{name}`" + (", a control" if compared.control else ""), str(compared.scenarios)]
-            own += [best.replace(f"{FIXED}:", ""), f"{self._excesses[name][best].mean():.1f}"]
-            rows.append([*own, *(_ratio(by_family[name]) for by_family in claims.values())])
-        return markdown_table(heads, rows)
-
-    def _limits(self) -> str:
-        """Return shares of unfinished missions, and ratios to the best fixed option by other prices of items left."""
-        labels = [*self._manifest.learners, *self._by_hand]
-        cells: dict[str, list[str]] = {label: [] for label in [*labels, "best fixed"]}
-        for name, runs in self._runs.items():
-            best, left = self.best[name], unfinished_of(runs)
-            ratios = limit_ratios(runs, best)
-            shares = {label: share_cell(float(left[label].mean())) for label in labels} if left else {}
-            for label in labels:
-                others = ", ".join(f"{one.ratio:.3f}" for one in ratios.get(label, ()))
-                cells[label].append("; ".join(filter(None, [shares.get(label), others])))
-            cells["best fixed"].append(share_cell(float(best.judged(left).mean())) if left else "")
-        return markdown_table(["", *(f"`{name}`" for name in self._runs)], [[k, *own] for k, own in cells.items()])
+        """Return the claimed learner beside what would embarrass it: a row for each family."""
+        claimed, rows = self._manifest.claimed, []
+        for family, own in self._excesses.items():
+            each = own[claimed].mean(axis=(1, 2)) / own[BEST].mean()
+            spread = f"; {each.min():.2f} to {each.max():.2f}" if len(each) > 1 else ""
+            cells = [f"`{family}`", shown_options(self.best[family]), f"{own[BEST].mean():.1f}"]
+            cells += [_cell(self.ratio(family, claimed)) + spread]
+            cells += [_cell(self.ratio(family, label)) for label in (RANDOM, NOTHING)]
+            rows.append(cells)
+        heads = [
+            "family",
+            "best options",
+            "their excess s",
+            f"`{claimed}` / best",
+            "`Random` / best",
+            "no avoidance / best",
+        ]
+        mean = ["geometric mean", "", "", f"{self.geometric_mean:.3f}", "", ""]
+        return markdown_table(heads, [*rows, mean])
 
     def _learners(self) -> str:
-        """Return all learners beside the best fixed option of each family."""
-        labels = [*self._manifest.learners, *self._by_hand]
-        claims = {label: self.claims(label) for label in labels}
+        """Return all learners beside the best options of each family."""
         rows = []
-        for label in labels:
-            learner = self._manifest.learners.get(label)
-            row = [
-                f"`{label}`",
-                *((str(len(learner.seeds)), f"{self._cpu_minutes(label):.1f}") if learner else ("", "")),
-            ]
-            for name in self._manifest.families:
-                each = (
-                    self._excesses[name][label].mean(axis=(1, 2)) / self._excesses[name][self.best[name].label].mean()
-                )
-                spread = f"; {each.min():.2f} to {each.max():.2f}" if len(each) > 1 else ""
-                row.append(_ratio(claims[label][name]) + spread)
-            rows.append(row)
-        return markdown_table(
-            ["", "trainings", "CPU min each", *(f"`{name}`" for name in self._manifest.families)], rows
-        )
-
-    def _ablated(self, ablations: Ablations) -> str:
-        """Return each ablation beside the learner whose training it is."""
-        rows = []
-        for label, ablation in ablations.of.items():
-            whole = ablation.learner or self._manifest.claimed
-            claims = self.claims(label, whole)
-            rows.append([label, whole, *(_ratio(claims[name]) for name in self._manifest.families)])
-        return markdown_table(["", "beside", *(f"`{name}`" for name in self._manifest.families)], rows)
-
-    def _statistics(self) -> str:
-        """Return interquartile means of the excess, and how often the claimed learner is better."""
-        labels = [self._manifest.claimed, *self._by_hand]
-        rows = []
-        for name, own in self._excesses.items():
-            best = own[self.best[name].label].ravel()
-            middles = [f"{trim_mean(own[label].ravel(), 0.25):.1f}" for label in labels]
-            claimed = own[self._manifest.claimed].reshape(-1, len(best))
-            better = np.mean((claimed < best) + 0.5 * (claimed == best))
-            rows.append([f"`{name}`", f"{trim_mean(best, 0.25):.1f}", *middles, f"{better:.0%}"])
-        heads = ["family", "best fixed", *(f"`{label}`" for label in labels), f"{self._manifest.claimed} is better"]
+        for label, learner in self._manifest.learners.items():
+            minutes = cpu_minutes(self._folder, [f"{label}-{seed}" for seed in learner.seeds])
+            cells = [_cell(self.ratio(family, label)) for family in self._manifest.families]
+            rows.append([f"`{label}`", str(len(learner.seeds)), f"{minutes:.1f}", *cells])
+        for rule in self._manifest.rules:
+            rows.append([f"`{rule}`", "", "", *(_cell(self.ratio(family, rule)) for family in self._manifest.families)])
+        heads = ["", "trainings", "CPU min each", *(f"`{family}`" for family in self._manifest.families)]
         return markdown_table(heads, rows)
 
-    def _looking(self) -> str:
-        """Return how far the claimed learner comes on the way from the best fixed option to looking ahead."""
-        rows = []
-        for name, compared in self._manifest.families.items():
-            if not compared.looked_ahead:
+    def _headroom(self) -> str:
+        """Return the claimed learner beside a team that is told, and with shuffled observations."""
+        claimed, rows = self._manifest.claimed, []
+        for family in self._manifest.families:
+            if not self._manifest.families[family].headroom:
                 continue
-            content = json.loads(looked_ahead_file(self._folder, name).read_text(encoding="utf-8"))
-            own = {label: values[:, : compared.looked_ahead] for label, values in self._excesses[name].items()}
-            own[LOOKING] = np.array(content["excess_s"])[None, :, None]
-            claim, *_ = claims_of({name: own}, [LOOKING], {name: self.best[name].label})
-            best, claimed, looked = (
-                own[label].mean() for label in (self.best[name].label, self._manifest.claimed, LOOKING)
-            )
-            share = f"{(best - claimed) / (best - looked):.0%}" if claim.ci95[1] < 1.0 else "no gap is shown"
-            taken = shares_of(Counter(content["taken"]), 3)
-            rows.append([f"`{name}`", f"{best:.1f}", f"{claimed:.1f}", f"{looked:.1f}", _ratio(claim), share, taken])
-        heads = ["family", "best fixed, excess s", self._manifest.claimed, LOOKING, "to best fixed", "share of the way"]
-        return markdown_table([*heads, "it takes"], rows)
+            shuffled = self._read(f"{family}-{SHUFFLED}")[claimed].mean(axis=2)
+            given = self._excesses[family][BEST].mean(axis=(0, 2))
+            cells = [_cell(self.ratio(family, label)) for label in (TOLD, claimed)]
+            rows.append([f"`{family}`", *cells, f"{self._way(family):.0%}", _cell(Ratio.of(shuffled, given))])
+        heads = ["family", "told / best", f"`{claimed}` / best", "share of the way", "shuffled / best"]
+        return markdown_table(heads, rows)
+
+    def _variant_ratio(self, label: str) -> Ratio:
+        own = self._read(label)
+        best = f"{FIXED}:{self.best[self._manifest.variants[label].family]}"
+        return Ratio.of(own[self._manifest.claimed].mean(axis=2), own[best].mean(axis=(0, 2)))
+
+    def _variants(self) -> str:
+        """Return the claimed learner beside the best options on families that differ."""
+        rows = [
+            [label, f"`{one.family}`", _cell(self._variant_ratio(label))]
+            for label, one in self._manifest.variants.items()
+        ]
+        return markdown_table(["", "of", f"`{self._manifest.claimed}` / best"], rows)
+
+    def _ablated(self, labels: Sequence[str], families: Sequence[str]) -> str:
+        """Return each ablation beside the claimed learner."""
+        rows = [[label, *(_cell(self.ratio(f, label, self._manifest.claimed)) for f in families)] for label in labels]
+        return markdown_table(["", *(f"`{family}`" for family in families)], rows)
+
+    def _unfinished(self) -> str:
+        """Return shares of unfinished missions, where missions end."""
+        ending = [family for family, left in self._left.items() if family in self._manifest.families and len(left) > 1]
+        rows = []
+        for label in (self._manifest.claimed, BEST, RANDOM, NOTHING):
+            cells = [
+                share_cell(float(own[label].mean())) if label in (own := self._left[f]) else EMPTY_CELL for f in ending
+            ]
+            rows.append([label, *cells])
+        return markdown_table(["", *(f"`{family}`" for family in ending)], rows)
+
+    def _failing(self) -> list[str]:
+        """Return where the claimed learner leaves missions unfinished that the best options finish."""
+        claimed, found = self._manifest.claimed, []
+        for family in self._manifest.families:
+            left = self._left[family]
+            if claimed in left and (count := int(((left[claimed] > 0.0) & (left[BEST] == 0.0)).sum())):
+                found.append(f"`{family}`: {count} missions unfinished that the best options finish")
+        return found
 
 
-def _curve(history: Path, family: str) -> list[float]:
-    """Return the costs of validation at the checkpoints that have them."""
-    lines = [json.loads(line) for line in history.read_text(encoding="utf-8").splitlines()]
-    return [line[key] for line in lines if (key := f"{family}/cost_s") in line]
+def _ends(ratio: Ratio | None) -> tuple[float, float]:
+    return (ratio and ratio.ci95) or (0.0, np.inf)
 
 
-def _ratio(claim: Claim) -> str:
-    """Return a ratio with its interval, bold where that excludes 1 for the better."""
-    bold = "**" if claim.p is not None and claim.corrected[1] < 1.0 else ""
-    return f"{bold}{claim.ratio:.3f}{bold} {interval_cell(claim.corrected)}"
+def _cell(ratio: Ratio | None) -> str:
+    """Return a ratio with its interval, bold where that lies below 1."""
+    if ratio is None or ratio.ratio is None:
+        return EMPTY_CELL
+    bold = "**" if _ends(ratio)[1] < 1.0 else ""
+    return f"{bold}{ratio.ratio:.3f}{bold} {interval_cell(ratio.ci95)}"

@@ -1,4 +1,4 @@
-"""Trains a selector and others, compares them with every fixed choice, and writes a page such as docs/choosing.md.
+"""Races fixed choices, trains a selector and others, compares them, and writes a page such as docs/choosing.md.
 
 `python -m docs.comparison.write_choosing [MANIFEST]`: MANIFEST is docs/comparison/choosing.yaml unless given. What
 results/NAME holds already is kept. Tables of a manifest without a page are printed. What has to hold is checked.
@@ -8,6 +8,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from docs.comparison.frequencies import frequencies_table
 from docs.comparison.manifest import Manifest
 from docs.comparison.runs import make
 from docs.comparison.tables import Results
@@ -26,14 +27,12 @@ def main(arguments: list[str]) -> int:
     folder = ROOT / "results" / manifest.name
     make(manifest, folder)
     results = Results(manifest, folder)
-    wrong = results.broken()
+    wrong, tables = results.broken(), results.tables()
     if manifest.page:
         lost = "\n".join(f"- {line}." for line in wrong) or "Nothing."
-        put_tables(manifest.name, {**results.tables(), "broken": lost})
-        if manifest.drawn:
-            results.draw_curves(DOCS / "pictures" / f"{manifest.name}.png")
+        put_tables(manifest.name, {**tables, "frequencies": frequencies_table(manifest, folder), "broken": lost})
     else:
-        print("\n\n".join(results.tables().values()))
+        print("\n\n".join(tables.values()))
     for line in wrong:
         print(line)
     return 1 if wrong else 0

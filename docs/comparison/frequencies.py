@@ -1,0 +1,66 @@
+"""How often robots of the claimed learner take each option, by family and by what they are not told.
+
+A fixed choice with one switch would show as two rows of single options. Only decisions count whose behaviour then ran.
+"""
+
+from collections import Counter, defaultdict
+from pathlib import Path
+
+from clean_swarm_env.config.families import Scenario, scenario_name
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.tasks.cleaning.task import cleaning_of
+from docs.comparison.manifest import Manifest
+from docs.comparison.runs import trained_first
+from selector.documents.fields import JOINT
+from train.evaluation.family import FamilyEvaluation
+from train.evaluation.look_ahead import shares_of
+from train.reports.text_table import markdown_table
+from train.request import Request
+
+MISSIONS, SHOWN = 8, 3
+"""Test missions of each family, and options of a goal that are named."""
+
+
+def frequencies_table(manifest: Manifest, folder: Path) -> str:
+    """Return a row for each family and case."""
+    rows, goals = [], manifest.goal.split(JOINT)
+    for family in manifest.families:
+        taken = _taken(manifest, folder, family)
+        for case in sorted({case for case, _ in taken}):
+            cells = [shares_of(taken[case, goal], SHOWN) for goal in goals]
+            rows.append([f"`{family}`", case, *cells])
+    return markdown_table(["family", "garbage, collisions", *goals], rows)
+
+
+def _taken(manifest: Manifest, folder: Path, family: str) -> dict[tuple[str, str], Counter[str]]:
+    """Return case and goal -> option -> how often robots took it."""
+    goal = manifest.goal_on(family)
+    asked = Request(family, strategies=(trained_first(manifest, folder),), seed=manifest.seeds[0], goal=goal)
+    evaluation, found = FamilyEvaluation(asked), defaultdict[tuple[str, str], Counter[str]](Counter)
+    for number in range(MISSIONS):
+        _count(evaluation, evaluation.scenario(evaluation.family, scenario_name("test", number)), found)
+    return found
+
+
+def _count(evaluation: FamilyEvaluation, scenario: Scenario, found: dict[tuple[str, str], Counter[str]]) -> None:
+    """Count the options of one mission."""
+    waiting = iter([scenario])
+    task = evaluation.task([scenario], "", evaluation.entrants[0].members[0])
+    batch, decided, decider = task.team(source=lambda _: next(waiting, None))
+    seen = batch.reset()
+    decider.reset(slice(None), scenario.seed)  # type: ignore[arg-type]
+    while not batch.finished:
+        case, actions = _case(batch), decided.decide(decider, seen)
+        seen = batch.step(actions).observations
+        for column in decided.columns:
+            goal = list(batch.options)[column]
+            ran = batch.took_part & batch.progress.acted[:, column]
+            names = [batch.options[goal][option] for option in actions[ran, column]]
+            found[case, goal].update(names)
+
+
+def _case(batch: Batch) -> str:
+    """Return what robots of the first world are not told."""
+    cleaning = cleaning_of(batch.worlds.task)
+    where = "at spots" if cleaning.agendas.at_spots[0] else "anywhere"
+    return where + (", harmless" if cleaning.consequences.harmless[0] else "")
