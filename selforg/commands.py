@@ -27,9 +27,17 @@ open_commanded = COMMANDED.open
 
 
 class Commands:
-    """The owner of the commands of N robots in one tick, none at first; see `Commanded`."""
+    """The owner of the commands of N robots in one tick, none at first; see `Commanded`.
+
+    Attributes:
+        wishes: (N, D) [m/s] what was commanded before any mechanism steered, for explanations.
+
+    """
+
+    wishes: Annotated[Floats, "N D", SCRATCH]
 
     def __init__(self, rows: int, dim: int) -> None:
+        self.wishes = np.zeros((rows, dim))
         no_flags = np.zeros(rows, dtype=np.bool_)
         self.packed = COMMANDED.pack(Commanded(np.zeros((rows, dim)), no_flags, no_flags.copy()))
         self.vectors, self.commanded, self.in_place = self.packed.record
@@ -38,6 +46,10 @@ class Commands:
         """Take all commands back."""
         for array in self.packed.record:
             array[:] = 0
+
+    def keep_wishes(self) -> None:
+        """Keep what is commanded now as the wishes."""
+        self.wishes[:] = self.vectors
 
     def copy_from(self, others: Commands) -> None:
         """Take over the commands of as many robots."""

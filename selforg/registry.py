@@ -1,4 +1,4 @@
-"""Registries, which find classes of one kind by name."""
+"""Registries, which find classes of one kind by name: ours, and those of plug-ins."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from pkgutil import iter_modules
 from typing import Any, Generic, TypeVar
+
+from selforg import plugins
 
 Base = TypeVar("Base")
 Class = TypeVar("Class")
@@ -32,30 +34,46 @@ class Registry(Generic[Base]):
     Args:
         kind: word for an entry in messages, such as "mechanism".
         name_of: returns the name of a class; the name of the class itself by default.
+        home: package that registers our classes where the module of the registry does not; imported before others'.
 
     """
 
-    def __init__(self, kind: str, name_of: Callable[[type[Base]], str] = lambda cls: cls.__name__) -> None:
+    def __init__(
+        self, kind: str, name_of: Callable[[type[Base]], str] = lambda cls: cls.__name__, home: str = ""
+    ) -> None:
         self.kind = kind
-        self._name_of = name_of
+        self.name_of = name_of
+        self._home = home
         self._classes: dict[str, type[Base]] = {}
+        REGISTRIES.append(self)
 
     def register(self, cls: type[Class]) -> type[Class]:
         """Enter a class under its name, as a decorator; ValueError if the name is taken."""
         entry: type[Base] = cls  # type: ignore[assignment]  # a decorator must return the type that it got
-        name = self._name_of(entry)
+        if self._home and plugins.is_own(cls):
+            import_module(self._home)
+        name = self.name_of(entry)
         if name in self._classes:
             raise ValueError(f"{self.kind} {name!r} is registered already, by {self._classes[name].__module__}")
         self._classes[name] = entry
         return cls
 
     def names(self) -> tuple[str, ...]:
-        """Return all registered names, sorted."""
+        """Return all registered names, also those of plug-ins, sorted."""
+        plugins.load()
         return tuple(sorted(self._classes))
+
+    def origins(self) -> dict[str, str]:
+        """Return where each name comes from that a plug-in has registered; see `plugins.origin_of`."""
+        return {
+            name: plugins.origin_of(self._classes[name].__module__)
+            for name in self.names()
+            if plugins.is_own(self._classes[name])
+        }
 
     def find(self, name: str) -> type[Base]:
         """Return the class registered under `name`; UnknownNameError lists the known names."""
-        if name not in self._classes:
+        if name not in self:
             raise UnknownNameError(unknown(self.kind, name, self.names()))
         return self._classes[name]
 
@@ -64,11 +82,17 @@ class Registry(Generic[Base]):
         return self.find(name)(*arguments, **parameters)
 
     def __contains__(self, name: object) -> bool:
+        if name not in self._classes:
+            plugins.load()
         return name in self._classes
 
     def __iter__(self) -> Iterator[type[Base]]:
         """Iterate over the classes, in the order of their names."""
         return (self._classes[name] for name in self.names())
+
+
+REGISTRIES: list[Registry[Any]] = []
+"""All registries of the modules that have been imported."""
 
 
 def import_modules(package: str) -> None:

@@ -75,7 +75,8 @@ class View:
     def _drawn(self, canvas: Canvas) -> Pixels:
         from clean_swarm_env.drawing.picture import pixels_of  # imports Matplotlib
 
-        return pixels_of(canvas)
+        wanted = self._batch.picture
+        return pixels_of(canvas, wanted.side, numbers=wanted.numbers)
 
     def _look(self) -> None:
         """Show the world as it is now, or keep the pictures since the last look."""

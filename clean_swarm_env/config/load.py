@@ -71,7 +71,8 @@ def load_mission(
 
 def own_mission(task: str) -> MissionConfig:
     """Return the mission that a task has of its own."""
-    return validated(MissionConfig, {"name": task, "task": task}, f"task {task}")
+    name = find_task(task).name
+    return validated(MissionConfig, {"name": name, "task": name}, f"task {name}")
 
 
 def _resolved(path: Path, directories: Sequence[Path]) -> dict[str, Any]:

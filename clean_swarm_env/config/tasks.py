@@ -1,18 +1,16 @@
 """The tasks of missions by name, and their settings: the key `task:` of a mission.
 
 Cleaning is the task of missions that name none. The tasks themselves are in `clean_swarm_env.tasks`, which is imported
-with the first mission, and in files of the user's own, which `import_tasks` reads.
+with the first mission, and in plug-ins (`selforg.plugins`).
 """
 
 from __future__ import annotations
 
 import ast
-import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from traceback import extract_tb
 from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
 
 import numpy as np
@@ -21,16 +19,16 @@ from clean_swarm_env.config.types import Point
 from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, Name
 from selector.documents.find import KINDS, files_of, find_file, is_path
-from selector.documents.imported import module_of_file
+from selector.documents.imported import is_import, registered
 from selector.documents.reading import read_text
 from selforg.arrays import Floats
 from selforg.registry import Registry, UnknownNameError, unknown
 
 CLEANING: Final = "Cleaning"
 """Name of the task of missions that name none."""
-OWN_FILES: Final = "CLEAN_SWARM_IMPORT"
-"""Environment variable with the files of the user's own tasks, which worker processes read, too."""
-OWN_TASK: Final = "; a task of your own: --import FILE.py"
+TASKS_HOME: Final = "clean_swarm_env.tasks"
+"""The package whose import registers our tasks."""
+OWN_TASK: Final = "; a task of your own: --import MODULE or FILE.py"
 """What follows the error of an unknown name."""
 
 Mission: TypeAlias = Any
@@ -124,23 +122,24 @@ class TaskKind:
         return family.mission.task, []
 
 
-TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name)
+TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name, TASKS_HOME)
 """Tasks by name."""
 
 
 def find_task(name: str) -> type[TaskKind]:
-    """Return the class of a task; DocumentError for an unknown one lists the known ones."""
+    """Return the class of a task, or of `module:Class`; DocumentError for an unknown one lists the known ones."""
+    import_module(TASKS_HOME)
     try:
-        return _registered().find(name)
+        return TASKS.find(registered(name, TASKS) if is_import(name) else name)
     except UnknownNameError as error:
         raise DocumentError(f"{error}{OWN_TASK}, in Python imports=") from error
 
 
 def task_stories() -> dict[str, str]:
-    """Return the stories of all tasks by name; their sources are read, not run: imports of tasks take a second."""
+    """Return the stories of all tasks by name; sources of ours are read, not run: importing them takes a second."""
     here = Path(__file__).parents[1]
-    stories: dict[str, str] = {}
-    for file in (*here.glob("tasks/cleaning/*.py"), *here.glob("tasks/*.py"), *map(Path, own_files())):
+    stories = {name: TASKS.find(name).story for name in TASKS.names()}
+    for file in (*here.glob("tasks/cleaning/*.py"), *here.glob("tasks/*.py")):
         stories |= _declared(file)
     return dict(sorted(stories.items()))
 
@@ -161,8 +160,8 @@ def _declared(file: Path) -> dict[str, str]:
 
 
 def task_names() -> tuple[str, ...]:
-    """Return the names of all tasks, those included that a program has registered itself."""
-    return tuple(sorted({*task_stories(), *TASKS.names()}))
+    """Return the names of all tasks, those of plug-ins included."""
+    return tuple(task_stories())
 
 
 def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> Path | None:
@@ -172,6 +171,9 @@ def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), w
         DocumentError: nothing has the name; `where` starts the line, which lists the known names.
 
     """
+    if is_import(name_or_path):
+        registered(name_or_path, TASKS)
+        return None
     found = files_of(kind, directories)
     if name_or_path in found or is_path(kind, name_or_path):
         return find_file(kind, name_or_path, directories, where)
@@ -182,55 +184,13 @@ def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), w
     raise DocumentError(where + unknown(f"{KINDS[kind].called} or task", name_or_path, tuple(known)) + OWN_TASK)
 
 
-def import_tasks(files: Iterable[str | os.PathLike[str]]) -> None:
-    """Register the tasks in Python files of the user's own, in this process and in its workers.
-
-    Raises:
-        DocumentError: there is no such file, it does not end with `.py`, or its code fails.
-
-    """
-    given = [os.path.abspath(file) for file in ([files] if isinstance(files, str) else files)]
-    for file in given:
-        if not (file.endswith(".py") and Path(file).is_file()):
-            raise DocumentError(f"{file}: expected a file of Python code with a task")
-    if given:
-        _registered()
-        for file in given:
-            _execute(file)
-        os.environ[OWN_FILES] = os.pathsep.join(dict.fromkeys((*own_files(), *given)))  # none that fails
-
-
-def own_files() -> tuple[str, ...]:
-    """Return the files of the user's own tasks that have been read, or that a worker is to read."""
-    return tuple(filter(None, os.environ.get(OWN_FILES, "").split(os.pathsep)))
-
-
-def _registered() -> Registry[TaskKind]:
-    """Return the tasks, once all files with tasks are imported."""
-    import_module("clean_swarm_env.tasks")  # which registers ours
-    for file in own_files():
-        _execute(file)
-    return TASKS
-
-
-def _execute(file: str) -> None:
-    """Execute a file of the user's own once; what goes wrong becomes one line with its place in the file."""
-    try:
-        module_of_file(Path(file))
-    except (Exception, SystemExit) as error:
-        lines = [frame.lineno for frame in extract_tb(error.__traceback__) if frame.filename == file]
-        if isinstance(error, SyntaxError) and error.filename == file:
-            lines.append(error.lineno)
-        where = ":".join(map(str, (file, *lines[-1:])))
-        raise DocumentError(f"{where}: {type(error).__name__}: {' '.join(str(error).split())}") from error
-
-
 def settings_from(given: object) -> object:
     """Return the settings of a task from its name or its keys; anything else is left for pydantic to refuse."""
     content = {"name": given} if isinstance(given, str) else given
     if not isinstance(content, Mapping) or not isinstance(name := content.get("name", CLEANING), str):
         return given
-    return find_task(name).Settings.model_validate(dict(content))
+    kind = find_task(name)
+    return kind.Settings.model_validate({key: kind.name if key == "name" else given for key, given in content.items()})
 
 
 def with_task_defaults(content: Mapping[str, Any]) -> dict[str, Any]:
@@ -246,7 +206,7 @@ def with_task_defaults(content: Mapping[str, Any]) -> dict[str, Any]:
     for key in content.keys() & kind.Settings.model_fields.keys() - {"name"}:
         raise impossible(key, f"it below `task:`, as task.{key}", f"{key} beside `task:`")
     return with_changes(
-        with_changes({"name": name, "knowledge": "library", "task": {"name": name}}, kind.mission), content
+        with_changes({"name": kind.name, "knowledge": "library", "task": {"name": name}}, kind.mission), content
     )
 
 

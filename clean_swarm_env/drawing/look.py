@@ -1,7 +1,8 @@
 """How things look in every picture of a world: files, arrays, windows, videos, and pages of replay and play.
 
-Colours, sizes, letters and words are defined here only; pages get them as JSON. The first seven colours of options are
-those of Okabe and Ito (2008), which colour-blind readers can tell apart.
+Colours, sizes, letters and words are defined here only; pages get them as JSON. The colours of options are those of
+Okabe and Ito (2008) and of Tol (2021), which colour-blind readers can tell apart; none is that of garbage, of a
+contact or of a robot that has failed.
 """
 
 from collections.abc import Sequence
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 OPTION_COLOURS: Final = (
-    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F0E442", "#8C6BB1", "#999999", "#882255",
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#882255", "#56B4E9", "#999933", "#332288", "#8C6BB1", "#44AA99",
 )  # fmt: skip
 
 
@@ -20,7 +21,7 @@ class Sign:
     word: str
     colour: str
     shape: str = "disc"
-    """`disc`, `diamond` or `square`."""
+    """`disc`, `diamond` or `square`; of a page's layers also `ring`, `stroke` or `arrow`."""
     half: float = 0.25
     """Half of its height [m]."""
     letter: str = ""
@@ -66,6 +67,23 @@ class Appearance:
     """By their kinds."""
     pheromones: Sign = Sign("pheromones", "#56B4E9", opacity=0.66)
     """In their middle, where they have just been left."""
+    areas: tuple[Sign, ...] = (
+        Sign("attracts robots", "#009E73", opacity=0.2),
+        Sign("repels robots", "#D55E00", opacity=0.2),
+    )
+    """Things of tasks other than cleaning."""
+    layers: tuple[tuple[str, Sign], ...] = (
+        ("reach", Sign("gradients", "#D55E00", opacity=0.25)),
+        ("view", Sign("view", "#0072B2", "ring")),
+        ("seen", Sign("who sees whom", "#0072B2", "stroke")),
+        ("paths", Sign("paths of 20 s", "#9a958a", "stroke")),
+        ("contacts", Sign("contacts", "#D00000", "ring")),
+        ("command", Sign("command", "#2b2b2b", "arrow")),
+        ("added", Sign("what the mechanism adds", "#D55E00", "arrow")),
+        ("target", Sign("way to the target", "#009E73", "arrow")),
+        ("causes", Sign("neighbours that count", "#D00000", "stroke")),
+    )
+    """Layers of pages that have no sign of their own above: name and sign."""
 
 
 LOOK: Final = Appearance()
@@ -74,4 +92,9 @@ LOOK: Final = Appearance()
 def legend(options: Sequence[str], cleans: bool) -> list[Sign]:
     """Return the entries of a legend: the options, and what else there is to see."""
     held = [Sign(name, OPTION_COLOURS[k % len(OPTION_COLOURS)]) for k, name in enumerate(options)]
-    return [*held, LOOK.failed, *((LOOK.item, LOOK.leftovers, *LOOK.stations, LOOK.pheromones) if cleans else ())]
+    return [
+        *held,
+        LOOK.failed,
+        *((LOOK.item, LOOK.leftovers, *LOOK.stations) if cleans else LOOK.areas),
+        LOOK.pheromones,
+    ]

@@ -56,9 +56,12 @@ OUTLINES: Final = {
 """Shapes of signs whose half is 1."""
 
 
-def pixels_of(canvas: Canvas, side: int = SIDE) -> Pixels:
-    """Return a picture (H, W, 3) whose world has a longer side of about `side` [pixels]; H and W are even."""
-    picture = _Picture(canvas, side)
+def pixels_of(canvas: Canvas, side: int = SIDE, *, numbers: bool = True) -> Pixels:
+    """Return a picture (H, W, 3) whose world has a longer side of about `side` [pixels]; H and W are even.
+
+    `numbers`: whether robots have their numbers, where there is room.
+    """
+    picture = _Picture(canvas, side, numbers)
     renderer = RendererAgg(picture.width, picture.height, DPI)
     picture.draw(renderer)
     drawn = np.asarray(renderer.buffer_rgba())
@@ -71,15 +74,15 @@ def check_picture(output: Path) -> None:
         raise ConfigurationError(f"{output}: expected a name that ends with {', '.join(FORMATS)}")
 
 
-def write_picture(canvas: Canvas, output: Path, side: int) -> None:
-    """Write a picture whose world has a longer side of about `side` [pixels].
+def write_picture(canvas: Canvas, output: Path, side: int, *, numbers: bool = True) -> None:
+    """Write a picture as `pixels_of` makes it.
 
     Raises:
         DocumentError: the file cannot be written.
 
     """
     if output.suffix.lower() == ".svg":
-        picture, text = _Picture(canvas, side), StringIO()
+        picture, text = _Picture(canvas, side, numbers), StringIO()
         with mpl.rc_context({"svg.hashsalt": "clean-swarm"}):  # the same file each time
             renderer = RendererSVG(picture.width, picture.height, text, metadata={"Date": None})
             picture.draw(renderer)
@@ -87,15 +90,15 @@ def write_picture(canvas: Canvas, output: Path, side: int) -> None:
         write_whole(output, text.getvalue().encode())
         return
     packed = BytesIO()
-    Image.fromarray(pixels_of(canvas, side)).save(packed, output.suffix.lower()[1:], lossless=True)
+    Image.fromarray(pixels_of(canvas, side, numbers=numbers)).save(packed, output.suffix.lower()[1:], lossless=True)
     write_whole(output, packed.getvalue())
 
 
 class _Picture:
     """A picture of `width` and `height`, both even, as video formats want them: title, world and legend."""
 
-    def __init__(self, canvas: Canvas, side: int) -> None:
-        self._canvas = canvas
+    def __init__(self, canvas: Canvas, side: int, numbers: bool) -> None:
+        self._canvas, self._numbers = canvas, numbers
         self._scale = (side - 2 * MARGIN) / max(canvas.width, canvas.height)
         self._across, self._up = (max(round(length * self._scale), 1) for length in (canvas.width, canvas.height))
         self.width = max(_even(self._across + 2 * MARGIN), _even(side / 2))
@@ -158,7 +161,7 @@ class _Picture:
                 sign = LOOK.leftovers if canvas.cargo[row] == LEFTOVERS else LOOK.item
                 half = LOOK.cargo_half * size * sign.half / LOOK.item.half
                 self._sign(sign, x - LOOK.cargo_behind * right, y - LOOK.cargo_behind * up, half)
-        if len(canvas.positions) <= LOOK.most_numbered and size > LOOK.least_numbered:
+        if self._numbers and len(canvas.positions) <= LOOK.most_numbered and size > LOOK.least_numbered:
             numbers = range(len(canvas.positions)) if canvas.numbers is None else canvas.numbers
             for row, x, y in shown:
                 number, place = _word(str(numbers[row])), Affine2D().translate(x + size + 1.0, y + size)

@@ -18,7 +18,7 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, LearnerActions
-from clean_swarm_env.learning.episodes import EnvSettings, EpisodeSource, Series, episodes_of
+from clean_swarm_env.learning.episodes import EnvSettings, EpisodeSource, PictureConfig, Series, episodes_of
 from clean_swarm_env.learning.given import (
     GivenMission,
     check_settings,
@@ -108,6 +108,7 @@ class Batch:
         self.series = Series(episodes, worlds)
         self._source = settings.get("source") or self.series
         self.action = config_from(ActionConfig, settings.get("action"), "action")
+        self.picture = config_from(PictureConfig, settings.get("picture"), "picture")
         self.begin_anew = begin_anew
         known = knowledge_of(self.mission, directories)
         models = coordinators_of(self.mission, known, library_of(directories), directories)

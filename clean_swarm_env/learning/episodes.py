@@ -8,14 +8,14 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypedDict
+from typing import Annotated, Any, TypedDict
 
 import numpy as np
+from pydantic import Field
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.tasks import import_tasks
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.given import (
     GivenFamily,
@@ -29,7 +29,9 @@ from clean_swarm_env.learning.given import (
 )
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.recording.recorder import RecordSettings
+from selector.documents.fields import Closed, Flag
 from selector.documents.trust import reading_files
+from selforg.plugins import import_named
 
 Size = tuple[float, float]
 """Width and height of a torus [m]."""
@@ -115,6 +117,15 @@ class Series:
         self._places = [(seed, world, worlds) for world in range(worlds)]
 
 
+class PictureConfig(Closed):
+    """How an environment draws its worlds, in pictures and in a window."""
+
+    side: Annotated[int, Field(strict=True, ge=200, le=4000)] = 700
+    """Longer side of the world [pixels]."""
+    numbers: Flag = True
+    """Whether robots have their numbers, where there is room."""
+
+
 class EnvSettings(TypedDict, total=False):
     """Settings of worlds, their episodes, and what is seen and done, as keyword arguments of batches and borders."""
 
@@ -133,7 +144,7 @@ class EnvSettings(TypedDict, total=False):
     directories: Named | Iterable[Named]
     """The user's configurations, knowledge and robots, searched before the shipped ones."""
     imports: Iterable[Named]
-    """Python files with tasks of the user's own, which a mission may then name."""
+    """Plug-ins, modules or `path/to/file.py`: what they register, missions may then name (docs/own_task.md)."""
     trust: bool
     """Whether the files of the mission or the family may ask for code and databases; by default not (docs/trust.md)."""
     source: EpisodeSource | None
@@ -148,12 +159,14 @@ class EnvSettings(TypedDict, total=False):
     """Terms of the observation; the default ones, and those of the mission, unless given."""
     action: ActionConfig | Mapping[str, Any] | None
     """What an action is: an option unless given."""
+    picture: PictureConfig | Mapping[str, Any] | None
+    """Size of pictures and windows, and whether robots have numbers in them."""
 
 
 def episodes_of(mission: GivenMission | None = None, settings: EnvSettings | None = None) -> Episodes:
     """Return the episodes of a mission, "table1" unless given, or of the family that the settings name."""
     chosen = settings or {}
-    import_tasks(chosen.get("imports", ()))
+    import_named(chosen.get("imports", ()))
     if chosen.get("trust"):
         with reading_files(trust=True):
             return episodes_of(mission, {**chosen, "trust": False})

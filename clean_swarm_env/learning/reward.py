@@ -22,6 +22,7 @@ from clean_swarm_env.learning.progress import COLLISIONS, EVENTS, Period, open_p
 from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission_end import COMPLETED
 from clean_swarm_env.world.worlds import Worlds
+from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Number, Share
 from selector.documents.imported import imported
 from selforg.arrays import READ, Floats
@@ -78,7 +79,7 @@ def own_rewards(chosen: object) -> OwnRewards | None:
         given = function(batch)
         paid = np.asarray(given, dtype=np.float64)
         if paid.shape != (batch.rows,) or not np.isfinite(paid).all():
-            raise ValueError(f"reward: expected finite numbers of shape {(batch.rows,)}, got {brief(given)}")
+            raise DocumentError(f"reward: expected finite numbers of shape {(batch.rows,)}, got {brief(given)}")
         return np.where(batch.took_part, paid, 0.0)
 
     return rewards

@@ -19,9 +19,11 @@ from clean_swarm_env.recording.messages import MessageLog
 from clean_swarm_env.recording.sampled import floor_arrays, mind_arrays, networks_of, points, things_of
 from clean_swarm_env.recording.stepping import copy_poses
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
+from clean_swarm_env.tasks.cleaning.cost import cost_terms
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.worlds import Worlds
+from selector.configurations.running import RunningConfiguration
 from selector.coordination.coordinator import Coordinator
 from selforg.arrays import Floats
 from selforg.elementary import directions
@@ -42,6 +44,14 @@ class RecordSettings:
     """Name of the file of a single mission; made of scenario and condition unless given."""
     thinking: bool = False
     """Whether `MissionRecorder.think` will get the chooser's opinion of each option."""
+    policies: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """The trained networks that may choose, by name, as plain data; with minds their inputs are recorded, too."""
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the components of an observation that are recorded, each once."""
+        seen = [name for policy in self.policies.values() for name in policy["observations"]]
+        return tuple(dict.fromkeys(seen)) if self.minds else ()
 
 
 class MissionRecorder:
@@ -72,6 +82,10 @@ class MissionRecorder:
         sampled = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
         sampled += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
         sampled += mind_arrays(worlds) if settings.minds else []
+        self._inputs: Floats = np.zeros((worlds.rows, len(settings.inputs)))
+        if settings.inputs:
+            about, shape = "what a policy saw when it last decided", (worlds.robots, len(settings.inputs))
+            sampled.append(Sampled(Channel("input", ("robot", "input"), shape, MILLI, 1, "-", about), self._inputs))
         self.frames = WaitingFrames(sampled, worlds.worlds)
         self._begun = False  # whether a mission has begun since the last frame
         self._joined = worlds.team.joined.copy()
@@ -103,11 +117,14 @@ class MissionRecorder:
             "options": {c.model.goal: c.model.options for c in worlds.coordinators},
             "views": {c.model.goal: [content.view_distance for content in c.contents] for c in worlds.coordinators},
             "mission": mission.model_dump(mode="json"),
+            "option_words": {c.model.goal: [_first_sentence(one) for one in c.contents] for c in worlds.coordinators},
         }
-        facts |= self._networks
+        facts |= self._networks | ({"prices": cost_terms(mission)._asdict()} if worlds.task.priced else {})
         if not kept:
             facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)
             facts["things"] = list(things_of(worlds, world))
+        if self.settings.inputs:
+            facts |= {"inputs": self.settings.inputs, "policies": self.settings.policies}
         path = self._path(facts["about"])
         self._running[world] = RecordingFile(path, facts, self.frames.channels)
         self.frames.start(world)
@@ -121,6 +138,10 @@ class MissionRecorder:
     def think(self, goal: str, values: Floats) -> None:
         """Note the chooser's opinion of each option of a goal from the next frame on: values (R, O)."""
         self._opinions[goal][:] = values
+
+    def note_inputs(self, values: Floats) -> None:
+        """Note what the policy sees (R, K) from the next frame on, in the order of the settings' `inputs`."""
+        self._inputs[:] = values
 
     def note_by_hand(self, change: Mapping[str, Any]) -> None:
         """Note a change by hand, plain data, before the next tick of the only world."""
@@ -226,6 +247,11 @@ class MissionRecorder:
             notes = {"deposits": self._messages.kinds, "by_hand": self._by_hand}
             self._running[world].add(self.frames.pack(world), notes)
             self._by_hand.clear()
+
+
+def _first_sentence(content: RunningConfiguration) -> str:
+    """Return the first sentence about a configuration."""
+    return " ".join(content.spec.description.split()).split(". ")[0].split(": ")[0].rstrip(".") + "."
 
 
 def record_mission(run: MissionRun, settings: RecordSettings, about: Mapping[str, Any]) -> MissionResult:

@@ -13,10 +13,12 @@ import numpy as np
 
 from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.taking import Sampled
+from clean_swarm_env.world.explaining import Movements
 from clean_swarm_env.world.task_parts import Recorded
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
+from selforg.mechanisms.causes import MOST_CAUSES
 from selforg.network import state as st
 from selforg.network.explanation import in_short
 from selforg.network.model.conditions import Optional, leaves
@@ -48,6 +50,9 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
             "robots that came too close until the next frame",
         ),
     ]
+    if worlds.task.priced:
+        about = "pairs closer than the first collision distance, summed over the physics steps before the frame's end"
+        own.append(Recorded("samples", "distance", worlds.collisions.samples[:, :1], about))
     for c in worlds.coordinators:
         own.append(Recorded(f"held/{c.model.goal}", "robot", c.held, "the option that serves the goal in the robot"))
     for one in (*own, *worlds.task.recorded()):
@@ -85,6 +90,7 @@ def points(
 def mind_arrays(worlds: Worlds) -> Iterator[Sampled]:
     """Yield what the networks of rows read, computed and decided, those of options and inside behaviours included."""
     robots = worlds.robots
+    yield from _movements(robots, Movements(worlds))
     yield from _network(robots, "robot", worlds.network)
     for number, coordinator in enumerate(worlds.coordinators):
         for k, content in enumerate(coordinator.contents):
@@ -92,6 +98,22 @@ def mind_arrays(worlds: Worlds) -> Iterator[Sampled]:
             yield from _network(robots, prefix, content.network, (number, k))
     for nested in worlds.minds.nested:
         yield from _network(robots, nested.name, nested.network)
+
+
+def _movements(robots: int, movements: Movements) -> Iterator[Sampled]:
+    """Yield what robots were told to drive, what they wanted, and who counts; the first one brings all up to date."""
+    both = {
+        "command": (movements.commands, "what the robot was told to drive"),
+        "wish": (movements.wishes, "the same without what keeps it away from others, 0 where that is all it does"),
+    }
+    for name, (vectors, about) in both.items():
+        for k, coordinate in enumerate("xy"):
+            channel = Channel(f"{name}_{coordinate}", ("robot",), (robots,), MILLI, 1, "m/s", about)
+            yield Sampled(channel, vectors[:, k], prepare=movements.note if channel.name == "command_x" else None)
+    axes, shape = ("robot", "cause"), (robots, MOST_CAUSES)
+    about = "robots because of whom it does not do what it wanted, the one that counts most first; -1 for none"
+    yield Sampled(Channel("cause", axes, shape, 1, 1, "-", about), movements.who)
+    yield Sampled(Channel("cause_share", axes, shape, MILLI, 1, "-", "how much each of them counts"), movements.shares)
 
 
 def networks_of(worlds: Worlds) -> dict[str, Any]:

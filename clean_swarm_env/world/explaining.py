@@ -1,15 +1,24 @@
-"""What a robot decided in its last step, and why, as data: what `clean-swarm explain` prints."""
+"""What a robot decided in its last step, and why, as data: what `clean-swarm explain` prints.
+
+It is read after a tick, from arrays that the tick left behind; nothing is changed.
+"""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Annotated, Any
+
+import numpy as np
 
 from clean_swarm_env.config.events import join_time
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork
+from selforg.arrays import SCRATCH, Floats, Ints
+from selforg.mechanisms.base import Mechanism
+from selforg.mechanisms.causes import MOST_CAUSES, Causes
+from selforg.mechanisms.formula import NeighbourMechanism
 from selforg.network.explanation import Explanation, explain
 from selforg.network.network import BehaviourNetwork
 
@@ -110,3 +119,49 @@ def _coordinated(coordinator: Coordinator, row: int) -> Coordinated:
 def _inner_step(holder: Coordinator | InnerNetwork, network: BehaviourNetwork, row: int) -> Explanation | None:
     """Return the step of a network inside a behaviour; None if the behaviour does not run."""
     return explain(network, row) if holder.parent.executing[row, holder.index] == 1 else None
+
+
+class Movements:
+    """What robots were told to drive, what they wanted, and because of whom these differ.
+
+    Attributes:
+        commands: (R, 2) [m/s] what each robot was told to drive, zero for nothing.
+        wishes: (R, 2) [m/s] the same without what keeps it away from others; zero where that is all it does.
+        who: (R, MOST_CAUSES) numbers of the robots in its world that count most, -1 for none.
+        shares: (R, MOST_CAUSES) how much each counts, of all together.
+
+    """
+
+    commands: Annotated[Floats, "R 2", SCRATCH]
+    wishes: Annotated[Floats, "R 2", SCRATCH]
+    who: Annotated[Ints, "R MOST", SCRATCH]
+    shares: Annotated[Floats, "R MOST", SCRATCH]
+
+    def __init__(self, worlds: Worlds) -> None:
+        self._worlds, self._causes = worlds, Causes(worlds.rows)
+        self.commands, self.wishes = np.zeros((worlds.rows, 2)), np.zeros((worlds.rows, 2))
+        self.who, self.shares = self._causes.who.copy(), np.zeros((worlds.rows, MOST_CAUSES))
+
+    def note(self) -> None:
+        """Read what the last tick left behind."""
+        worlds, causes = self._worlds, self._causes
+        commands, now = worlds.minds.commands, worlds.now - worlds.period
+        self.commands[:] = np.where(commands.commanded[:, None], commands.vectors, 0.0)
+        self.wishes[:] = np.where(commands.commanded[:, None], commands.wishes, 0.0)
+        causes.clear()
+        for coordinator in worlds.coordinators:
+            for option in coordinator.used:
+                for mechanism in coordinator.contents[option].mechanisms.values():
+                    rows = self._changed(coordinator, option, mechanism)
+                    mechanism.weigh(now, rows, commands.wishes, causes)
+        self.who[:] = np.where(causes.who < 0, -1, causes.who % worlds.robots)
+        self.shares[:] = causes.shares()
+
+    def _changed(self, coordinator: Coordinator, option: int, mechanism: Mechanism) -> Ints:
+        """Return the rows whose movement the mechanism of an option changed; what it moves itself has no wish."""
+        held = (coordinator.held == option) & self._worlds.team.working
+        if isinstance(mechanism, NeighbourMechanism):
+            rows = np.flatnonzero(held & (coordinator.parent.executing[:, coordinator.index] == 1))
+            self.wishes[rows] = 0.0
+            return rows
+        return np.flatnonzero(held & (self.wishes != self.commands).any(axis=1))

@@ -41,7 +41,7 @@ FAMILY, GOAL = "crowded-exploring", "ExplorationPatrol"
 CONDITIONS = ("fixed:Patrol", "policy:exploring-ppo")
 MOMENT = "#t=64&robot=7&run=1"
 SIZE = (1500, 900)
-FAST, PLAYED = 50.0, 64.0
+FAST, PLAYED = 10.0, 10.4
 """Speed of the mission that is played, and the moment of its picture [s]."""
 REPORT = (1000, 1700)
 """Width and height of the picture of a report [pixels]."""
@@ -56,9 +56,9 @@ SHOWN = 100
 
 def record(folder: Path) -> list[RecordedMission]:
     """Record one scenario of the family under both conditions."""
-    family = load_family(FAMILY)
+    scenario = load_family(FAMILY).scenario(0, 0, "test")
     for condition in CONDITIONS:
-        task = TrialTask(family, 0, ((0, 0),), condition, condition, GOAL, ())
+        task = TrialTask(FAMILY, 0, (scenario,), condition, condition, GOAL)
         task.recorded(RecordSettings(folder, minds=True, name=condition.partition(":")[0])).run()
     return [RecordedMission(folder / f"{condition.partition(':')[0]}.swarm") for condition in CONDITIONS]
 
@@ -81,9 +81,9 @@ def chromium() -> Iterator[Browser]:
 
 
 @contextmanager
-def played(browser: Browser, output: Path, speed: float) -> Iterator[Page]:
+def played(browser: Browser, output: Path, speed: float, strategy: str | None = None) -> Iterator[Page]:
     """Play the mission of `clean-swarm play` at a speed before a page, and record it; give the page."""
-    session = Session(chosen("crowded", 1, 0, None, ()), output)
+    session = Session(chosen("crowded", 1, 0, strategy, ()), output)
     conductor = Conductor(dict.fromkeys(("", *playable(())), lambda: session), speed)
     runner = Thread(target=conductor.run)
     with LiveServer() as server:

@@ -11,6 +11,7 @@ from typing import Any
 from clean_swarm_env.config.load import load_robustness
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.strategy_comparison import Estimate
+from train.reports.charts import picture_of
 from train.reports.figures import draw_robustness
 
 DOCS = Path(__file__).parents[1]
@@ -51,7 +52,7 @@ def table(report: RobustnessReport) -> str:
 def main(folder: Path) -> None:
     """Draw the picture and write the table."""
     report = report_of(json.loads((folder / "summary.json").read_text(encoding="utf-8")))
-    PICTURE.write_bytes(draw_robustness(report))
+    PICTURE.write_bytes(picture_of(draw_robustness(report), PICTURE.suffix))
     before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
     PAGE.write_text(before + BEGIN + table(report) + END + rest.split(END)[1], encoding="utf-8")
 

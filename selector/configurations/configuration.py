@@ -63,9 +63,6 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour]):
     def _names_exist(self) -> Self:
         for name in self.knowledge.keys() & self.expects.keys():
             raise ValueError(f"expects.{name}: is under knowledge too; expected one of them")
-        for name, mechanism in self.mechanisms.items():
-            if mechanism.type not in MECHANISMS:
-                raise ValueError(f"mechanisms.{name}.type: {unknown('mechanism', mechanism.type, MECHANISMS.names())}")
         for where, spec in self._components():
             self._check_component(spec, where)
         return self

@@ -1,7 +1,8 @@
 """Find files of every kind, by name or by path, in the user's directories and in the shipped one.
 
 A directory of configurations holds one folder for each kind of file, `KINDS`. The given directories are searched in
-order, the shipped one last: a file in an earlier directory hides one of the same name in a later one.
+order, the shipped one and the folders of plug-ins last: a file in an earlier directory hides one of the same name in a
+later one. No file of a plug-in has the name of one that ships.
 """
 
 import os
@@ -11,7 +12,8 @@ from pathlib import Path
 
 from selector.documents.errors import DocumentError, M, shown, validated
 from selector.documents.reading import read_mapping
-from selforg.registry import unknown
+from selforg.plugins import folders, load
+from selforg.registry import REGISTRIES, unknown
 
 SHIPPED = Path(__file__).resolve().parents[2] / "configs"
 """The directory of the shipped files, beside this package in a checkout and in an installed wheel."""
@@ -77,14 +79,34 @@ def find_file(kind: str, name: str, directories: Sequence[Path] = (), where: str
 
 def files_of(kind: str, directories: Sequence[Path] = ()) -> dict[str, Path]:
     """Return name -> file for all files of a kind, in the order of their names."""
-    found: dict[str, Path] = {}
-    for root in (*directories, SHIPPED):
+    for root in directories:
         if not root.is_dir():
             raise DocumentError(f"{root}: no such directory")
-        folder = root / kind
-        for path in folder.glob(f"*{KINDS[kind].ending}"):
-            found.setdefault(path.relative_to(folder).as_posix().removesuffix(KINDS[kind].ending), path)
+    found = _files_in(SHIPPED, kind)
+    for folder, origin in folders().items():
+        own = _files_in(folder, kind)
+        for name in found.keys() & own.keys():
+            taken = f"the {KINDS[kind].called} {name!r} exists already: {found[name]}"
+            raise DocumentError(f"{origin}: {own[name]}: {taken}")
+        found |= own
+    for root in reversed(directories):
+        found |= _files_in(root, kind)
     return dict(sorted(found.items()))
+
+
+def plugin_names() -> dict[str, dict[str, str]]:
+    """Return the names that plug-ins have brought, each with its origin, by kind: of classes, and of files."""
+    load()
+    names = {registry.kind: registry.origins() for registry in REGISTRIES}
+    for kind in KINDS:
+        names[kind] = {name: origin for folder, origin in folders().items() for name in _files_in(folder, kind)}
+    return {kind: own for kind, own in names.items() if own}
+
+
+def _files_in(root: Path, kind: str) -> dict[str, Path]:
+    """Return name -> file for the files of a kind in one directory of configurations."""
+    folder, ending = root / kind, KINDS[kind].ending
+    return {path.relative_to(folder).as_posix().removesuffix(ending): path for path in folder.glob(f"*{ending}")}
 
 
 def load_file(kind: str, name: str, model: type[M], directories: Sequence[Path] = (), where: str = "") -> M:

@@ -1,12 +1,10 @@
 """Objects of the user's own Python code by their names, `module:name` or `path/to/file.py:name`.
 
-`trust.py` says which of these names may be used.
+`trust.py` says which of these names may be used, and `selforg.plugins` imports their modules.
 """
 
-import sys
-from importlib import import_module
 from importlib.machinery import PathFinder
-from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,7 +12,10 @@ from pydantic import AfterValidator, Field
 
 from selector.documents.errors import DocumentError
 from selector.documents.fields import as_name
+from selector.documents.plain import short
 from selector.documents.trust import check_trust
+from selforg import plugins
+from selforg.registry import Registry, unknown
 
 
 def is_import(text: str) -> bool:
@@ -26,9 +27,35 @@ def is_import(text: str) -> bool:
 NameOrImport = Annotated[
     str,
     Field(strict=True),
-    AfterValidator(lambda text: check_trust(text, f"import {text}") if is_import(text) else as_name(text)),
+    AfterValidator(lambda text: _check_import(text) if is_import(text) else as_name(text)),
 ]
 """A registered name, or one of the user's own code."""
+
+
+def registered(text: str, registry: Registry[Any]) -> str:
+    """Return the name under which a class is registered, given that name or `module:Class`.
+
+    Raises:
+        DocumentError: nothing has the name, or there is no such class.
+
+    """
+    if is_import(text):
+        found = imported(text, registry.kind)
+        if found not in list(registry):
+            raise DocumentError(f"{text}: expected a registered {registry.kind}, got {short(found)}")
+        plugins.import_named(text.rpartition(":")[0])  # workers look the class up by its registered name
+        return registry.name_of(found)
+    if text not in registry:
+        raise DocumentError(unknown(registry.kind, text, registry.names()))
+    return text
+
+
+def _check_import(text: str, where: str = "") -> str:
+    """Return a name of the user's own code; DocumentError if only a file asks for it."""
+    place = text.rpartition(":")[0]
+    if not plugins.is_named(place):
+        check_trust(text, f"import {text}", where, f"--import {place} (imports= in Python) allows it, ")
+    return text
 
 
 def imported(text: str, where: str) -> Any:  # noqa: ANN401  (whatever the user's code defines)
@@ -40,14 +67,12 @@ def imported(text: str, where: str) -> Any:  # noqa: ANN401  (whatever the user'
     """
     if not is_import(text):
         raise DocumentError(f"{where}: expected module:name or path/to/file.py:name, got {text!r}")
-    check_trust(text, f"import {text}", f"{where}: ")
+    _check_import(text, f"{where}: ")
     place, _, name = text.rpartition(":")
-    if not place.endswith(".py") and str(Path.cwd()) not in sys.path:
-        sys.path.append(str(Path.cwd()))
     try:
-        module = module_of_file(Path(place)) if place.endswith(".py") else import_module(place)
-    except (ImportError, FileNotFoundError) as error:
-        raise DocumentError(f"{where}: {place}: {error}") from error
+        module = plugins.module_of(plugins.module_or_file(place))
+    except plugins.PluginError as error:
+        raise DocumentError(f"{where}: {error}") from error
     if not hasattr(module, name):
         raise DocumentError(f"{where}: {place} defines no {name!r}")
     return getattr(module, name)
@@ -69,22 +94,3 @@ def source_of(text: str, where: str) -> Path:
     if not (found.is_file() and found.suffix == ".py"):
         raise DocumentError(f"{where}: {place}: no such file of Python code")
     return found
-
-
-def module_of_file(path: Path) -> Any:  # noqa: ANN401  (a module)
-    """Return the module of a file, executed once in a process.
-
-    While it is executed it is among the modules, where Python looks for the names in its annotations.
-    """
-    name = f"file {path.resolve()}"
-    if name not in sys.modules:
-        spec = spec_from_file_location(name, path)
-        assert spec is not None
-        assert spec.loader is not None
-        module = sys.modules[name] = module_from_spec(spec)
-        try:
-            spec.loader.exec_module(module)
-        except BaseException:
-            del sys.modules[name]
-            raise
-    return sys.modules[name]

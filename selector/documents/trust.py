@@ -41,15 +41,18 @@ _in_file: ContextVar[tuple[str, bool] | None] = ContextVar("_in_file", default=N
 """The file that names come from, and whether it is trusted; None: from no file."""
 
 
-def check_trust(name: str, deed: str, where: str = "") -> str:
-    """Return a name; DocumentError, which begins with `where`, if only a file asks for the `deed` it stands for."""
+def check_trust(name: str, deed: str, where: str = "", hint: str = "") -> str:
+    """Return a name; DocumentError, which begins with `where`, if only a file asks for the `deed` it stands for.
+
+    `hint`: what would allow this deed alone.
+    """
     global _of_process
     in_file, named = _in_file.get(), _of_process.names
     if in_file is None if named is None else os.path.normpath(name) in named:
         return name
     file, trusted = in_file or ("", False)
     if not trusted and not _of_process.trusted:
-        allows = "--trust (trust=True in Python) allows what files ask for"
+        allows = f"{hint}--trust (trust=True in Python) allows what files ask for"
         raise DocumentError(f"{where}only a file asks to {deed}; {allows}")
     if name not in _of_process.said:
         sys.stderr.write(f"trusted: {file or 'a file'} asks to {deed}\n")

@@ -38,7 +38,10 @@ def yaml_value(text: str, where: str) -> Any:  # noqa: ANN401  (whatever YAML ho
         events = list(islice(yaml.parse(text, Loader=_PARSER), MOST_EVENTS))
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
-        raise DocumentError(f"{where}: line {line}: {error.problem}") from error
+        what = (
+            TOO_DEEP if "nesting" in str(error.problem) else error.problem
+        )  # PyYAML has a bound of its own since 6.0.4
+        raise DocumentError(f"{where}: line {line}: {what}") from error
     except (yaml.YAMLError, UnicodeError) as error:
         raise DocumentError(f"{where}: {' '.join(str(error).split())}") from error
     builder = _Builder(events, where)

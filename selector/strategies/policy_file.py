@@ -6,6 +6,7 @@ those of all goals, one goal after the other. One that drives has `vector.weight
 of those of options, or beside them.
 """
 
+import base64
 import hashlib
 import json
 from collections.abc import Sequence
@@ -110,6 +111,27 @@ class TrainedPolicy:
 
     spec: PolicySpec
     weights: dict[str, Floats32]
+
+
+def described(policy: TrainedPolicy) -> dict[str, Any]:
+    """Return what is needed to compute the options of a policy again, as plain data; nothing if it chooses none.
+
+    `weights`: of each layer the matrix (inputs, outputs) and the biases, float32, in base64.
+    """
+    spec, layers = policy.spec, [name for name, _, _ in policy.spec.layers() if name != "vector"]
+    if "options" not in layers:
+        return {}
+    parts = [part for name in layers for part in (policy.weights[f"{name}.weight"].T, policy.weights[f"{name}.bias"])]
+    return {
+        "goals": spec.goals,
+        "observations": spec.observations,
+        "mean": spec.mean,
+        "deviation": np.sqrt(np.array(spec.variance) + spec.epsilon).tolist(),
+        "clip": spec.clip,
+        "activation": spec.activation,
+        "widths": [len(spec.observations), *spec.hidden, spec.heads["options"]],
+        "weights": base64.b64encode(b"".join(np.ascontiguousarray(part).tobytes() for part in parts)).decode(),
+    }
 
 
 def save_policy(directory: Path, policy: TrainedPolicy) -> None:

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from contextlib import nullcontext
 from typing import Any, ClassVar, final, get_origin, get_type_hints
 
 import numpy as np
@@ -14,6 +15,7 @@ from selector.documents.fields import Closed
 from selector.strategies.problem import Decisions, Outcomes, Problem, readable, whole_numbers
 from selector.strategies.streams import Keys, uniforms
 from selforg.arrays import Flags, Floats, Ints
+from selforg.plugins import contract, is_own
 
 
 class DecisionStrategy(ABC):
@@ -132,13 +134,9 @@ class DecisionStrategy(ABC):
         draws = uniforms(self.keys[deciding], self.counters[deciding], count)
         draws.flags.writeable = False
         groups = self.group_of[deciding]
-        chosen = np.asarray(self._select(Decisions(deciding, groups, seen, can_serve, draws)))
+        with contract(self, "_select") if is_own(type(self)) else nullcontext():
+            options = self._checked(Decisions(deciding, groups, seen, can_serve, draws))
         self.counters[deciding] += np.uint64(1)
-        name = f"{type(self).__name__}._select"
-        options = whole_numbers(name, chosen, (len(deciding),), "options", self.options).copy()
-        served = np.take_along_axis(can_serve, options[:, None], axis=1)[:, 0]
-        if not served.all():
-            raise ValueError(f"{name}: option {options[~served][0]} cannot serve row {deciding[~served][0]}")
         return options
 
     @final
@@ -234,6 +232,15 @@ class DecisionStrategy(ABC):
 
     def _update(self, outcomes: Outcomes) -> None:  # noqa: B027  (not every strategy learns)
         """Learn from the rewards of decisions; a strategy that does not learn leaves this out."""
+
+    def _checked(self, decisions: Decisions) -> Ints:
+        """Return the option (K,) of each decision; ValueError unless it is one that can serve."""
+        name, rows = f"{type(self).__name__}._select", decisions.rows
+        options = whole_numbers(name, self._select(decisions), (len(rows),), "options", self.options).copy()
+        served = np.take_along_axis(decisions.allowed, options[:, None], axis=1)[:, 0]
+        if not served.all():
+            raise ValueError(f"{name}: option {options[~served][0]} cannot serve row {rows[~served][0]}")
+        return options
 
     def _rows(self, rows: Ints | None) -> Ints:
         if rows is None:

@@ -7,14 +7,17 @@ target or a piece of knowledge by the name that this has in the document.
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeAlias, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError, field_validator, model_validator
 
 from selector.documents.errors import of_part
 from selector.documents.fields import Closed, Flag, Name, NonNegative
+from selector.documents.imported import NameOrImport as ClassName
+from selector.documents.imported import registered
 from selector.vocabulary.constructors import Reference, arguments_of, model_of, references_of
 from selforg.components import ACTIONS, SENSORS, Action, SensorComponent
 from selforg.gradients.queries import CHOICES
-from selforg.registry import Registry, unknown
+from selforg.mechanisms import MECHANISMS
+from selforg.registry import Registry
 
 Component = TypeVar("Component")
 ClassOf: TypeAlias = type[Component]
@@ -26,8 +29,8 @@ DEFAULT_BUFFER = "gradients"
 class MechanismSpec(Closed):
     """A registered mechanism with its parameters."""
 
-    type: Name
-    """Name of the mechanism's class."""
+    type: ClassName
+    """Name of the mechanism's class, or `module:Class`."""
     buffer: Name = DEFAULT_BUFFER
     """Name of the host's buffer that the mechanism reads and spreads to."""
     hold: NonNegative = 0.0
@@ -38,6 +41,11 @@ class MechanismSpec(Closed):
     """Longest time that is drawn [s]."""
     parameters: dict[Name, Any] = Field(default_factory=dict)
     """Keyword arguments of the mechanism."""
+
+    @field_validator("type")
+    @classmethod
+    def _registered(cls, name: str) -> str:
+        return registered(name, MECHANISMS)
 
 
 class TargetSpec(Closed):
@@ -63,13 +71,16 @@ class ComponentSpec(Closed, Generic[Component], extra="allow"):
     registry: ClassVar[Registry[Any]]
     """The registry of the class."""
 
-    type: Name
-    """Name of the class."""
+    type: ClassName
+    """Name of the class, or `module:Class`."""
+
+    @field_validator("type")
+    @classmethod
+    def _registered(cls, name: str) -> str:
+        return registered(name, cls.registry)
 
     @model_validator(mode="after")
     def _fits_its_class(self) -> Self:
-        if self.type not in self.registry:
-            raise ValueError(unknown(self.registry.kind, self.type, self.registry.names()))
         try:
             self._form.model_validate(self.model_extra)
         except ValidationError as error:

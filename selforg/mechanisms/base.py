@@ -17,6 +17,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.columns import SEE_MOVING, SEE_STATIC
+from selforg.mechanisms.causes import Causes
 from selforg.randomness import DirectionStream
 from selforg.registry import Registry
 
@@ -66,6 +67,9 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
 
     example: ClassVar[Mapping[str, Any]] = {}
     """Keyword arguments with which the contract tests build the class."""
+
+    def weigh(self, now: float, rows: Ints, wishes: Floats, causes: Causes) -> None:  # noqa: B027  (of most: nobody)
+        """Note because of whom it changes `wishes` (N, D) [m/s] of `rows` (K,), at the `now` [s] at which it did so."""
 
     @classmethod
     def variant(cls, name: str, says: str, **attributes: Any) -> type[Self]:  # noqa: ANN401  (those of the class)

@@ -12,10 +12,12 @@ from selforg.compiler.records import Packed, Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import CHOOSE_NEAREST, Own, Pair, pair_at
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.queries import PairRoom
+from selforg.gradients.queries import Filter, PairRoom, Queries
+from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, Sight, Store, open_sight
 from selforg.mechanisms.base import MovementMechanism, MoveOptions, at_least
+from selforg.mechanisms.causes import Causes, note_cause
 from selforg.mechanisms.movement import (
     ALL_IN_VIEW,
     RULE,
@@ -189,3 +191,19 @@ class NeighbourMechanism(FormulaMechanism):
         options["channels"] = tuple(options.get("channels", ())) or (poses.channel,)
         super().__init__(buffer, **options)
         self._see_bits = self.see_bits
+
+    def weigh(self, now: float, rows: Ints, wishes: Floats, causes: Causes) -> None:
+        """Note all others by the lengths of their contributions to a sum; a mechanism that is no sum has no causes."""
+        poses = self.poses
+        if self.combine is not combined or not len(rows):
+            return
+        seen = Queries(SoBuffer(BufferSettings(), poses.space, poses)).gather(  # nothing of its own buffer changes
+            now, rows, Filter(static=False, view_distance=self.view_distance)
+        )
+        for index, row in enumerate(rows.tolist()):
+            goal_radius, reach = poses.own[row, 0, c.GOAL_RADIUS], poses.own[row, 0, [c.DIFFUSION, c.GOAL_RADIUS]].sum()
+            for pair in seen.pairs[seen.start[index] : seen.start[index + 1]]:
+                own = Own(goal_radius, reach, self.view_distance)
+                length = min(abs(self.formula(pair_at(0, pair[None], own))), reach)  # all of it where it is full
+                other = int(-1 - pair[c.PAIR_SLOT]) % poses.rows
+                note_cause(row, other, length, causes.who, causes.weights)

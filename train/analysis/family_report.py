@@ -15,6 +15,7 @@ import numpy as np
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.tasks.cleaning.cost import left_cost, mission_cost
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
 from selector.documents.trust import BASELINE
@@ -23,12 +24,15 @@ from train.analysis.intervals import Ratio
 from train.analysis.statistics import Summary, summarise
 from train.analysis.strategy_comparison import BestFixed, StrategyComparison, compare_strategies
 from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies
+from train.analysis.verdict import RANDOM, Ranking, unfinished_sentence
 from train.running.runs import RunRecord, under
 
 LIMITS = (0.5, 2.0)
 """Shares of the time limit by which items that are left are priced once more."""
 PRICES = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Prices of a collision event [s]; the price of contacts keeps its ratio to it."""
+NEVER_AVOIDS = "fixed:Off"
+"""Label of the strategy that never avoids."""
 Figure = Callable[[MissionConfig, MissionResult], float]
 FIGURES: Final[Mapping[str, Figure]] = {
     "cost_s": lambda _, r: r.cost_s,
@@ -94,13 +98,15 @@ class Front:
 
     excesses: Mapping[str, tuple[float, ...]]
     """Label -> (P,) mean excess at each of PRICES [s]."""
-    events: Mapping[str, float]
-    """Label -> mean number of collision events."""
+    times: Mapping[str, Summary]
+    """Label -> excess at the price 0 [s]."""
+    events: Mapping[str, Summary]
+    """Label -> number of collision events."""
 
     @property
     def undominated(self) -> tuple[str, ...]:
         """Strategies than which no other has both less time and fewer events; time is the excess at the price 0."""
-        points = {label: (self.excesses[label][0], events) for label, events in self.events.items()}
+        points = {label: (self.excesses[label][0], events.mean) for label, events in self.events.items()}
         return tuple(
             label
             for label, (time, events) in points.items()
@@ -134,6 +140,26 @@ class FamilyReport:
         """See `unfinished_of`."""
         return unfinished_of(self.runs)
 
+    @cached_property
+    def ranking(self) -> Ranking:
+        """The strategies by their excess."""
+        return ranking_of(self.runs)
+
+    @property
+    def compared(self) -> str:
+        """What is compared: the excess, or the cost where they are the same."""
+        own = self.summaries.values()
+        return "cost" if all(figures["excess_s"] == figures["cost_s"] for figures in own) else "excess"
+
+    @property
+    def verdict(self) -> list[str]:
+        """What came out, in one to three sentences."""
+        random = RANDOM in self.runs.conditions
+        tried = [label for label in self.runs.conditions if random and label not in (*self.runs.fixed, RANDOM)]
+        word = "ended short of a target" if self.measured else "left unfinished"
+        found = self.ranking.sentences((NEVER_AVOIDS, BASELINE, RANDOM), tried)
+        return [*found, *filter(None, [unfinished_sentence(self.left, self.ranking, word)])]
+
     def unfinished(self, label: str) -> float | None:
         """Return the share of a strategy's missions that were not completed; None where garbage keeps coming."""
         return float(self.left[label].mean()) if label in self.left else None
@@ -165,7 +191,8 @@ class FamilyReport:
 
 
 def family_report_of(runs: FamilyRuns) -> FamilyReport:
-    """Compute everything from the records."""
+    """Compute everything from the records; the strategies are in the order of their excess."""
+    runs = replace(runs, conditions={label: runs.conditions[label] for label in ranking_of(runs).labels})
     figures = {name: runs.table(figure) for name, figure in FIGURES.items()}
     summaries = {
         label: {name: summarise(values[label].mean(axis=(0, 2))) for name, values in figures.items()}
@@ -181,6 +208,12 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
     }
     measured = measured_strategies(measures, values, BASELINE)
     return FamilyReport(runs, summaries, comparison, limits, front, measured)
+
+
+def ranking_of(runs: FamilyRuns) -> Ranking:
+    """Return the strategies by their excess; the worlds of a scenario count as one."""
+    off = "never avoiding" if GOAL in runs.goal else "Off"
+    return Ranking.of({label: own.mean(axis=2) for label, own in excesses_of(runs).items()}, spoken={NEVER_AVOIDS: off})
 
 
 def _measured(_: MissionConfig, result: MissionResult, measure: str) -> float:
@@ -232,4 +265,5 @@ def priced_excess(mission: MissionConfig, result: MissionResult, price: float) -
 def _front(runs: FamilyRuns, summaries: Mapping[str, Mapping[str, Summary]]) -> Front:
     tables = [runs.table(partial(priced_excess, price=price)) for price in PRICES]
     excesses = {label: tuple(float(table[label].mean()) for table in tables) for label in runs.conditions}
-    return Front(excesses, {label: own["events"].mean for label, own in summaries.items()})
+    times = {label: summarise(table.mean(axis=(0, 2))) for label, table in tables[0].items()}
+    return Front(excesses, times, {label: own["events"] for label, own in summaries.items()})

@@ -42,17 +42,24 @@ class MeanError:
     """Standard error."""
     freedom: float
     """Degrees of freedom, by Welch and Satterthwaite."""
+    of_trainings: float = 0.0
+    """The part of the trainings, which more scenarios do not lower; a standard error, too."""
 
     @classmethod
-    def of(cls, values: Floats) -> MeanError | None:
-        """Return that of the mean of `values` (S, K); None for a single scenario."""
+    def of(cls, values: Floats, other: Floats | None = None) -> MeanError | None:
+        """Return that of the mean of `values` (S, K); None for a single scenario.
+
+        `other` (S', K) has the values of another strategy in the same unit, whose mean over its trainings has been
+        subtracted: these trainings count, too.
+        """
         if values.shape[1] < 2:
             return None
-        means = [own for own in (values.mean(axis=0), values.mean(axis=1)) if len(own) > 1]
+        of_trainings = [values.mean(axis=1), *([] if other is None else [other.mean(axis=1)])]
+        means = [own for own in (values.mean(axis=0), *of_trainings) if len(own) > 1]
         parts = np.array([own.var(ddof=1) / len(own) for own in means])
         shares = np.maximum(parts, NO_SPREAD**2) / np.maximum(parts, NO_SPREAD**2).sum()
         freedom = 1.0 / (shares**2 / [len(own) - 1 for own in means]).sum()
-        return cls(values.shape[1], math.sqrt(parts.sum()), float(freedom))
+        return cls(values.shape[1], math.sqrt(parts.sum()), float(freedom), math.sqrt(parts[1:].sum()))
 
     def half_width(self, tail: float = TAIL) -> float:
         """Return half the width of the interval both of whose tails have the probability `tail`."""
@@ -68,11 +75,15 @@ class MeanError:
             return None
         return float(2.0 * scipy.stats.t.sf(abs(mean) / max(self.error, NO_SPREAD), self.freedom))
 
-    def needed(self, effect: float) -> int:
-        """Return the number of scenarios that tells a mean of `effect` from 0, by this spread."""
-        level, power = float(scipy.stats.norm.isf(TAIL)), float(scipy.stats.norm.ppf(POWER))
-        spread = self.error * math.sqrt(self.scenarios)
-        return max(math.ceil(((level + power) * spread / effect) ** 2 + level**2 / 2.0), FEWEST)
+    def needed(self, effect: float, tail: float = TAIL) -> int | None:
+        """Return the number of scenarios that tells a mean of `effect` from 0, by this spread.
+
+        None if no number does, because the trainings differ too much.
+        """
+        level, power = float(scipy.stats.norm.isf(tail)), float(scipy.stats.norm.ppf(POWER))
+        allowed = (effect / (level + power)) ** 2 - self.of_trainings**2
+        variance = (self.error**2 - self.of_trainings**2) * self.scenarios
+        return max(math.ceil(variance / allowed + level**2 / 2.0), FEWEST) if allowed > 0.0 else None
 
 
 @dataclass(frozen=True)
@@ -87,11 +98,12 @@ class Ratio:
 
     @classmethod
     def of(cls, own: Floats, other: Floats) -> Ratio:
-        """Return the ratio of the means of `own` (S, K) or (K,) and `other` (K,)."""
-        above, below, count = float(own.mean()), float(other.mean()), len(other)
+        """Return the ratio of the means of `own` (S, K) or (K,) and `other`, likewise."""
+        own, other = np.atleast_2d(own), np.atleast_2d(other)
+        above, below, count = float(own.mean()), float(other.mean()), other.shape[1]
         if below == 0.0 or above / below <= 0.0:
             return cls(above / below if below else None, None, count)
-        return cls(above / below, MeanError.of(np.atleast_2d(own) / above - other / below), count)
+        return cls(above / below, MeanError.of(own / above - other.mean(axis=0) / below, other / below), count)
 
     def interval(self, tail: float = TAIL) -> Interval | None:
         """Return the interval both of whose tails have the probability `tail`; None if it is unknown."""
@@ -129,7 +141,17 @@ def too_few(ratios: Sequence[Ratio]) -> tuple[str, ...]:
     if scenarios >= FEWEST:
         return ()
     spreads = [one.spread for one in ratios if one.spread is not None and one.spread.error > NO_SPREAD]
-    needed = int(np.median([spread.needed(TOLD) for spread in spreads])) if spreads else FEWEST
-    about = f"about {round(needed, 2 - len(str(needed)))}" if spreads else f"{FEWEST} or more"
+    found = [count for spread in spreads if (count := spread.needed(TOLD)) is not None]
+    about = f"about {about_number(float(np.median(found)))}" if found else f"{FEWEST} or more"
     plural = "s" if scenarios != 1 else ""
     return (f"{scenarios} scenario{plural}: no statement; {about} are needed to tell a difference of a tenth",)
+
+
+def about_number(count: float) -> int:
+    """Return a count with two digits.
+
+    >>> about_number(1234.0), about_number(7.0)
+    (1200, 7)
+
+    """
+    return round(int(count), 2 - len(str(int(count))))

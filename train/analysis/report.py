@@ -27,6 +27,7 @@ from train.analysis.statistics import (
     summarise,
 )
 from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_conditions
+from train.analysis.verdict import MOST_NAMED, Ranking, amount, unfinished_sentence
 from train.running.runs import RunRecord
 
 Measured = Mapping[str, Mapping[str, Mapping[str, float | None]]]
@@ -63,6 +64,17 @@ class RatioBesideMeasured:
 
 
 @dataclass(frozen=True)
+class Agreement:
+    """One of our figures beside that of the paper, or the measured one."""
+
+    what: str
+    ours: float
+    theirs: float
+    agrees: bool | None
+    """Whether the intervals meet, or 1 is in that of the ratio on the same starts; None without intervals."""
+
+
+@dataclass(frozen=True)
 class Report:
     """All results of an evaluation."""
 
@@ -81,6 +93,63 @@ class Report:
     """Whether the scenarios are those of the experiment, for each of which figures may have been published."""
     measured_by_task: Sequence[MeasuredStrategy]
     """Measures of the task under each condition; empty for cleaning."""
+
+
+def agreements(report: Report) -> list[Agreement]:
+    """Return what there is beside our figures: measured on the same starts, else published with the experiment."""
+    found = [Agreement(_words(m.metric, m.condition), m.ours, m.measured, m.agrees) for m in report.means]
+    for r in report.ratios:
+        if r.ours.ratio is not None and r.measured.ratio is not None:
+            what = _words(r.metric, f"{r.a} / {r.b}")
+            found.append(Agreement(what, r.ours.ratio, r.measured.ratio, r.agrees))
+    if found or report.experiment.reference is None:
+        return found
+    published = report.experiment.reference.figures
+    for name, figures in published.items():
+        for metric, values in figures.items() if name in report.summaries else ():
+            own, theirs = report.summaries[name][metric], summarise(np.array(values))
+            found.append(Agreement(_words(metric, name), own.mean, theirs.mean, _meet(own.ci95, theirs.ci95)))
+    for (a, b, metric), ours in report.comparisons.items():
+        first, second = (np.array(published.get(name, {}).get(metric, ())) for name in (a, b))
+        paper = Ratio.of(first, second) if first.size == second.size > 0 else None
+        if paper is not None and paper.ratio is not None and ours.ratio is not None:
+            what = _words(metric, f"{a} / {b}")
+            found.append(Agreement(what, ours.ratio, paper.ratio, _meet(ours.ci95, paper.ci95)))
+    return found
+
+
+def ranking_of_conditions(report: Report) -> Ranking:
+    """Return the conditions by their duration, or by the cost of a task."""
+    metric, verb = (COST, "costs") if report.measured_by_task else ("duration_s", "takes")
+    return Ranking.of(dict(zip(report.figures.conditions, report.figures.values[metric], strict=True)), verb)
+
+
+def verdict_of(report: Report) -> list[str]:
+    """Return what came out, in one to three sentences."""
+    ranking, beside = ranking_of_conditions(report), agreements(report)
+    left = dict(zip(report.figures.conditions, 1.0 - report.figures.completed[:, None], strict=True))
+    source = "measured" if report.means else "the paper"
+    known = [one for one in beside if one.agrees is not None]
+    others = [f"{one.what} ({amount(one.ours)}, {source} {amount(one.theirs)})" for one in known if not one.agrees]
+    said = (
+        f"{len(known) - len(others)} of {len(known)} figures agree with those {'' if report.means else 'of '}{source}"
+    )
+    compared = [f"{said}{'; not: ' * bool(others)}{'; '.join(others[:MOST_NAMED])}."] if known else []
+    word = "ended short of a target" if report.measured_by_task else "left unfinished"
+    coming = report.experiment.mission.items.keep_coming
+    unfinished = [] if coming else [unfinished_sentence(left, ranking, word)]
+    return [*ranking.sentences()[: 1 if compared else 2], *compared, *unfinished]
+
+
+def _words(metric: str, of: str) -> str:
+    """Return a figure in words."""
+    kind, _, distance = metric.partition("_per_s_at_")
+    plain = {
+        "duration_s": "time",
+        "collision_samples_per_s": "collisions per s",
+        "collision_events_per_s": "events per s",
+    }
+    return f"{plain.get(metric, f'{kind} per s within {distance}')} of {of}"
 
 
 def report_of(

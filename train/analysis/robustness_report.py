@@ -11,9 +11,10 @@ import scipy.stats
 
 from clean_swarm_env.config.families import RobustnessConfig
 from selforg.arrays import Floats
-from train.analysis.family_report import FIGURES, FamilyRuns
+from train.analysis.family_report import FIGURES, NEVER_AVOIDS, FamilyRuns
 from train.analysis.intervals import TAIL, Interval
 from train.analysis.strategy_comparison import Estimate
+from train.analysis.verdict import RANDOM, Ranking, amount
 
 ROBUSTNESS_FIGURES = {"completed": "completed", "duration_s": "duration_s", "collision_events": "events"}
 """Share of missions completed, duration or time limit [s], and collision events of a mission at the first distance; the
@@ -35,6 +36,22 @@ class RobustnessReport:
     def strategies(self) -> list[str]:
         """Labels of the strategies."""
         return list(next(iter(self.estimates.values())))
+
+    def worst(self, label: str) -> str:
+        """Return the disturbance under which a strategy completes fewest missions, then takes longest."""
+        own = {name: by_label[label] for name, by_label in self.estimates.items()}
+        return min(own, key=lambda name: (own[name]["completed"].value, -own[name]["duration_s"].value))
+
+    def verdict(self, ranking: Ranking) -> list[str]:
+        """Return what came out, in a few sentences; `ranking` as `durations_over` gives it."""
+        best = ranking.labels[0]
+        worst = self.worst(best)
+        found = self.estimates[worst][best]
+        share = f"{found['completed'].value:.0%}"
+        if found["completed"].ci95 is not None:
+            share += " [{:.0%}, {:.0%}]".format(*found["completed"].ci95)
+        hit = f"{ranking.name(best)} is hit hardest by {worst}: {share} of its missions completed"
+        return [*ranking.sentences((NEVER_AVOIDS, RANDOM)), f"{hit}, {amount(found['duration_s'].value)} s a mission."]
 
     @property
     def content(self) -> dict[str, Any]:
@@ -62,6 +79,13 @@ class RobustnessReport:
                 label: _estimates(*(table[label].mean(axis=2) for table in tables)) for label in runs.conditions
             }
         return cls(robustness, runs.seed, runs.scenarios, estimates)
+
+
+def durations_over(robustness: RobustnessConfig, runs: FamilyRuns) -> Ranking:
+    """Rank strategies by their mean duration over all disturbances, and without any."""
+    tables = [runs.within(name).table(FIGURES["duration_s"]) for name in robustness.disturbed]
+    values = {label: np.mean([table[label].mean(axis=2) for table in tables], axis=0) for label in runs.conditions}
+    return Ranking.of(values, "takes")
 
 
 def _estimates(completed: Floats, durations: Floats, events: Floats) -> dict[str, Estimate]:

@@ -6,7 +6,6 @@ import heavy libraries inside their functions, so that help is quick.
 """
 
 import os
-import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,31 +15,16 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clean_swarm_env.config.tasks import import_tasks, task_stories
 from clean_swarm_env.config.types import ConfigurationError
-from selector.documents.find import KINDS, SHIPPED, files_of
-from selector.documents.plain import plain
-from selector.documents.reading import read_mapping
 from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
-from train.cli import evaluate, knowledge, look, machine, play, repeat, study, train
-from train.cli.options import Configs, error_console, print_error
+from selforg.plugins import PluginError, import_named
+from train.cli import evaluate, knowledge, listing, look, machine, play, repeat, study, train
+from train.cli.options import error_console, print_error
 from train.running.commands import BAD_INPUT, FAILED, INTERRUPTED
 
-TRUST, READ_TASKS = "--trust", "--import"
-"""Options of all commands: to let files name code, and to read tasks of the user's own from a file."""
-DECLARED = {
-    "strategies by name": ("selector/strategies", r"@STRATEGIES\.register\nclass (\w+)"),
-    "mechanisms by name": (
-        "selforg/mechanisms",
-        r"(?m)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(\w+)",
-    ),
-    "terms of observations": (
-        "clean_swarm_env/learning/observation",
-        r"(?m)^(?:    name = |@compiled_term\(\s*)\"(\w+)\"",
-    ),
-}
-"""What is listed -> folder and pattern of the sources that declare it: importing them takes seconds."""
+TRUST, IMPORT_PLUGIN = "--trust", "--import"
+"""Options of all commands: to let files name code, and to import plug-ins."""
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -93,6 +77,7 @@ COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     "run": {
         "run": (evaluate.run_command, "a task beside its baseline, by its measures (seconds)"),
         "evaluate": (evaluate.evaluate_command, "an experiment, or strategies on a family (1 to 60 min)"),
+        "list": (listing.list_command, "what there is: kinds, and the names of one kind (seconds)"),
         "play": (play.play_command, "a mission in the browser, changed by hand (starts in seconds)"),
     },
     "look": {
@@ -157,15 +142,14 @@ def run_app() -> None:
         os.environ.setdefault(name, "1")
     # --trust and --import may stand anywhere; in the command of a job array they stay where they are
     array = sys.argv[1:3] == ["machine", "slurm"]
-    words, files = (sys.argv[1:], []) if array else _imports(sys.argv[1:])
+    words, plugins = (sys.argv[1:], []) if array else _imports(sys.argv[1:])
     words = sorted(words, key=lambda word: word != TRUST and not array)
     try:
         given = [*words, *(value for name, value in os.environ.items() if name.startswith("CLEAN_SWARM_"))]
         with permitting(permission_of(given, trusted=words[:1] == [TRUST])):
-            if files:
-                import_tasks(files)
+            import_named(plugins)
             app(words)
-    except ConfigurationError as error:
+    except (ConfigurationError, PluginError) as error:
         print_error(str(error))
         sys.exit(BAD_INPUT)
     except OSError as error:
@@ -176,16 +160,16 @@ def run_app() -> None:
 
 
 def _imports(words: list[str]) -> tuple[list[str], list[str]]:
-    """Return the words of a command without `--import FILE`, and the files."""
-    rest, files, following = [], [], False
+    """Return the words of a command without `--import PLUGIN`, and the plug-ins."""
+    rest, plugins, following = [], [], False
     for word in words:
-        option, equals, file = word.partition("=")
-        if following or (option == READ_TASKS and equals):
-            files.append(word if following else file)
-        elif word != READ_TASKS:
+        option, equals, plugin = word.partition("=")
+        if following or (option == IMPORT_PLUGIN and equals):
+            plugins.append(word if following else plugin)
+        elif word != IMPORT_PLUGIN:
             rest.append(word)
-        following = word == READ_TASKS and not following
-    return rest, [*files, ""] if following else files  # no file is none that can be read
+        following = word == IMPORT_PLUGIN and not following
+    return rest, [*plugins, ""] if following else plugins  # no word is none that can be imported
 
 
 def _version(wanted: bool) -> None:
@@ -204,41 +188,10 @@ def _common(
     ___: Annotated[
         str | None,
         typer.Option(
-            READ_TASKS, help="Read tasks from a Python file of your own; anywhere on the line.", metavar="FILE.py"
+            IMPORT_PLUGIN,
+            help="Import a plug-in: a module or FILE.py (docs/own_task.md); anywhere on the line.",
+            metavar="NAME",
         ),
     ] = None,
 ) -> None:
     """Compare and learn the selection of self-organisation mechanisms by teams of robots."""
-
-
-@app.command("list", short_help="all names: missions, families, policies, ... (seconds)", rich_help_panel="run")
-def list_everything(configs: Configs = None) -> None:
-    """List the experiments with their conditions, the families of scenarios, and the names of all else."""
-    directories = tuple(configs or ())
-    for name, path in files_of("experiments", directories).items():
-        content = read_mapping(path)
-        scenarios, held = content.get("scenarios", 30), ", ".join(_names(content.get("conditions")))
-        typer.echo(f"{plain(name)}: {plain(str(content.get('description', '')))}")
-        if "disturbances" in content:
-            kinds = ", ".join(dict.fromkeys(_names(content["disturbances"], "kind")))
-            typer.echo(f"  {plain(str(scenarios))} random scenarios; disturbances: {plain(kinds)}")
-        else:
-            starts = f"those of {content['starts']}" if "starts" in content else f"{scenarios} random"
-            typer.echo(f"  {plain(str(starts))} start configurations; conditions: {plain(held)}")
-    typer.echo("families of scenarios:")
-    for name, path in files_of("families", directories).items():
-        typer.echo(f"  {plain(name)}: {plain(str(read_mapping(path).get('description', '')))}")
-    for kind in sorted(KINDS.keys() - {"experiments", "families"}):
-        if names := files_of(kind, directories):
-            typer.echo(f"{kind}: {plain(', '.join(names))}")
-    typer.echo("tasks, whose names are those of missions and families, too:")
-    for name, story in task_stories().items():
-        typer.echo(f"  {name}: {story}")
-    for what, (folder, pattern) in DECLARED.items():
-        texts = [path.read_text(encoding="utf-8") for path in (SHIPPED.parent / folder).rglob("*.py")]
-        typer.echo(f"{what}: {', '.join(sorted(name for text in texts for name in re.findall(pattern, text)))}")
-
-
-def _names(held: object, key: str = "name") -> list[str]:
-    """Return the names in a list of a document that was not checked."""
-    return [str(part.get(key)) for part in held if isinstance(part, dict)] if isinstance(held, list) else []

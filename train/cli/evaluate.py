@@ -11,8 +11,8 @@ from rich.console import Console
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.writing import write_whole
 from train.cli.options import (
-    KEEPING,
     MOST_SEED,
+    REPORTING,
     Configs,
     GivenOptions,
     Learn,
@@ -26,7 +26,7 @@ from train.cli.options import (
 MOST_WORLD_SEEDS = 100
 
 
-@asking("scenarios", "seed", "knowledge", "goal", "store", "learn", "record", "minds", "share", *KEEPING)
+@asking("scenarios", "seed", "knowledge", "goal", "store", "learn", "record", "minds", "share", *REPORTING)
 def evaluate_command(
     experiment: Annotated[str, typer.Argument(help="Name of an experiment, or path to its YAML file.")] = "table1",
     starts: Annotated[Path | None, typer.Option(help="JSON file of start configurations to run on.")] = None,

@@ -15,7 +15,7 @@ import typer
 from rich.progress import track
 
 from clean_swarm_env.config.types import ConfigurationError
-from train.cli.options import MAY_NAME_CODE, Configs, check_whole, error_console
+from train.cli.options import MAY_NAME_CODE, Configs, check_figure, check_whole, error_console
 from train.cli.repeat import ConditionOption, ScenarioOption, repeating
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ ShownRun = Annotated[
     Path, typer.Argument(help=f"A recording, or a directory of results; {MAY_NAME_CODE}.", metavar="RUN")
 ]
 PictureSize = Annotated[int, typer.Option(help="Longer side of the world [pixels].")]
+Numbers = Annotated[bool, typer.Option(help="Show the numbers of the robots, where there is room.")]
 
 
 def picture_command(
@@ -36,6 +37,7 @@ def picture_command(
     scenario: ScenarioOption = None,
     condition: ConditionOption = None,
     size: PictureSize = 700,
+    numbers: Numbers = True,
 ) -> None:
     """Draw a moment of a run, with the option that each robot holds; a run without a recording is repeated."""
     from clean_swarm_env.drawing.picture import check_picture, write_picture  # imports NumPy
@@ -44,7 +46,7 @@ def picture_command(
     check_picture(output)
     with course_of(run, scenario, condition) as course:
         check_times(course, {"--time": time})
-        write_picture(course.at(time), output, size)
+        write_picture(course.at(time), output, size, numbers=numbers)
     typer.echo(f"{output}: the run at {time:g} s")
 
 
@@ -91,6 +93,7 @@ def video_command(
     scenario: ScenarioOption = None,
     condition: ConditionOption = None,
     size: PictureSize = 700,
+    numbers: Numbers = True,
 ) -> None:
     """Write a run as a video of 20 pictures a second; a run without a recording is repeated."""
     from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND  # imports NumPy
@@ -110,7 +113,8 @@ def video_command(
         pace = max(1.0, math.ceil((last - begin) / USUAL_LENGTH)) if speed is None else speed
         count = math.floor((last - begin) * FRAMES_PER_SECOND / pace + 1e-6) + 1
         needs = check_file(output, count * size**2, f"{count} pictures", "--speed and --size make it smaller")
-        pictures = (pixels_of(course.at(begin + k * pace / FRAMES_PER_SECOND), size) for k in range(count))
+        moments = (begin + k * pace / FRAMES_PER_SECOND for k in range(count))
+        pictures = (pixels_of(course.at(moment), size, numbers=numbers) for moment in moments)
         write_video(output, iter(track(pictures, needs, count, console=error_console(), transient=True)))
     told = "" if pace == 1.0 else f", {pace:g} times as fast as the mission (--speed)"
     typer.echo(f"{output}: {count} pictures, {count / FRAMES_PER_SECOND:g} s{told}")
@@ -174,13 +178,13 @@ def draw_command(
 ) -> None:
     """Draw sensors, preconditions, behaviours, effects and goals of a network as a diagram."""
     from selector.documents.reading import read_mapping
+    from selector.documents.writing import write_whole
     from selector.strategies.machine_file import load_machine
-    from train.reports.charts import PICTURE_SUFFIXES, save_picture
+    from train.reports.charts import picture_of
     from train.reports.machine_picture import draw_machine
     from train.reports.network_picture import draw_panels
 
-    if output is not None and output.suffix not in PICTURE_SUFFIXES:
-        raise ConfigurationError(f"--output: expected a name that ends in {', '.join(PICTURE_SUFFIXES)}, got {output}")
+    check_figure("--output", output)
     path = _found(robot, configs or [])
     file = output or Path(f"{path.stem}.svg")
     if "states" in read_mapping(path):
@@ -191,10 +195,7 @@ def draw_command(
     else:
         panels = _panels(path, knowledge, configs or [])
         figure, drawn = draw_panels(panels), f"{len(panels)} network{'s' if len(panels) > 1 else ''}"
-    try:
-        save_picture(figure, file)
-    except OSError as error:
-        raise ConfigurationError(f"--output: {file}: {error.strerror or error}") from error
+    write_whole(file, picture_of(figure, file.suffix))
     typer.echo(f"{drawn} in {file}")
 
 

@@ -9,7 +9,16 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.types import ConfigurationError
-from train.cli.options import MAY_NAME_CODE, AnyBits, check_whole, error_console, wide_console
+from train.cli.options import (
+    MAY_NAME_CODE,
+    AnyBits,
+    EveryTable,
+    FigureFile,
+    check_figure,
+    check_whole,
+    error_console,
+    wide_console,
+)
 
 EXPERIMENT, FAMILY = "table1", "crowded"
 """What is run: the experiment without batches, and the family with all options."""
@@ -94,6 +103,8 @@ def gather_command(
         str | None, typer.Option(help="Knowledge store, by URL or path, that gets the scores of shares of `score`.")
     ] = None,
     any_bits: AnyBits = False,
+    every_table: EveryTable = False,
+    figure: FigureFile = None,
 ) -> None:
     """Merge the results of all shares, as if one command had done all runs: runs, tables, figure."""
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
@@ -103,6 +114,7 @@ def gather_command(
     from train.running.bits import WorkerBits
     from train.running.needs import Machine
 
+    check_figure("--figure", figure)
     share, folder = first_share(directory)
     request = Request(
         str(directory),
@@ -112,6 +124,8 @@ def gather_command(
         store=StoreRequest(store),
         machine=Machine(forced=True),
         bits=WorkerBits(mixed=any_bits),
+        every_table=every_table,
+        figure=figure,
     )
     evaluation = held_evaluation(request, folder)
     if evaluation.scored and store is None:

@@ -5,6 +5,7 @@ which it makes the one `Request`. Libraries that take seconds are imported only 
 """
 
 import inspect
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -53,6 +54,12 @@ RunStore = Annotated[
 ]
 AnyBits = Annotated[
     bool, typer.Option("--any-bits", help="Take machines on which missions end differently, and note them.")
+]
+EveryTable = Annotated[bool, typer.Option("--all", help="Print all tables; table.md has them anyway.")]
+PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
+"""Endings of figures."""
+FigureFile = Annotated[
+    Path | None, typer.Option(help="Write the figure to this file, too, .svg, .png or .pdf.", metavar="FILE")
 ]
 Learn = Annotated[bool, typer.Option("--learn", help="Give learned rewards back to the store.")]
 
@@ -118,11 +125,15 @@ SHARED: dict[str, tuple[Any, Any]] = {
         ],
         False,
     ),
+    "every_table": (EveryTable, False),
+    "figure": (FigureFile, None),
     "configs": (Configs, None),
 }
 """Options that commands share: name -> type and help, default."""
 KEEPING = ("output", "resume", "workers", "on", "any_bits", "force", "configs")
 """Options of all commands that do missions and keep results."""
+REPORTING = (*KEEPING, "every_table", "figure")
+"""Options of those that report on them."""
 BOUNDS = {"scenarios": (1, MOST_SCENARIOS), "seed": (0, MOST_SEED), "workers": (1, 1000)}
 """Least and largest number."""
 
@@ -162,6 +173,7 @@ class GivenOptions:
             "directories": self.directories,
             "store": StoreRequest(value("store"), learns),
             "resume": value("resume", False),
+            **{name: value(name) for name in ("every_table", "figure") if name in self.values},
             "share": RunShare.of_text(share) if share is not None else None,
             "record": RecordSettings(Path(RECORDINGS), value("minds", False)) if record else None,
             "machine": Machine(workers, value("force", False), value("on")),
@@ -174,6 +186,7 @@ class GivenOptions:
         """Raise ConfigurationError for numbers out of bounds, and for options that exclude each other."""
         value = self.values.get
         check_whole({f"--{name}": (value(name), *bounds) for name, bounds in BOUNDS.items()})
+        check_figure("--figure", value("figure"))
         if value("share") is not None and value("output") is None:
             raise ConfigurationError("--share: expected --output, the directory of all shares")
         for name in ("share", "on"):
@@ -218,6 +231,18 @@ def check_whole(given: Mapping[str, tuple[int | None, int, int]]) -> None:
         if value is not None and not least <= value <= most:
             which = f"at least {least}" if value < least else f"at most {most}"
             raise ConfigurationError(f"{name}: expected a whole number of {which}, got {short(value)}")
+
+
+def check_figure(option: str, file: Path | None) -> None:
+    """Raise ConfigurationError for a file that is no picture or cannot be written, before anything runs."""
+    if file is None:
+        return
+    if file.suffix not in PICTURE_SUFFIXES:
+        raise ConfigurationError(f"{option}: expected a name that ends in {', '.join(PICTURE_SUFFIXES)}, got {file}")
+    if not file.parent.is_dir():
+        raise ConfigurationError(f"{option}: {file}: no such directory as {file.parent}")
+    if file.is_dir() or not os.access(file.parent, os.W_OK):
+        raise ConfigurationError(f"{option}: {file}: cannot be written")
 
 
 def situations_in(text: str) -> tuple[str, ...]:

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clean_swarm_env.config.tasks import own_files
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import shown
+from selforg.plugins import named_plugins
 from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, Seed, check_whole
 
 if TYPE_CHECKING:  # imports Numba
@@ -100,7 +100,7 @@ def play_command(
                 conductor.run()
             finally:
                 steps, again = conductor.session.ticks, " or ".join(map(str, recorded))
-                read = "".join(f" --import {shown(Path(file))}" for file in own_files())
+                read = "".join(f" --import {shown(Path(one)) if os.sep in one else one}" for one in named_plugins())
                 typer.echo(f"{steps} steps in {recorded[-1]}; the same again: clean-swarm play {again}{read}")
 
 

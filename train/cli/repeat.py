@@ -26,6 +26,9 @@ def explain_command(
     time: Annotated[float, typer.Option(help="Time in the mission [s]; the decision that held then is explained.")],
     scenario: ScenarioOption = None,
     condition: ConditionOption = None,
+    what_if: Annotated[
+        bool, typer.Option("--what-if", help="Show the robot's next 5 s under each option, of a run of a family.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Repeat a run up to a time and explain what a robot decided then, what it planned, and why."""
@@ -34,7 +37,7 @@ def explain_command(
 
     task = task_of(run, scenario, condition)
     with repeating(run):
-        explained = explaining.explained(task, robot, time)
+        explained = explaining.explained(task, robot, time, ahead=what_if)
     if json:
         typer.echo(explaining.as_json(*explained))
     else:

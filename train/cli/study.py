@@ -7,8 +7,8 @@ import typer
 
 from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import (
-    KEEPING,
     MOST_SCENARIOS,
+    REPORTING,
     SITUATIONS,
     Family,
     GivenOptions,
@@ -21,7 +21,7 @@ from train.cli.options import (
 )
 from train.running.commands import FINISHED
 
-COMMON = ("seed", "knowledge", "goal", *KEEPING)
+COMMON = ("seed", "knowledge", "goal", *REPORTING)
 """Options of headroom, look-ahead and periods."""
 
 
@@ -125,7 +125,7 @@ Names = Annotated[
 ]
 
 
-@asking("scenarios", "seed", "knowledge", "share", *KEEPING)
+@asking("scenarios", "seed", "knowledge", "share", *REPORTING)
 def score_command(
     names: Names,
     store: Annotated[
@@ -152,7 +152,7 @@ def score_command(
 MOST_TRIALS = 100_000
 
 
-@asking("seed", "store", *KEEPING)
+@asking("seed", "store", *REPORTING)
 def tune_command(
     study: Annotated[str, typer.Argument(help="Name of a study, or path to its YAML file.", metavar="STUDY")],
     *,
@@ -170,7 +170,7 @@ def tune_command(
     raise typer.Exit(run_study(config, given.request(study), wide_console()))
 
 
-@asking("seed", "knowledge", "store", *KEEPING)
+@asking("seed", "knowledge", "store", *REPORTING)
 def configure_command(
     option: Annotated[str, typer.Argument(help="Name of an option of the expert knowledge.", metavar="OPTION")],
     family: Annotated[str, typer.Option(help="Family of scenarios, by name or by path.")],

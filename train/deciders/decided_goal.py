@@ -66,6 +66,8 @@ class DecidedGoal:
         self.parts = tuple(tuple(models[name].options) for name in names)
         self._default, self._recorder, self._mode = batch.choices.default, batch.recorder, batch.action.mode
         self.goals, self.worlds = len(self._default), batch.worlds
+        inputs = self._recorder.settings.inputs if self._recorder is not None else ()
+        self._inputs = [batch.observer.names.index(name) for name in inputs]
         self.problem = replace(models[names[0]].problem, features=batch.observer.names)
         if len(names) > 1:
             options = tuple(JOINT.join(each) for each in product(*self.parts))
@@ -81,6 +83,7 @@ class DecidedGoal:
         if decider.leads:
             options = np.full(len(options), self._baseline)
         if self._recorder is not None:
+            self._recorder.note_inputs(observations[:, self._inputs].astype(np.float64))
             self.think(np.eye(len(self.problem.options))[options] if decider.leads else decider.opinions())
         actions = self.actions(options)
         return actions if self._mode == "option" else np.hstack([actions, vectors])
@@ -90,6 +93,20 @@ class DecidedGoal:
         """The option that is the baseline of the task; the first one where the task itself leads."""
         name = self.worlds.task.baseline_option
         return self.problem.options.index(option_named(self.problem, name)) if name else 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the goals that are decided."""
+        return tuple(self._goals)
+
+    def number_of(self, option: str) -> int:
+        """Return the combination that is best by score of those with an option; DocumentError if there is none."""
+        return self.problem.options.index(option_named(self.problem, option))
+
+    def hold(self, rows: Ints, option: int) -> None:
+        """Give a combination to rows (K,) at once, before the next decision."""
+        for goal, own in zip(self._goals, self.combined(np.array([option]))[0], strict=True):
+            self.worlds.minds.coordinator_of(goal).hold(rows, np.full(len(rows), own))
 
     def check(self, decider: Decider) -> None:
         """Raise DocumentError for a decider that lets a baseline lead where the task or the knowledge has none."""

@@ -6,10 +6,11 @@ Alone stand the names of strategies, and `baseline`. `policy:` and `velocity:` t
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import Mode
@@ -22,7 +23,7 @@ from selector.documents.imported import is_import, source_of
 from selector.documents.trust import BASELINE, FILED_KINDS
 from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.machine_file import load_machine
-from selector.strategies.policy_file import find_policy, load_policy
+from selector.strategies.policy_file import described, find_policy, load_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named, named_in, spec_from_text
 from selforg.arrays import Ints
@@ -61,6 +62,8 @@ class NamedDecider:
     """Terms of the observation that it was trained with; none if its file does not say."""
     knows: tuple[str, ...] = ()
     """Names of the options that it was trained with; none if it knows all."""
+    network: Mapping[str, Any] = field(default_factory=dict)
+    """The network that chooses options, for recordings; empty without one."""
 
     @property
     def identity(self) -> str:
@@ -163,6 +166,7 @@ def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
         trained_with=spec.observations,
         terms=spec.terms,
         knows=tuple(name for options in spec.goals.values() for joint in options for name in joint.split(JOINT)),
+        network=described(policy),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -77,6 +78,8 @@ class PolicyDecider(Decider):
     def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints) -> None:
         super().__init__(problem, teams)
         spec, self._rows = policy.spec, len(teams)
+        self._spec, asked = spec, set(problem.goal.split(JOINT))
+        self._decided = [joint for joint in spec.goals if set(joint.split(JOINT)) <= asked]
         self._network = Network(policy)
         self._heads: list[tuple[slice, Ints, int]] = []  # outputs, option -> output or -1, periods of a hold
         self._keeping = np.zeros((len(spec.goals), len(teams)), dtype=np.int64)
@@ -86,7 +89,7 @@ class PolicyDecider(Decider):
         if spec.goals and not set(goals) <= set(decided):
             raise DocumentError(f"policy: goals: expected {', '.join(goals)}, got {', '.join(spec.goals)}")
         for joint, names in spec.goals.items():
-            if set(joint.split(JOINT)) <= set(goals):
+            if joint in self._decided:
                 places = [goals.index(goal) for goal in joint.split(JOINT)]
                 own = [JOINT.join(option.split(JOINT)[k] for k in places) for option in problem.options]
                 numbers = np.array([names.index(name) if name in names else -1 for name in own])
@@ -105,8 +108,31 @@ class PolicyDecider(Decider):
         """Return the probabilities (R, O) of the network."""
         return shares(self._outputs)
 
+    def moves(self, row: int) -> dict[str, dict[str, Any]]:
+        """Return for each goal the likeliest option of a row when it last decided, its probability, and the inputs.
+
+        `moved`: by how much each input made it likelier than the input's mean does.
+        """
+        spec, told = self._spec, {}
+        cases = np.tile(self._seen[row], (len(spec.observations) + 1, 1))
+        cases[np.arange(len(spec.observations)) + 1, np.arange(len(spec.observations))] = spec.mean
+        heads = self._network.heads(cases)["options"]
+        for goal, (outputs, numbers, _) in zip(self._decided, self._heads, strict=True):
+            known = np.unique(numbers[numbers >= 0])
+            likely = shares(heads[:, outputs][:, known])
+            chosen = int(likely[0].argmax())
+            moved = (likely[0, chosen] - likely[1:, chosen]).tolist()
+            told[goal] = {
+                "option": spec.goals[goal][known[chosen]],
+                "probability": float(likely[0, chosen]),
+                "inputs": dict(zip(spec.observations, self._seen[row].tolist(), strict=True)),
+                "moved": dict(zip(spec.observations, moved, strict=True)),
+            }
+        return told
+
     def _decide(self, observations: Observations) -> Decided:
-        heads = self._network.heads(observations[:, self._columns].astype(np.float64))
+        self._seen = observations[:, self._columns].astype(np.float64)
+        heads = self._network.heads(self._seen)
         self._outputs = np.zeros((self._rows, len(self.problem.options)))
         taken = self._outputs.copy()
         for k, (outputs, numbers, hold) in enumerate(self._heads):

@@ -16,13 +16,12 @@ from clean_swarm_env.world.task import task_class
 from selector.documents.errors import within
 from selector.documents.fields import JOINT
 from selector.documents.trust import BASELINE
+from train.analysis.verdict import RANDOM
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FILED, FIXED, decider_named
 
 UNTAUGHT = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
 """What is said of a strategy that could learn."""
-RANDOM = "Random"
-"""The strategy that takes any option in each decision period."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from selector.strategies.registry import StrategySpec, named
 from selector.strategies.streams import row_keys
 from selforg.network.planning.planner import check_planner
 from selforg.registry import unknown
-from train.analysis.report import report_of, summary_of
+from train.analysis.report import report_of, summary_of, verdict_of
 from train.evaluation.base import OWN_STARTS, Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT
 from train.evaluation.trial_task import TrialTask, experiment_tasks, identities
@@ -123,7 +123,8 @@ class ExperimentEvaluation(Evaluation):
             self.experiment, self.seed, records, self.asked.measured, own_starts=self.asked.starts == OWN_STARTS
         )
         about = f"{self.experiment.description}\nSeed {self.seed}; {self.asked.starts_from}."
-        return Publication(self.experiment.name, about, all_tables(report), summary_of(report), draw_experiment(report))
+        tables, summary = all_tables(report), summary_of(report)
+        return Publication(self.experiment.name, about, verdict_of(report), tables, summary, draw_experiment(report))
 
 
 def learning_strategy(condition: ConditionConfig) -> StrategySpec:

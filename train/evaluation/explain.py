@@ -5,6 +5,7 @@ The text fits into 80 columns: a table of the terms of each activation, and a tr
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any, Final
 
 import numpy as np
@@ -17,7 +18,11 @@ from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, exp
 from selforg.arrays import Flags
 from selforg.network.explanation import TERM_TITLES, BehaviourAccount, Explanation, condition_tree, header
 from selforg.space import Torus
-from train.evaluation.repeat import Repeated, steps_until
+from train.deciders.strategies import PolicyDecider
+from train.deciders.what_if import WhatIf
+from train.evaluation.repeat import Deciding, Repeated, steps_until
+from train.evaluation.trial_task import TrialTask
+from train.evaluation.why import facts_of, sentence
 
 HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
 """Short heads of columns, so that the table fits."""
@@ -30,24 +35,35 @@ SHORTEST_STAY: Final = 1.0
 Inside = Coordinated | Nested
 
 
-def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], RobotStep, dict[str, Any]]:
+def explained(
+    task: Repeated, robot: int, time: float, *, ahead: bool = False
+) -> tuple[dict[str, Any], RobotStep, dict[str, Any]]:
     """Repeat a run up to `time` [s]; return what run it is, what the robot decided then, and what led to it.
 
     The latter is `stayed_s`, how long the robot has stayed within `STILL` of where it is [s], and `running_s`, how long
-    each behaviour that runs has been running, the step included [s].
+    each behaviour that runs has been running, the step included [s]; beside it the `sentence`, the `facts` in it, and
+    what a `policy` saw of the robot; with `ahead`, the next seconds under each option, `what_if`.
     """
     count = task.first.mission.rows
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
     names = {"experiment": task.experiment, "scenario": task.first.id, "condition": task.condition, "seed": task.seed}
     places, running = [np.array(place[:2]) for place in task.first.start.robots[robot : robot + 1]], []
-    for worlds in steps_until(task, time):
+    unseen: list[bool] = []
+    latest: list[Deciding] = []
+
+    def note(deciding: Deciding) -> None:
+        latest[:] = [deciding]
+
+    for worlds in steps_until(task, time, note):
         if robot >= worlds.team.joined[0]:
             continue
         if not places:  # it has just joined
             places.append(worlds.minds.poses.positions[robot].copy())
         places.append(worlds.physics.positions[robot].copy())
         running.append(worlds.network.executing[robot] == 1)
+        seen = worlds.network.model.sensor_index.get("garbage_seen", -1)
+        unseen.append(seen < 0 or worlds.network.readings[robot, seen] == 0.0)
     step, period = explain_robot(worlds, robot), worlds.period
     ways = Torus(*worlds.extent).offsets(places[-2], np.array(places[:-1]))
     stayed = _latest(np.linalg.norm(ways, axis=1) < STILL) - 1
@@ -56,7 +72,19 @@ def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], 
         for b, behaviour in enumerate(worlds.network.model.behaviours)
         if running[-1][b]
     }
-    return names, step, {"stayed_s": round(stayed * period, 9), "running_s": ran}
+    facts = facts_of(worlds, step, round(_latest(np.array(unseen)) * period, 9))
+    told: dict[str, Any] = {"sentence": sentence(facts), "facts": asdict(facts), "policy": {}}
+    for one in latest:
+        told["policy"] = one.decider.moves(robot) if isinstance(one.decider, PolicyDecider) else {}
+    if ahead:
+        if not latest or not isinstance(task, TrialTask):
+            raise ConfigurationError(
+                "--what-if: expected a run of a family, or of a decider that decides in each period"
+            )
+        (one,), nobody = latest, np.full(count, -1)
+        what_if = WhatIf(one.batch, one.decided, task.settings.observation, task.directories)
+        told["what_if"] = what_if.options(robot, one.decider, one.observations, nobody)
+    return names, step, {"stayed_s": round(stayed * period, 9), "running_s": ran, **told}
 
 
 def _latest(held: Flags) -> int:
@@ -83,12 +111,43 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, A
     stayed = f"it has stayed within {STILL:g} m for {before['stayed_s']:g} s" if long else ""
     where = STATES.get(step.state, stayed)
     ran = [f"{name} has run for {seconds:g} s" for name, seconds in before["running_s"].items()]
-    told = [where, "; ".join(ran), stopped.format(**situation), damaged, *header(explanation), due]
+    told = [
+        f"it {before['sentence']}",
+        *(_moved(goal, move) for goal, move in before["policy"].items()),
+        where,
+        "; ".join(ran),
+        stopped.format(**situation),
+        damaged,
+        *header(explanation),
+        due,
+    ]
     facts = Text(f"{title}\n\n" + "\n".join(filter(None, told)))
     read = ", ".join(f"{name} {value:.4g}" for name, value in explanation.readings.items())
     tree = Text("\n".join([*condition_tree(explanation), f"readings: {read}"]))
+    ahead = [_foretold(before["what_if"])] if "what_if" in before else []
     inner = [part for one in inside if one.inner for part in _inside(one.title, one.inner)]
-    return Group(facts, Text(), _table(explanation.behaviours), Text(), tree, *inner)
+    return Group(facts, Text(), *ahead, _table(explanation.behaviours), Text(), tree, *inner)
+
+
+def _foretold(options: Sequence[dict[str, Any]]) -> Table:
+    """Return a table of what happens next under each option."""
+    table = Table(
+        title=f"the next {options[0]['seconds']:g} s if it took", box=None, title_justify="left", pad_edge=False
+    )
+    for head in ("option", "own collisions", "collisions", "items dumped", "cost s"):
+        table.add_column(head, justify="left" if head == "option" else "right", no_wrap=True)
+    for one in options:
+        counts = (one["own_collisions"], one["collisions"], one["items"])
+        table.add_row(Text(one["option"]), *map(str, counts), f"{one['cost_s']:.1f}")
+    return table
+
+
+def _moved(goal: str, move: dict[str, Any]) -> str:
+    """Return which input moved the choice of a policy most."""
+    name = max(move["moved"], key=lambda one: abs(move["moved"][one]))
+    without = move["probability"] - move["moved"][name]
+    likely = f"{goal}: {move['option']} has {move['probability']:.0%}"
+    return f"{likely}; {name} = {move['inputs'][name]:.2f} moved it most, at its mean {without:.0%}"
 
 
 def _inside(title: str, inner: Explanation) -> list[RenderableType]:

@@ -19,7 +19,7 @@ from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from train.analysis.family_report import FamilyRuns, family_report_of
-from train.analysis.robustness_report import RobustnessReport
+from train.analysis.robustness_report import RobustnessReport, durations_over
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Asked, Choosers, Done, Evaluation
@@ -169,14 +169,16 @@ class FamilyEvaluation(Evaluation):
         runs = self.runs(records, {entrant.label: entrant.conditions for entrant in self.entrants})
         if self.periods:
             return periods_publication(runs, list(self.variants))
-        from train.reports.figures import draw_front, draw_robustness  # waits: the runs need no Matplotlib
+        from train.reports.figures import draw_family, draw_robustness  # waits: the runs need no Matplotlib
 
         named = (self.family.name, self.family.description)
         if isinstance(self.family, RobustnessConfig):
             found = RobustnessReport.of(self.family, runs)
-            return Publication(*named, robustness_tables(found), found.content, draw_robustness(found))
+            ranking = durations_over(self.family, runs)
+            tables = robustness_tables(found, ranking)
+            return Publication(*named, found.verdict(ranking), tables, found.content, draw_robustness(found))
         report = family_report_of(runs)
-        return Publication(*named, family_tables(report), report.content, draw_front(report))
+        return Publication(*named, report.verdict, family_tables(report), report.content, draw_family(report))
 
     def runs(self, records: Sequence[RunRecord], conditions: Mapping[str, tuple[str, ...]]) -> FamilyRuns:
         """Return the finished runs; `conditions`: see there."""

@@ -141,15 +141,21 @@ class HeadroomEvaluation(FamilyEvaluation):
         hindsight = Ratio.of(excesses[RULE_FOUND].mean(axis=2), best.judged(excesses).mean(axis=(0, 2)))
         told = "" if hindsight.ratio is None else f"{hindsight.ratio:.3f} {interval_cell(hindsight.ci95)}"
         ends = "" if ratio.ci95 is None else " [{:.1%}, {:.1%}]".format(*(1.0 - end for end in reversed(ratio.ci95)))
-        cases = self._cases(done)
+        cases, saved = self._cases(done), 1.0 - (np.inf if ratio.ratio is None else ratio.ratio)
+        single, many = self.options[self._single(done)], len(self.scenarios)
+        named = f"Choosing for each case in place of always {single}"
+        verdict = f"{named} is not shown to save anything on {many} scenarios: {saved:.0%}{ends} of the excess."
+        if ratio.p is not None and ratio.ci95 is not None and not ratio.ci95[0] <= 1.0 <= ratio.ci95[1]:
+            verdict = f"{named} {'saves' if saved > 0.0 else 'loses'} {abs(saved):.0%}{ends} of the excess."
         notes = (
-            f"headroom {1.0 - (np.inf if ratio.ratio is None else ratio.ratio):.1%}{ends} of the excess",
+            f"headroom {saved:.1%}{ends} of the excess: what the best choice for each case saves",
             f"{sum(name.startswith('train') for name, _ in done)} missions of search",
-            f"best single choice: {self.options[self._single(done)]}",
+            f"best single choice: {single}",
             *([f"ratio to the best in hindsight of {len(others) + 1}, {best.label}: {told}"] if others else []),
             "best choices: " + ", ".join(f"{case} {self.options[option]}" for case, option in cases.items()),
         )
-        return excess_publication(runs, against, "headroom", "ratio to the best single choice", notes)
+        said, head = [verdict], "ratio to the best single choice"
+        return excess_publication(runs, against, "headroom", head, notes=notes, verdict=said)
 
     @property
     def _singles(self) -> Ints:

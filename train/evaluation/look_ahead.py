@@ -187,7 +187,7 @@ class LookAheadEvaluation(FamilyEvaluation):
         runs, against = self.runs(records, {label: (label,) for label in labels}), dict.fromkeys(labels, base)
         notes = (f"taken by the look-ahead: {shares_of(taken)}",)
         title = f"look-ahead on {len(self.scenarios)} scenarios"
-        return excess_publication(runs, against, title, f"ratio to {base}", notes)
+        return excess_publication(runs, against, title, f"ratio to {base}", notes=notes)
 
 
 def as_member(alternative: str) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from statistics import fmean
 
 import numpy as np
 from rich.console import Console
@@ -23,6 +24,7 @@ from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.task import task_class
 from selector.documents.find import files_of
+from selector.documents.imported import is_import
 from selector.documents.reading import read_mapping
 from selector.store.exact_sums import REWARD_LIMIT
 from selforg.registry import unknown
@@ -92,7 +94,7 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
         title = f"known at the beginning in the context {evaluation.context!r}"
         grids = (*publication.grids, learned_scores(known, title, evaluation.mission))
         publication = replace(publication, grids=grids)
-    publish(publication, folder, console)
+    publish(publication, folder, console, request)
     if memory is not None:
         if memory.learns:
             _give_scores(evaluation, memory, results.records)
@@ -117,7 +119,8 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
         settings = replace(settings, directory=directory / settings.directory)
     in_turn, left = evaluation.learns_in_turn, _count(tasks)
     done, total = max(len(wanted) - left, 0), len(wanted)
-    bar = progress("runs", MofNCompleteColumn(), total, done)
+    bar = progress("missions", MofNCompleteColumn(), total, done, results.folder.path)
+    costs: dict[str, list[float]] = {}
     with bar as update, evaluation.request.engine.rounds() as each_done:
         while tasks or in_turn:
             recorded = [task.recorded(settings) for task in tasks] if settings is not None else tasks
@@ -125,7 +128,9 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
             with closing(_lessons(evaluation, results, settings) if in_turn else each_done(recorded)) as runs:
                 for record in runs:
                     results.add(record)
-                    update(advance=1)
+                    costs.setdefault(record.condition, []).append(record.result.cost_s)
+                    best = min(costs, key=lambda name: fmean(costs[name]))
+                    update(advance=1, more=f"best so far {best}, {fmean(costs[best]):,.0f} s")
             done, tasks, in_turn = done + left, missing(), False
             left = _count(tasks)
 
@@ -198,7 +203,7 @@ def scored_missions(request: Request) -> Sequence[Evaluation]:
         if request.knowledge is not None:
             raise ConfigurationError("--knowledge: expected a family or a task, got an experiment")
         return (ExperimentEvaluation(request),)
-    if not path and name not in (*families, *files_of("missions", directories), *task_names()):
+    if not (path or is_import(name)) and name not in (*families, *files_of("missions", directories), *task_names()):
         known = dict.fromkeys((*families, *experiments, *task_names()))
         raise ConfigurationError(unknown("family, experiment or task", name, tuple(known)) + OWN_TASK)
     mission = load_family(name, directories).mission

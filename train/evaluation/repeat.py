@@ -1,11 +1,14 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import NamedTuple
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.recording.file import SUFFIX, blocks_of
 from clean_swarm_env.recording.reader import NoFrames, RecordedMission, RecordedParts
 from clean_swarm_env.recording.recorder import RecordSettings
@@ -18,6 +21,8 @@ from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text
 from selector.documents.writing import writing_to
 from selforg.registry import unknown
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decider import Decider
 from train.evaluation.base import DIGEST, Identity
 from train.evaluation.trial_task import TrialTask, experiment_tasks, scenario_named
 from train.running.finished_runs import JOURNAL, runs_of
@@ -32,6 +37,16 @@ from train.running.run_folder import (
     versions,
 )
 from train.running.runs import RunKey, RunTask
+
+
+class Deciding(NamedTuple):
+    """A world whose decider has just decided, and on what."""
+
+    batch: Batch
+    decided: DecidedGoal
+    decider: Decider
+    observations: Observations
+
 
 Repeated = RunTask | TrialTask
 """One run that can be repeated; a task of trials has one scenario then."""
@@ -154,10 +169,13 @@ def changed_versions(directory: Path) -> list[str]:
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 
-def steps_of(task: Repeated) -> Iterator[Worlds]:
-    """Repeat a run with networks that note their reasons; yield the world after each control period."""
+def steps_of(task: Repeated, deciding: Callable[[Deciding], None] | None = None) -> Iterator[Worlds]:
+    """Repeat a run with networks that note their reasons; yield the world after each control period.
+
+    `deciding` is told who has decided, and on what, in every decision period, if there is a decider.
+    """
     if isinstance(task, TrialTask):
-        yield from _trial_steps(task)
+        yield from _trial_steps(task, deciding)
         return
     one = task.first
     run = MissionRun(one.mission, one.start, one.seed, task.scores, task.strategy, task.directories)
@@ -167,19 +185,22 @@ def steps_of(task: Repeated) -> Iterator[Worlds]:
         yield course.worlds
 
 
-def _trial_steps(task: TrialTask) -> Iterator[Worlds]:
+def _trial_steps(task: TrialTask, deciding: Callable[[Deciding], None] | None) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
     scenarios = iter(task.scenarios)
     batch, decided, decider = task.team(source=lambda _: next(scenarios, None), explained=True)
     observations = batch.reset()
     decider.reset(batch.worlds.rows_of(0), task.first.seed)
     while batch.progress.outcome[0] == RUNNING:
-        yield from batch.ticks(decided.decide(decider, observations))
+        actions = decided.decide(decider, observations)
+        if deciding is not None:
+            deciding(Deciding(batch, decided, decider, observations))
+        yield from batch.ticks(actions)
         if batch.progress.outcome[0] == RUNNING:
             observations = batch.end_period().observations
 
 
-def steps_until(task: Repeated, time: float) -> Iterator[Worlds]:
+def steps_until(task: Repeated, time: float, deciding: Callable[[Deciding], None] | None = None) -> Iterator[Worlds]:
     """Repeat a run as `steps_of` does, up to the control period in which `time` [s] lies.
 
     Raises:
@@ -190,7 +211,7 @@ def steps_until(task: Repeated, time: float) -> Iterator[Worlds]:
     if not wanted:
         raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
     worlds = None
-    for worlds in steps_of(task):
+    for worlds in steps_of(task, deciding):
         yield worlds
         if worlds.ticks[0] == wanted:
             return

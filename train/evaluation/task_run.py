@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,6 +19,7 @@ from clean_swarm_env.config.world import GroundKind
 from clean_swarm_env.world.task import coordinators_of
 from selector.configurations.library import library_of
 from selector.documents.errors import validated
+from selector.documents.imported import is_import
 from selector.documents.trust import BASELINE
 from selector.knowledge import Knowledge
 from selector.strategies.unlearned import MaxScore
@@ -145,6 +146,8 @@ def run_task(request: TaskRun) -> TaskOutcome:
         ConfigurationError: task, option or setting do not exist or fit.
 
     """
+    if is_import(request.name):
+        request = replace(request, name=find_task(request.name).name)
     if request.name not in tasks_to_run():
         raise ConfigurationError(unknown("task with a baseline", request.name, tasks_to_run()) + OWN_TASK)
     mission = request.mission

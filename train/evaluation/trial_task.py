@@ -43,7 +43,9 @@ class TrialTask(Job):
     def each(self) -> Iterator[RunRecord]:
         """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
         before = time.perf_counter()
-        settings = replace(self.settings, record=self.record and replace(self.record, about=self.naming))
+        known = {self.condition: self.named.network} if self.named.network else {}
+        record = self.record and replace(self.record, about=self.naming, policies=known)
+        settings = replace(self.settings, record=record)
         for place, result in each_trial(self.scenarios, self.decider, settings):
             before, began = time.perf_counter(), before
             scenario = self.scenarios[place]

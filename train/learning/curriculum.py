@@ -17,6 +17,7 @@ from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import Size
 from clean_swarm_env.learning.joined import family_batches
+from clean_swarm_env.learning.reward import RewardConfig
 from selector.documents.errors import DocumentError
 from train.learning.config import TrainingConfig
 
@@ -48,7 +49,7 @@ class Curriculum:
                 task.worlds,
                 sizes=_sizes(family),
                 observation=config.observation,
-                reward=config.reward,
+                reward=None if config.reward == RewardConfig() else config.reward,  # tasks have rewards of their own
                 action=config.action,
                 directories=directories,
             )

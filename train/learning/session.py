@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -61,14 +61,17 @@ def run_training(learner: str, request: Request, made: Callable[[TrainingJob], T
         )
         try:
             compile_once(lambda: run_through(Batch()))  # before the bar and the workers
-            bar = progress("decisions", TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions)
+            bar = progress(
+                "decisions", TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions, log=folder.path
+            )
             with bar as update, request.engine.rounds() as done:
                 parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
                 training = made(replace(job, on_progress=lambda now: update(completed=now), parts=parts, done=done))
-                update(completed=training.decisions)
+                update(completed=training.decisions, begun=training.decisions)
                 while not training.finished:
                     training.advance()
                     _print(console, training.history.entries[-1])
+                    update(more=validated_cost(training.history.entries))
         except ValueError:  # the configuration is wrong: nothing has been learned
             folder.discard()
             raise
@@ -80,6 +83,13 @@ def run_training(learner: str, request: Request, made: Callable[[TrainingJob], T
         exported = training.export(shlex.join(folder.words))
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
     return FINISHED
+
+
+def validated_cost(entries: Sequence[Mapping[str, Any]]) -> str:
+    """Return in words what validation missions cost at the best checkpoint so far; empty before one was measured."""
+    best = [entry for entry in entries if entry["best"]]
+    costs = [value for name, value in best[-1].items() if name.endswith("/cost_s")] if best else []
+    return f"best so far {sum(costs) / len(costs):,.0f} s a mission on validation" if costs else ""
 
 
 def _memory(request: Request, config: TrainingConfig) -> Memory | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
@@ -16,18 +17,23 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.file import SUFFIX
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.world.task import task_class
+from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.world.task import coordinators_of, task_class
+from selector.configurations.library import library_of
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
+from selector.documents.imported import is_import
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown
-from train.deciders.named import decider_named
+from train.deciders.named import FIXED, POLICY, decider_named
 from train.evaluation.base import DIGEST
 from train.running.run_folder import fingerprints
 
-STRATEGY = "MaxScore"
-"""The strategy of missions unless another one is named."""
+STRATEGY, AVOIDING, TRAINED, NEVER = "MaxScore", f"{FIXED}:ORCA", f"{POLICY}:one", f"{FIXED}:Off"
+"""By the expert's scores; the cheapest where robots only choose how to avoid, or more than that; never to avoid."""
+MANY = 10
+"""Robots from which a mission jams under the wrong strategy."""
 SPARE_ROBOTS, SPARE_ITEMS = 20, 40
 """Robots and items that can be added by hand."""
 MOST_HEARING = 200
@@ -132,7 +138,22 @@ def chosen(name: str, number: int, seed: int, strategy: str | None, directories:
         return again(RecordedMission(Path(name)))
     scenario = _scenario(name, number, seed, directories)
     room = replace(scenario, mission=with_room(scenario.mission))
-    return PlayedMission(Path(name).stem, room, strategy or STRATEGY, None, directories)
+    return PlayedMission(Path(name).stem, room, strategy or usual(room.mission, directories)[0], None, directories)
+
+
+def usual(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[str, str]:
+    """Return the strategy that a mission is played with unless another one is named, and one with which it jams.
+
+    The latter is empty where none is known. Both were measured: docs/play.md.
+    """
+    known, library = knowledge_of(mission, directories), library_of(directories)
+    options = {model.goal: model.options for model in coordinators_of(mission, known, library, directories)}
+    cleans, jams = mission.items.rows > 0, mission.robots.count >= MANY
+    if not cleans or not {AVOIDING, NEVER} <= {f"{FIXED}:{option}" for option in options.get(GOAL, ())}:
+        return STRATEGY, ""
+    if set(options) & set(decider_named(TRAINED).meant_for or ()) > {GOAL}:
+        return TRAINED, NEVER if jams else ""
+    return AVOIDING, STRATEGY if jams else ""
 
 
 def playable(directories: tuple[Path, ...]) -> list[str]:
@@ -147,7 +168,7 @@ def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) 
         of_family = "mission" in read_mapping(path)
     elif name in missions or name in families:
         of_family = name not in missions
-    elif name in task_names():
+    elif is_import(name) or name in task_names():
         of_family = False
     else:
         known = unknown("mission, family or task", name, playable(directories))

@@ -77,18 +77,18 @@ class Conductor:
 
     def __init__(self, sessions: Mapping[str, Callable[[], Session]], speed: float, *, playing: bool = True) -> None:
         self._sessions, self._speed, self._at_once = sessions, speed, playing
-        self._orders: queue.Queue[tuple[Mapping[str, Any], Future[None]]] = queue.Queue()
+        self._orders: queue.Queue[tuple[Mapping[str, Any], Future[Mapping[str, Any]]]] = queue.Queue()
         self._closed, self._number, self._failure = False, 0, ""
-        self._open("")
+        self._open("", "")
 
-    def order(self, order: Mapping[str, Any]) -> None:
-        """Have an order carried out: one of `RUNNING_ORDERS`, such as `{"do": "play"}`, or a change by hand.
+    def order(self, order: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Have an order carried out: one of `RUNNING_ORDERS`, such as `{"do": "play"}`, or a change by hand; answer it.
 
         ValueError, of one line, says what is impossible. May be called from any thread but that of `run`.
         """
-        answer: Future[None] = Future()
+        answer: Future[Mapping[str, Any]] = Future()
         self._orders.put((order, answer))
-        answer.result(ANSWER)
+        return answer.result(ANSWER)
 
     def close(self) -> None:
         """Make `run` return."""
@@ -112,20 +112,23 @@ class Conductor:
             while not self._orders.empty():
                 self._orders.get()[1].set_exception(ValueError("the session has ended"))
 
-    def _obey(self, order: Mapping[str, Any], answer: Future[None]) -> None:
+    def _obey(self, order: Mapping[str, Any], answer: Future[Mapping[str, Any]]) -> None:
         try:
-            self._carry_out(order)
+            told = self._carry_out(order)
         except Exception as error:  # a mistake of ours in an order is shown, and ends no session
             answer.set_exception(error if isinstance(error, ValueError) else ValueError(failed("the order", error)))
         else:
-            answer.set_result(None)
+            answer.set_result(told)
 
-    def _carry_out(self, order: Mapping[str, Any]) -> None:
+    def _carry_out(self, order: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Carry out an order; return what it asked for."""
         kind = order.get("do")
         if kind == "open":
-            self._open(order.get("name"))
+            self._open(order.get("name"), order.get("strategy", ""))
         elif self._failure:
             raise ValueError(self._failure)
+        elif kind == "what_if":
+            return {"options": self.session.what_if(order.get("robot"))}
         elif kind not in RUNNING_ORDERS:
             self.session.do(order)
         elif kind == "speed":
@@ -140,12 +143,22 @@ class Conductor:
         else:
             self._playing = kind == "play"
         self.stream.tell(state=self._state())
+        return {}
 
-    def _open(self, name: object) -> None:
-        """Run a session in place of the present one, which goes on if the other one cannot be had."""
+    def _open(self, name: object, strategy: object) -> None:
+        """Run a session in place of the present one, which goes on if the other one cannot be had.
+
+        Robots follow a `strategy` from the start on, the session's own if it is "".
+        """
         if not isinstance(name, str) or name not in self._sessions:
             raise ConfigurationError(f"open: expected one of {list(self._sessions)}, got {short(name)}")
         session = self._sessions[name]()
+        try:
+            if strategy != "":
+                session.do({"do": "follow_strategy", "strategy": strategy})
+        except ValueError:
+            session.close()
+            raise
         try:
             if self._number:
                 self._end()
@@ -154,7 +167,7 @@ class Conductor:
 
     def _start(self, session: Session, name: str) -> None:
         self.session, self._name, self._number, self._playing = session, name, self._number + 1, self._at_once
-        self._offered = {"strategies": session.strategies(), "missions": [name for name in self._sessions if name]}
+        self._offered = {**session.offered(), "missions": [name for name in self._sessions if name]}
         self._failure = ""
         self.stream = Stream(session.beginning, self._state())
 

@@ -153,13 +153,13 @@ class _Handler(BaseHTTPRequestHandler):
             order = json_value(body.decode(errors="replace"), "order")
             if len(body) < length or not isinstance(order, Mapping):
                 raise ValueError("expected an object in JSON, as long as Content-Length says")
-            self.server.conductor.order(order)
+            told = self.server.conductor.order(order)
         except ValueError as error:
             self._refuse(HTTPStatus.BAD_REQUEST, str(error))
         except TimeoutError:
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, "the session does not answer")
         else:
-            self._answer(HTTPStatus.OK, b"{}", "application/json")
+            self._answer(HTTPStatus.OK, json.dumps(told).encode(), "application/json")
 
     def log_message(self, format: str, *args: object) -> None:
         """Write no log."""

@@ -14,23 +14,26 @@ from pydantic import TypeAdapter, ValidationError
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.recording.by_hand import ByHand, Change, FollowStrategy, HoldOption
 from clean_swarm_env.recording.file import end_of
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission_end import RUNNING
-from selector.documents.errors import DocumentError, one_line
+from selector.documents.errors import DocumentError, one_line, validated
 from selector.documents.find import files_of
+from selector.documents.plain import short
 from selector.strategies.registry import STRATEGIES
 from selforg.arrays import Ints
 from selforg.registry import unknown
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import Decider
-from train.deciders.named import FIXED, LEARNED, MACHINE, POLICY, decider_named
+from train.deciders.named import FIXED, LEARNED, MACHINE, POLICY, NamedDecider, decider_named
+from train.deciders.what_if import WhatIf, actions_of
 from train.evaluation.base import DIGEST
-from train.live.chosen import SPARE_ROBOTS, PlayedMission
+from train.live.chosen import SPARE_ROBOTS, PlayedMission, usual
 
-OFFERED = ("MaxScore", "Random", f"{FIXED}:Off")
-"""Strategies that a user may choose where they fit, besides policies and learned strategies."""
+OFFERED = ("MaxScore", "Random")
+"""Strategies that a user may choose where they fit, besides fixed options and those of files."""
 _CHANGE: TypeAdapter[Change] = TypeAdapter(ByHand)
 
 
@@ -53,22 +56,24 @@ class Session:
     """
 
     def __init__(self, play: PlayedMission, output: Path, *, minds: bool = True) -> None:
-        scenarios = iter((play.scenario,))
+        self._play, scenarios = play, iter((play.scenario,))
         about = {"experiment": play.name, "condition": play.member, "play": play.described()}
         named = decider_named(play.member, play.directories)
         mode: Mode = "velocity" if named.mode == "velocity" else "both"
-        settings = RecordSettings(output.parent, minds, about, output.name, thinking=mode == "both")
+        self._what_if: WhatIf | None = None
+        self._seen_terms, policies = self._seen(named)
+        settings = RecordSettings(output.parent, minds, about, output.name, mode == "both", policies)
         self.batch = Batch(
             play.scenario.mission,
             source=lambda _: next(scenarios, None),
             begin_anew=False,
             directories=play.directories,
             record=settings,
-            observation=named.observation(play.scenario.mission.terms),
+            observation=self._seen_terms,
             action=ActionConfig(mode=mode),
         )
         assert self.batch.recorder is not None
-        self._recorder, self._play = self.batch.recorder, play
+        self._recorder = self.batch.recorder
         self.worlds = self.batch.worlds
         self._decided = DecidedGoal(self.batch, named.decides(play.goal))
         self.goal, self.options = self._decided.problem.goal, self._decided.problem.options
@@ -115,6 +120,15 @@ class Session:
             raise ValueError("the mission is over")
         self._make(change)
 
+    def what_if(self, robot: object) -> list[dict[str, Any]]:
+        """Return what happens next for each option that a robot could take; ValueError, of one line, if it cannot."""
+        if isinstance(robot, bool) or not isinstance(robot, int):
+            raise ConfigurationError(f"robot: expected a whole number, got {short(robot)}")
+        if self.result is not None:
+            raise ConfigurationError("the mission is over")
+        self._what_if = self._what_if or WhatIf(self.batch, self._decided, self._seen_terms, self._play.directories)
+        return self._what_if.options(robot, self._decider, self._observations, self._by_hand)
+
     def facts(self) -> dict[str, Any]:
         """Return strategy and loss."""
         loss = self.worlds.minds.reception.losses[0]
@@ -128,9 +142,18 @@ class Session:
         """End the recording."""
         self.batch.close()
 
+    def offered(self) -> dict[str, Any]:
+        """Return the strategies that fit this mission, the best one that is known, and one with which it jams."""
+        best, jams = usual(self._play.scenario.mission, self._play.directories)
+        return {"strategies": self.strategies(), "best": best, "jams": jams}
+
     def strategies(self) -> list[str]:
-        """Return the strategies that fit this mission, for the user to choose from."""
-        return self._fitting((*OFFERED, *self._filed()))
+        """Return the strategies that fit this mission, for the user to choose from, by their own names."""
+        return self._fitting((*self._filed(), *self._fixed(), *OFFERED))
+
+    def _fixed(self) -> list[str]:
+        """Return the strategies that take the same option all the time; of several goals, one of each goal alone."""
+        return [f"{FIXED}:{option}" for part in self._decided.parts for option in part]
 
     def _fitting(self, members: Iterable[str]) -> list[str]:
         """Return the strategy of the play and those of `members` that fit this mission, each once."""
@@ -140,6 +163,19 @@ class Session:
                 self._decided_by(member)
                 fitting.append(member)
         return fitting
+
+    def _seen(self, named: NamedDecider) -> tuple[ObservationConfig, dict[str, Mapping[str, Any]]]:
+        """Return what robots observe so that any policy can follow, and the networks of the policies."""
+        mission, directories = self._play.scenario.mission, self._play.directories
+        seen = named.observation(mission.terms)
+        if named.mode == "velocity" or not mission.items.rows:
+            return seen, {}
+        names = [name for name in (self._play.member, *self._filed()) if name.startswith(POLICY)]
+        policies = {name: decider_named(name, directories) for name in names}
+        beside = (*DEFAULT_TERMS, *mission.terms, *(term for policy in policies.values() for term in policy.terms))
+        terms = dict.fromkeys((*(term.name for term in seen.terms), *beside))
+        observation = validated(ObservationConfig, {"terms": tuple(terms)}, "observation", own=True)
+        return observation, {name: policy.network for name, policy in policies.items() if policy.network}
 
     def _filed(self) -> list[str]:
         """Return the strategies of the files in the directories of configurations, by their names."""
@@ -162,10 +198,7 @@ class Session:
         """Run the mission; yield after each control period."""
         batch, progress = self.batch, self.batch.progress
         while progress.outcome[0] == RUNNING:
-            actions, held = self._decided.decide(self._decider, self._observations), self._by_hand >= 0
-            if held.any():
-                actions[held, : self._decided.goals] = self._decided.actions(self._by_hand[held])
-            for _ in batch.ticks(actions):
+            for _ in batch.ticks(actions_of(self._decided, self._decider, self._observations, self._by_hand)):
                 yield
             self._observations = batch.end_period().observations
 
@@ -185,8 +218,7 @@ class Session:
 
     def _follow(self, change: FollowStrategy) -> FollowStrategy:
         """Let a strategy choose; neither orders nor recordings name one by a path, or code of the user's own."""
-        fixed = (f"{FIXED}:{option}" for option in self.options)
-        known = (self._play.member, *STRATEGIES.names(), *fixed, *self._filed())
+        known = (self._play.member, *STRATEGIES.names(), *self._fixed(), *self._filed())
         if change.strategy.partition(DIGEST)[0] not in known:
             raise ConfigurationError(f"follow_strategy: {unknown('strategy', change.strategy, self._fitting(known))}")
         self.strategy, self._decider = self._decided_by(change.strategy)
@@ -197,11 +229,10 @@ class Session:
     def _hold(self, change: HoldOption) -> None:
         if self.batch.action.mode == "velocity":
             raise ValueError(f"hold_option: {self._play.member} drives the robots; they hold no option")
-        if change.option and change.option not in self.options:
-            raise ValueError(unknown("option", change.option, self.options))
         rows = np.array(change.robots or range(self.batch.rows))
         if rows.max() >= self.batch.rows:
             raise ValueError(f"robot {rows.max()}: expected a number below {self.batch.rows}")
-        self._by_hand[rows] = self.options.index(change.option) if change.option else -1
+        option = self._decided.number_of(change.option) if change.option else -1
+        self._by_hand[rows] = option
         if change.option:
-            self.worlds.minds.coordinator_of(self.goal).hold(rows, self._by_hand[rows])
+            self._decided.hold(rows, option)

@@ -18,7 +18,10 @@ from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.writing import write_whole
 from train.running.needs import check_file
 
-MODULES = ("recording", "course", "world", "mind", "charts", "page", "live")
+MODULES = (
+    "recording", "course", "world", "words", "score", "why", "policy", "mind", "charts", "pointer", "foretold", "page",
+    "live",
+)  # fmt: skip
 """The modules in the order in which they are joined: each imports earlier ones only."""
 
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from clean_swarm_env.drawing.look import OPTION_COLOURS
 from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Flags, Floats, Ints
-from train.reports.charts import LOG_FROM, colour_of, draw_rows, label_of, log_scale, panels, svg
+from train.reports.charts import colour_of, draw_rows, fit_axis, label_of, log_scale, panels, svg
 
 COST = "/cost_s"
 WIDTH: Final = 9.2
@@ -31,11 +31,9 @@ LEAST_WRITTEN: Final = 0.07
 
 def distributions(values: Floats, scenarios: Sequence[str], labels: Sequence[str], title: str) -> str:
     """Return a row for each condition: every run (C, K), quartiles, and the mean with its 95 % interval."""
-    known = values[np.isfinite(values)]
     with panels(1, 1, (WIDTH, 0.8 + 0.42 * len(values))) as (figure, ((axes,),)):
         draw_rows(axes, values, scenarios, labels, range(len(values)))
-        if known.min() > 0.0 and known.max() > LOG_FROM * known.min():
-            log_scale(axes, "x")
+        fit_axis(axes, values)
         axes.set_xlabel(title)
         return svg(figure)
 

@@ -42,7 +42,7 @@ PAGE = """<!DOCTYPE html>
 {body}
 </body></html>
 """
-MARKDOWN: Final = MarkdownIt("zero").enable(["heading", "table"])
+MARKDOWN: Final = MarkdownIt("zero").enable(["heading", "table", "blockquote", "backticks"])
 """Reads Markdown; all else that it may hold, such as HTML, is text."""
 NOT_CHECKED = (
     "The manifest of the directory. Whether the runs are of this configuration is not checked here; "
@@ -83,11 +83,16 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
     records = _together(results)
     conditions = list(dict.fromkeys(record.condition for record in records))
     scenarios = list(dict.fromkeys(scenario for held in results for scenario in held.scenarios))
-    yield _note(f"{len(records)} runs: {len(scenarios)} scenarios, {len(conditions)} conditions. {EXPLAINED}")
     for held in results:
-        label = f" of {held.path}" if len(results) > 1 else ""
-        yield f"<h2>Tables{escape(label)}</h2>" + html_of_markdown(held.tables)
+        yield f"<h2>{escape(str(held.path))}</h2>" if len(results) > 1 else ""
+        first, *more = re.split(r"(?m)^## ", re.sub(r"\A# .*\n", "", held.tables))
+        shown = [f"## {part}" for part in more]
+        yield html_of_markdown(first + "".join(shown[:1]))
+        for part in shown[1:]:
+            head, _, rest = part.removeprefix("## ").partition("\n")
+            yield f"<details><summary>{escape(head)}</summary>{html_of_markdown(rest)}</details>"
     yield "<h2>Distributions</h2>"
+    yield _note(f"{len(records)} runs: {len(scenarios)} scenarios, {len(conditions)} conditions. {EXPLAINED}")
     labels = with_unfinished(records, conditions)
     for figure in FIGURES:
         values = table_of(records, conditions, scenarios, figure)

@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO, StringIO
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib as mpl
@@ -21,6 +20,7 @@ from clean_swarm_env.drawing.look import OPTION_COLOURS
 from selforg.arrays import Flags, Floats
 from train.analysis.intervals import Interval
 from train.analysis.statistics import by_scenario, summarise
+from train.analysis.verdict import LOG_FROM
 
 COLOURS = tuple(colour for colour in OPTION_COLOURS if colour != "#F0E442")
 """Colours of conditions in turn; without the yellow, which is hardly seen on white."""
@@ -37,10 +37,8 @@ STYLE: Final[dict[Any, Any]] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "clean-swarm",
 }
-PICTURE_SUFFIXES: Final = (".svg", ".png", ".pdf")
-"""Endings of picture files."""
-LOG_FROM: Final = 20.0
-"""Ratio of the largest to the least value from which a scale is logarithmic."""
+BEYOND: Final = 1.15
+"""Factor by which axes reach beyond the farthest point."""
 LONGEST_LABEL: Final = 44
 """Letters of a label; longer ones are cut."""
 SPREAD: Final = 0.25
@@ -48,26 +46,27 @@ SPREAD: Final = 0.25
 
 
 @contextmanager
-def panels(rows: int, columns: int, size: tuple[float, float], *, shared: bool = False) -> Iterator[tuple[Figure, Any]]:
-    """Yield a figure of `size` [inch] in our style, and its axes (rows, columns); `shared`: y by those of a row."""
+def panels(
+    rows: int, columns: int, size: tuple[float, float], *, shared: bool = False, heights: Sequence[float] | None = None
+) -> Iterator[tuple[Figure, Any]]:
+    """Yield a figure of `size` [inch] in our style, and its axes (rows, columns).
+
+    `shared`: those of a row share y. `heights` of the rows; without, those of a column share x.
+    """
     with mpl.rc_context(STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # letters that the font does not have are boxes
         figure = Figure(figsize=size, layout="constrained")
-        yield figure, figure.subplots(rows, columns, squeeze=False, sharex="col", sharey="row" if shared else "none")
+        how: dict[str, Any] = {"sharex": "col" if heights is None else "none", "sharey": "row" if shared else "none"}
+        yield figure, figure.subplots(rows, columns, squeeze=False, height_ratios=heights, **how)
 
 
-def png(figure: Figure, dpi: int = 150) -> bytes:
-    """Return a figure as a PNG."""
+def picture_of(figure: Figure, suffix: str) -> bytes:
+    """Return a figure as a file that ends in `.svg`, `.png` or `.pdf`; equal figures give equal files."""
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {"Software": "clean-swarm"}}[suffix]
     image = BytesIO()
-    figure.savefig(image, format="png", dpi=dpi, metadata={"Software": "clean-swarm"})
+    with mpl.rc_context({**STYLE, "pdf.fonttype": 42}):
+        figure.savefig(image, format=suffix[1:], dpi=150, metadata=undated)
     return image.getvalue()
-
-
-def save_picture(figure: Figure, file: Path) -> None:
-    """Write a figure to a file of one of `PICTURE_SUFFIXES`; equal figures give equal files. Raises OSError."""
-    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[file.suffix]
-    with mpl.rc_context({"svg.hashsalt": "clean-swarm", "pdf.fonttype": 42}):
-        figure.savefig(file, dpi=150, metadata=undated)
 
 
 def svg(figure: Figure) -> str:
@@ -95,6 +94,16 @@ def log_scale(axes: Axes, name: str) -> None:
     axis: Axis = {"x": axes.xaxis, "y": axes.yaxis}[name]
     for choose in (axis.set_major_formatter, axis.set_minor_formatter):
         choose(LogFormatter(minor_thresholds=(2.0, 0.8), labelOnlyBase=False))
+
+
+def fit_axis(axes: Axes, values: Floats, name: str = "x") -> None:
+    """Show no more of the axis x or y than values have, logarithmic if they are far apart, and nothing below 0."""
+    known = values[np.isfinite(values)]
+    if known.size and known.min() > 0.0 and known.max() > LOG_FROM * known.min():
+        log_scale(axes, name)
+        axes.set(**{f"{name}lim": (known.min() / BEYOND, known.max() * BEYOND)})
+    elif known.size and known.min() >= 0.0:
+        axes.set(**{f"{name}lim": (0.0, BEYOND * known.max() or 1.0)})
 
 
 def error_bar(value: float, ci95: Interval | None) -> list[list[float]]:

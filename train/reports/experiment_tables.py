@@ -10,8 +10,9 @@ import numpy as np
 
 from selforg.arrays import Floats
 from train.analysis.intervals import Interval, too_few
-from train.analysis.report import Report
+from train.analysis.report import Report, agreements, ranking_of_conditions
 from train.analysis.statistics import COST, distance_metrics, share_cell
+from train.reports.ranking_table import ranking_table
 from train.reports.task_tables import VERDICTS, measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid
 
@@ -39,10 +40,41 @@ class _Column:
 
 
 def all_tables(report: Report) -> list[Grid]:
-    """Return the tables in the order of the report."""
+    """Return the table of the conditions, then further ones."""
     of_task = measures_grids(report.experiment.name, report.measured_by_task)
-    tables = (*of_task, table_1(report), ratios(report), measured_means(report), measured_ratios(report))
-    return [grid for grid in tables if grid.rows]
+    tables = (*of_task, table_1(report), ratios(report), published(report), measured_means(report))
+    return [conditions_table(report), *(grid for grid in (*tables, measured_ratios(report)) if grid.rows)]
+
+
+def conditions_table(report: Report) -> Grid:
+    """Return the conditions, the fastest or cheapest first."""
+    own, unfinished = report.figures, (1.0 - report.figures.completed.mean(axis=1)).tolist()
+    missed = "missed" if report.measured_by_task else "unfinished"
+    columns = {missed: dict(zip(own.conditions, map(share_cell, unfinished), strict=True))}
+    for one in report.measured_by_task:
+        columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
+    for metric, head in SHOWN.items() if not report.measured_by_task else ():
+        if metric != "duration_s":
+            columns[head] = {name: _number(found[metric].mean) for name, found in report.summaries.items()}
+        beside = {name: _beside(report, name) for name in own.conditions}
+        if any(beside.values()):
+            k, source = list(SHOWN).index(metric), "measured" if report.means else "paper"
+            theirs = {name: found[k].values for name, found in beside.items() if found and found[k].values.size}
+            cells = {name: _number(float(values.mean())) for name, values in theirs.items()}
+            columns[f"{source} {head.removeprefix('time ')}"] = cells
+    title = f"{report.experiment.name}: {len(own.scenarios)} scenarios, seed {report.seed}"
+    what = "cost s" if report.measured_by_task else SHOWN["duration_s"]
+    return ranking_table(title, ranking_of_conditions(report), what, columns, _notes(report))
+
+
+def published(report: Report) -> Grid:
+    """Return our figures beside those that were published with the experiment; no rows without."""
+    rows = [
+        (one.what, _number(one.ours), _number(one.theirs), VERDICTS[one.agrees])
+        for one in (() if report.means else agreements(report))
+    ]
+    note = "agree: the 95 % intervals meet; start configurations of the paper are not known"
+    return Grid("ours beside the paper", ("figure", "ours", "paper", "agree"), rows, notes=(note,))
 
 
 def table_1(report: Report) -> Grid:
@@ -68,18 +100,18 @@ def table_1(report: Report) -> Grid:
 
 def ratios(report: Report) -> Grid:
     """Return the ratios of means between the conditions with their intervals, and the paper's."""
-    published, own = report.experiment.reference, report.figures
+    paper, own = report.experiment.reference, report.figures
     unfinished = dict(zip(own.conditions, (1.0 - own.completed.mean(axis=1)).tolist(), strict=True))
     rows = []
     for (*pair, metric), found in report.comparisons.items():
         p = EMPTY_CELL if found.p is None else f"{found.p:.2g}"
         shares = " / ".join(share_cell(unfinished[name]) for name in pair)
         row = [TITLES[metric], " / ".join(pair), shares, _number(found.ratio), _interval(found.ci95), p]
-        if published:
-            a, b = (published.figures.get(name, {}).get(metric, ()) for name in pair)
+        if paper:
+            a, b = (paper.figures.get(name, {}).get(metric, ()) for name in pair)
             row.append(f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL)
         rows.append(row)
-    heads = ("figure", "conditions", "unfinished", "ratio", "95 % interval", "p") + (("paper",) if published else ())
+    heads = ("figure", "conditions", "unfinished", "ratio", "95 % interval", "p") + (("paper",) if paper else ())
     return Grid("ratios of means", heads, rows, notes=too_few([*report.comparisons.values()]))
 
 
@@ -117,10 +149,10 @@ def _beside(report: Report, condition: str) -> list[_Column]:
     """Return the columns of measured figures of a condition, else of published ones; empty without either."""
     if report.means:
         return [_measured(report, condition, metric) for metric in SHOWN]
-    published = report.experiment.reference
-    if published is None or condition not in published.figures:
+    paper = report.experiment.reference
+    if paper is None or condition not in paper.figures:
         return []
-    columns = [np.array(published.figures[condition].get(metric, ())) for metric in SHOWN]
+    columns = [np.array(paper.figures[condition].get(metric, ())) for metric in SHOWN]
     scenarios = report.figures.scenarios if report.own_starts else ()
     return [_Column(dict(zip(scenarios, values.tolist(), strict=False)), values) for values in columns]
 

@@ -5,6 +5,8 @@ Of strategies under disturbances there is a table for each strategy, with a row 
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from clean_swarm_env.tasks.cleaning.cost import LEFT_LIMITS
 from train.analysis.family_report import (
     LIMITS,
@@ -13,27 +15,25 @@ from train.analysis.family_report import (
     FamilyRuns,
     Front,
     excess_ratios,
-    excesses_of,
+    ranking_of,
     unfinished_of,
 )
 from train.analysis.intervals import too_few
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
+from train.analysis.verdict import Ranking, amount, unfinished_sentence
+from train.reports.ranking_table import ranking_table
 from train.reports.task_tables import measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
 
-MEANS = {
-    "items": "items",
-    "duration_s": "duration s",
-    "events": "events",
-    "contact_s": "contact s",
-    "cost_s": "cost s",
-    "excess_s": "excess s",
-}
+MEANS = {"items": "items", "duration_s": "duration s", "events": "events", "contact_s": "contact s", "cost_s": "cost s"}
 """Figure -> head of its column."""
-CLEANING_ONLY = ("items", "excess_s")
-"""Those of cleaning alone."""
+CLEANING_ONLY = "items"
+"""The figure of cleaning alone."""
+MOST_SENTENCES = 3
+"""Most sentences of a verdict."""
+EXCESS = "excess: the cost less the time until items arrive, which no strategy can avoid"
 MULTIPLES = {
     "completed": ("completed %", 100.0),
     "duration_s": ("duration s", 1.0),
@@ -44,28 +44,44 @@ INTERVALS = "95 % intervals by Wilson (completed) and Student; a mission that is
 
 
 def family_tables(report: FamilyReport) -> list[Grid]:
-    """Return the tables in the order of the report."""
+    """Return the table of what is compared, and further ones in the order of the report."""
     compared = [] if report.comparison is None else [_gaps(report, report.comparison)]
     prices = [] if report.front is None else [_prices(report, report.front)]
-    return [*measures_grids(report.runs.family.name, report.measured), _means(report), *compared, *prices]
+    measured = measures_grids(report.runs.family.name, report.measured)
+    return [_ranked(report), *measured, _means(report), *compared, *prices]
 
 
-def _means(report: FamilyReport) -> Grid:
-    family, mission = report.runs.family, report.runs.missions[0]
-    shown = [name for name in MEANS if name not in CLEANING_ONLY or not report.measured]
-    rows = []
-    for label, own in report.summaries.items():
-        figures = [f"{own[name].mean:.1f}" for name in shown]
-        row = (label, share_cell(report.unfinished(label)), *figures, interval_cell(own[shown[-1]].ci95, 1))
-        rows.append(row)
+def _ranked(report: FamilyReport) -> Grid:
+    runs, own = report.runs, report.summaries
+    columns = {_unfinished(report): {label: share_cell(report.unfinished(label)) for label in own}}
+    for one in report.measured:
+        columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
+    for name in ("duration_s", "events") if not report.measured else ():
+        columns[MEANS[name]] = {label: amount(own[label][name].mean) for label in own}
+    title = f"{runs.family.name}: {runs.scenarios} scenario{'s' * (runs.scenarios > 1)}, seed {runs.seed}"
+    notes = (cost_line(report), *([EXCESS] if report.compared == "excess" else []))
+    return ranking_table(title, report.ranking, f"{report.compared} s", columns, notes)
+
+
+def cost_line(report: FamilyReport) -> str:
+    """Return what a cost is made of."""
+    mission = report.runs.missions[0]
+    if report.measured:
+        return f"cost: {mission.time_limit:g} s times the measure that is worst by its target"
     every = "for each item done, " if mission.items.keep_coming else ""
     contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
     left = "" if mission.items.keep_coming else f" + {LEFT_LIMITS * mission.time_limit:g} s an item left"
-    cost = f"cost = {every}seconds + {mission.collision_cost:g} s an event{contact}{left}"
-    if report.measured:
-        cost = f"cost = {mission.time_limit:g} s times the measure that is worst by its target"
-    heads = ("strategy", _unfinished(report), *(MEANS[name] for name in shown), "95 %")
-    return Grid(f"{family.name}: means; {cost}", heads, rows)
+    return f"cost: {every}seconds + {mission.collision_cost:g} s a collision event{contact}{left}"
+
+
+def _means(report: FamilyReport) -> Grid:
+    shown = [name for name in MEANS if name != CLEANING_ONLY or not report.measured]
+    rows = [
+        (label, share_cell(report.unfinished(label)), *(f"{own[name].mean:.1f}" for name in shown))
+        for label, own in report.summaries.items()
+    ]
+    heads = ("strategy", _unfinished(report), *(MEANS[name] for name in shown))
+    return Grid(f"means; {cost_line(report)}", heads, rows)
 
 
 def _unfinished(report: FamilyReport) -> str:
@@ -88,11 +104,13 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
         chose = f"gap {gap}; the {ORACLE} chose on other world seeds"
         notes.append(chose if comparison.has_gap else f"no gap: {gap} to the {ORACLE}")
     title += f", and the {ORACLE}, the best fixed option of each scenario" if comparison.has_gap else ""
-    notes += too_few([standing.ratio for standing in comparison.standings])
+    if comparison.has_gap:
+        notes.append(f"share of the gap: 0 for {yardstick}, 1 for the {ORACLE}.")
     if report.limits:
         notes.append("limit / 2, limit x 2: the ratio with items left priced by half and twice the time limit.")
     priced = ("limit / 2", "limit x 2") if report.limits else ()
-    heads = ("excess s", f"ratio to {yardstick}", "95 %", "p", *priced, "share of the gap", "95 %")
+    shares = ("share of the gap", "95 %") if comparison.has_gap else ()
+    heads = ("excess s", f"ratio to {yardstick}", "95 %", "p", *priced, *shares)
     return Grid(title, ("strategy", _unfinished(report), *heads), rows, notes=tuple(notes))
 
 
@@ -109,8 +127,7 @@ def _gap_row(standing: StrategyStanding, report: FamilyReport, comparison: Strat
         EMPTY_CELL if ratio.p is None or alone else f"{ratio.p:.2g}",
         *(EMPTY_CELL if one.ratio is None else f"{one.ratio:.3f}" for one in priced),
         *(("",) * len(LIMITS) if report.limits and not priced else ()),
-        "no gap" if share is None else f"{share.value:.2f}",
-        "" if share is None else interval_cell(share.ci95),
+        *(() if share is None else (f"{share.value:.2f}", interval_cell(share.ci95))),
     )
 
 
@@ -132,11 +149,19 @@ def _prices(report: FamilyReport, front: Front) -> Grid:
     return Grid(title, heads, rows)
 
 
-def robustness_tables(report: RobustnessReport) -> list[Grid]:
-    """Return the tables in the order of the strategies."""
-    grids = []
+def robustness_tables(report: RobustnessReport, ranking: Ranking) -> list[Grid]:
+    """Return the table of all strategies over all disturbances, then one for each strategy, in its order."""
+    worst = {label: report.worst(label) for label in ranking.labels}
+    shares = {label: {name: own[label]["completed"].value for name, own in report.estimates.items()} for label in worst}
+    columns = {
+        "completed": {label: share_cell(float(np.mean(list(own.values())))) for label, own in shares.items()},
+        "hit hardest by": worst,
+        "completed there": {label: share_cell(shares[label][name]) for label, name in worst.items()},
+    }
+    title = f"{report.robustness.name}: means over {len(report.estimates)} variants of {report.scenarios} scenarios"
+    grids = [ranking_table(f"{title}, seed {report.seed}", ranking, "duration s", columns, (INTERVALS,))]
     heads = ("disturbance", *(text for head, _ in MULTIPLES.values() for text in (head, "95 %")))
-    for label in report.strategies:
+    for label in ranking.labels:
         rows = []
         for name, by_label in report.estimates.items():
             cells = (
@@ -149,7 +174,13 @@ def robustness_tables(report: RobustnessReport) -> list[Grid]:
 
 
 def excess_publication(
-    runs: FamilyRuns, against: Mapping[str, str], title: str, head: str, notes: Sequence[str] = ()
+    runs: FamilyRuns,
+    against: Mapping[str, str],
+    title: str,
+    head: str,
+    *,
+    notes: Sequence[str] = (),
+    verdict: Sequence[str] = (),
 ) -> Publication:
     """Return the table of the excess of each strategy, beside that of what it is compared with, and the figures.
 
@@ -159,23 +190,26 @@ def excess_publication(
         title: what is compared.
         head: title of the column of ratios.
         notes: lines below the table.
+        verdict: sentences that come before those on the order of strategies.
 
     """
-    family, left, ratios = runs.family, unfinished_of(runs), excess_ratios(runs, against)
+    left, ratios, ranking = unfinished_of(runs), excess_ratios(runs, against), ranking_of(runs)
     rows, summary = [], dict[str, dict[str, object]]()
-    for label, own in excesses_of(runs).items():
-        excess, share = float(own.mean()), float(left[label].mean()) if left else None
-        summary[label] = {"excess_s": excess, "unfinished": share}
+    for label, excess in ranking.means.items():
+        share = float(left[label].mean()) if left else None
+        summary[label] = {"excess_s": excess.value, "unfinished": share}
         cells = ("1", "")
         if label in ratios:
             ratio = ratios[label]
             summary[label] |= {"against": against[label], **ratio.content}
             cells = (EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}", interval_cell(ratio.ci95))
-        rows.append((label, share_cell(share), f"{excess:.1f}", *cells))
+        rows.append((label, share_cell(share), f"{excess.value:.1f}", *cells))
     heads = ("strategy", "unfinished", "excess s", head, "95 %")
-    grid = Grid(f"{family.name}: {title}", heads, rows, notes=(*notes, *too_few(list(ratios.values()))))
-    content = {"family": family.name, "strategies": summary, "notes": list(notes)}
-    return Publication(family.name, family.description, [grid], content)
+    few = too_few(list(ratios.values()))
+    grid = Grid(f"{runs.family.name}: {title}", heads, rows, notes=(*notes, EXCESS, *few))
+    content = {"family": runs.family.name, "strategies": summary, "notes": list(notes)}
+    said = [*verdict, *ranking.sentences(), *filter(None, [unfinished_sentence(left, ranking)])][:MOST_SENTENCES]
+    return Publication(runs.family.name, runs.family.description, said, [grid], content)
 
 
 def _cells(estimate: Estimate, factor: float) -> tuple[str, str]:

@@ -1,82 +1,123 @@
-"""The pictures of evaluations as PNG: of an experiment, of a family, and of strategies under disturbances."""
+"""The figures of evaluations: of an experiment, of a family, and of strategies under disturbances."""
+
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from clean_swarm_env.config.families import UNDISTURBED, Disturbance
-from train.analysis.family_report import PRICES, FamilyReport, Front
-from train.analysis.report import Report
+from train.analysis.family_report import FIGURES, PRICES, FamilyReport, Front
+from train.analysis.report import Report, ranking_of_conditions
 from train.analysis.robustness_report import ROBUSTNESS_FIGURES, RobustnessReport
 from train.analysis.statistics import COST
-from train.reports.charts import COLOURS, colour_of, draw_rows, error_bar, label_of, log_scale, panels, png
+from train.reports.charts import (
+    COLOURS,
+    TEXT_COLOUR,
+    colour_of,
+    draw_rows,
+    error_bar,
+    fit_axis,
+    label_of,
+    log_scale,
+    panels,
+)
 
 LEGEND = "diamond: mean with its 95 % interval; box: quartiles; grey line: one scenario; hollow point: not completed"
 MARKERS, LINES = "os^vDP*X", ("-", "--", ":", "-.")
-"""Form of the point and of the line with the first colours, the next ones, and so on."""
-BOTTOM, BEYOND = -0.25, 1.6
-"""Lower end of the axis of collision events; factor by which axes reach beyond the farthest point."""
+"""Forms of points, in turn; of lines with the first colours, the next ones, and so on."""
+BOTTOM, AXIS_ROOM = -0.25, 1.6
+"""Lower end of the axis of collision events, so that points at 0 are whole; room above the highest point."""
 ROBUSTNESS_LABELS = {"completed": "completed", "duration_s": "duration [s]", "collision_events": "collision events"}
 """Label of the axis of each figure."""
 SIDEWAYS = 0.06
 """Distance of neighbouring strategies, as a share of the distance between levels."""
 
 
-def draw_experiment(report: Report) -> bytes:
-    """Return duration, or cost, and collision samples of every scenario under every condition."""
+def draw_experiment(report: Report) -> Figure:
+    """Return duration, or cost, and collision samples of every scenario under every condition, the best first."""
     figures, distance = report.figures, report.experiment.mission.collision_distances[0]
     first = (COST, "cost [s]") if report.measured_by_task else ("duration_s", "duration [s]")
     shown = (first, ("collision_samples_per_s", f"samples per s of pairs closer than {distance:g} m"))
-    names, count = figures.conditions, len(figures.scenarios)
+    count, paper = len(figures.scenarios), report.experiment.reference
+    places = [figures.conditions.index(name) for name in ranking_of_conditions(report).labels]
+    names = [figures.conditions[place] for place in places]
     with panels(1, 2, (12.0, 1.6 + 0.55 * len(names)), shared=True) as (figure, axes):
         for one, (metric, label) in zip(axes[0], shown, strict=True):
-            draw_rows(one, figures.values[metric], figures.scenarios, names, range(len(names)), ~figures.completed)
+            values = figures.values[metric][places]
+            draw_rows(one, values, figures.scenarios, names, places, ~figures.completed[places])
+            seen = [values.ravel()]
+            for row, name in enumerate(names if paper else ()):
+                published = np.array(paper.figures.get(name, {}).get(metric, ()) if paper else ())
+                one.plot(published, np.full(len(published), row + 0.4), "x", color=TEXT_COLOUR, ms=4)
+                seen.append(published)
+            fit_axis(one, np.concatenate(seen))
             one.set_xlabel(label)
-        log_scale(axes[0, 0], "x")
-        axes[0, 1].set_xlim(left=0.0)
         figure.suptitle(f"{report.experiment.name}: {count} scenario{'s' if count > 1 else ''}, seed {report.seed}")
-        figure.supxlabel(LEGEND, fontsize=8, color="0.4")
-        return png(figure)
+        figure.supxlabel(LEGEND + (f"; x: {paper.source}" if paper else ""), fontsize=8, color="0.4")
+        return figure
 
 
-def draw_front(report: FamilyReport) -> bytes | None:
-    """Return time and collisions of each strategy, and its cost over prices; None where costs have no such price."""
-    front, runs = report.front, report.runs
-    if front is None:
-        return None
-    with panels(1, 2, (11.0, 4.8)) as (figure, ((left, right),)):
-        for k, (label, excesses) in enumerate(front.excesses.items()):
-            turn = k // len(COLOURS)
-            look = {"color": colour_of(k), "marker": MARKERS[turn % len(MARKERS)]}
-            size, edge = (70, "black") if label in front.undominated else (30, colour_of(k))
-            left.scatter(excesses[0], front.events[label], s=size, edgecolors=edge, zorder=2, **look)
-            line = LINES[turn % len(LINES)]
-            right.plot(range(len(PRICES)), excesses, ls=line, label=label_of(label), lw=1.3, ms=3.5, **look)
-        _frame(left, front)
-        left.set(xlabel="excess without the price of collisions [s]", ylabel="collision events a mission")
-        left.set_title("black edge: no other has less time and fewer events", fontsize=8, color="0.3")
-        log_scale(right, "y")
-        right.set(xlabel="price of a collision event [s]", ylabel="excess cost [s]")
-        right.set_xticks(range(len(PRICES)), [f"{price:g}" for price in PRICES])
+def draw_family(report: FamilyReport) -> Figure:
+    """Return cost and duration of every mission under each strategy, the best first; for cleaning its prices, too."""
+    runs, front = report.runs, report.front
+    names = list(runs.conditions)
+    scenarios = [f"test-{k}.{world}" for k in range(runs.scenarios) for world in range(runs.worlds)]
+    shown = {f"{report.compared} [s]": "excess_s", "duration [s]": "duration_s"}
+    tables = {what: runs.table(FIGURES[figure]) for what, figure in shown.items()}
+    rows = 0.9 + 0.42 * len(names)
+    heights = [rows] if front is None else [rows, 4.4]
+    with panels(len(heights), 2, (12.0, sum(heights) + 0.7), heights=heights) as (figure, axes):
+        for one, (what, table) in zip(axes[0], tables.items(), strict=True):
+            values = np.stack([table[name].mean(axis=0).ravel() for name in names])
+            hollow = np.stack([report.left[name].max(axis=0).ravel() > 0 for name in names]) if report.left else None
+            draw_rows(one, values, scenarios, names, range(len(names)), hollow)
+            fit_axis(one, values)
+            one.set_xlabel(what)
+        axes[0, 1].set_yticklabels([])
+        if front is not None:
+            _draw_front(axes[1, 0], front)
+            _draw_prices(axes[1, 1], front)
+            figure.legend(*axes[1, 1].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
         count = f"{runs.scenarios} scenario{'s' if runs.scenarios > 1 else ''}"
-        figure.suptitle(f"{runs.family.name}: {count}, seed {runs.seed}")
-        figure.legend(*right.get_legend_handles_labels(), loc="outside right upper", fontsize=7, frameon=False)
-        return png(figure)
+        figure.suptitle(f"{runs.family.name}: {count}, seed {runs.seed}. {LEGEND}", fontsize=8)
+        return figure
 
 
-def _frame(axes: Axes, front: Front) -> None:
-    """Draw the line along the best strategies, and make room for every point."""
-    along = sorted((front.excesses[label][0], front.events[label]) for label in front.undominated)
+def _look(place: int) -> dict[str, Any]:
+    """Return colour, marker and line of the strategy at a place: markers and lines tell them apart in print, too."""
+    line = LINES[place // len(COLOURS) % len(LINES)]
+    return {"color": colour_of(place), "marker": MARKERS[place % len(MARKERS)], "ls": line}
+
+
+def _draw_prices(axes: Axes, front: Front) -> None:
+    for k, (label, excesses) in enumerate(front.excesses.items()):
+        axes.plot(range(len(PRICES)), excesses, label=label_of(label), lw=1.3, ms=4, **_look(k))
+    fit_axis(axes, np.array(list(front.excesses.values())), "y")
+    axes.set(xlabel="price of a collision event [s]", ylabel="mean cost [s]")
+    axes.set_xticks(range(len(PRICES)), [f"{price:g}" for price in PRICES])
+
+
+def _draw_front(axes: Axes, front: Front) -> None:
+    """Draw time and events of each strategy with their intervals, and the line along those that none betters."""
+    along = sorted((front.excesses[label][0], front.events[label].mean) for label in front.undominated)
     axes.step(*zip(*along, strict=True), where="post", color="0.6", linewidth=0.8, zorder=1)
-    log_scale(axes, "x")
+    for k, (label, events) in enumerate(front.events.items()):
+        time, best = front.times[label], label in front.undominated
+        look = {**_look(k), "ls": "", "elinewidth": 0.8, "ms": 8 if best else 5}
+        look |= {"mec": "black"} if best else {}
+        ends = events.ci95 and (max(events.ci95[0], 0.0), events.ci95[1])  # the axis reaches below 0, events do not
+        spread = error_bar(time.mean, time.ci95), error_bar(events.mean, ends)
+        axes.errorbar(time.mean, events.mean, xerr=spread[0], yerr=spread[1], zorder=2, **look)
+    fit_axis(axes, np.array([time.mean for time in front.times.values()]))
     axes.set_yscale("symlog", linthresh=1.0)
     axes.yaxis.set_major_formatter("{x:g}")
-    times = [excesses[0] for excesses in front.excesses.values() if excesses[0] > 0.0]
-    if times:
-        axes.set_xlim(min(times) / BEYOND, max(times) * BEYOND)
-    axes.set_ylim(BOTTOM, max(*front.events.values(), 1.0) * BEYOND)
+    axes.set_ylim(BOTTOM, max(*(events.mean for events in front.events.values()), 1.0) * AXIS_ROOM)
+    axes.set(xlabel="mean cost without the price of collisions [s]", ylabel="mean collision events")
+    axes.set_title("black edge: no other has less time and fewer events", fontsize=8, color="0.3")
 
 
-def draw_robustness(report: RobustnessReport) -> bytes:
+def draw_robustness(report: RobustnessReport) -> Figure:
     """Return a column for each kind of disturbance, and a row for each figure."""
     kinds: dict[str, list[Disturbance]] = {}
     for disturbance in report.robustness.disturbances:
@@ -87,12 +128,14 @@ def draw_robustness(report: RobustnessReport) -> bytes:
             for column, levels in enumerate(kinds.values()):
                 _draw_levels(axes[row, column], report, name, levels)
             axes[row, 0].set_ylabel(ROBUSTNESS_LABELS[name])
-            if name != "completed":
+            if name == "completed":
+                axes[row, 0].set_ylim(-0.03, 1.03)
+            else:
                 log_scale(axes[row, 0], "y")
         for column, kind in enumerate(kinds):
             axes[-1, column].set_xlabel(kind)
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False)
-        return png(figure, dpi=110)
+        return figure
 
 
 def _draw_levels(axes: Axes, report: RobustnessReport, figure: str, levels: list[Disturbance]) -> None:

@@ -1,19 +1,34 @@
-"""Tables of text, shown on a terminal or as Markdown, and the report of which they are: files and printed tables."""
+"""Tables of text, shown on a terminal or as Markdown, and the report of which they are: files and printed tables.
+
+A report has a verdict of a few sentences, one table, and further tables: `table.md` has them all, the terminal shows
+these with `--all` only.
+"""
+
+from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from selector.documents.writing import write_whole
+from train.request import Request
 from train.running.run_folder import RunFolder
 
+if TYPE_CHECKING:  # the runs need no Matplotlib
+    from matplotlib.figure import Figure
+
+POINT = "●"
+"""The mean in a cell that is drawn; such cells are code in Markdown, whose letters have one width."""
 EMPTY_CELL = "-"
 """Text of a cell without a figure."""
+LONGEST_LABEL = 40
+"""Letters of a label up to which the terminal shows it in one line."""
 MAX_ROWS_SHOWN = 30
 """Most rows above the summary that the terminal shows; Markdown always has all rows."""
 
@@ -50,7 +65,8 @@ def on_terminal(grid: Grid) -> RenderableType:
     """Return a grid for a rich console."""
     table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for k, head in enumerate(grid.heads):
-        table.add_column(Text(head), justify="right" if k else "left", no_wrap=k > 0)
+        whole = 0 if k else min(max(map(len, (head, *(row[0] for row in grid.rows)))), LONGEST_LABEL)
+        table.add_column(Text(head), justify="right" if k else "left", no_wrap=k > 0, min_width=whole)
     hidden = len(grid.rows) > MAX_ROWS_SHOWN
     for row in () if hidden else grid.rows:
         table.add_row(*row)
@@ -62,7 +78,7 @@ def on_terminal(grid: Grid) -> RenderableType:
 
 
 def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+    return f"| {' | '.join(f'`{cell}`' if POINT in cell else cell for cell in cells)} |"
 
 
 @dataclass(frozen=True)
@@ -73,22 +89,45 @@ class Publication:
     """Title of `table.md`."""
     about: str
     """Text below the title."""
+    verdict: Sequence[str]
+    """Sentences that say what came out."""
     grids: Sequence[Grid]
-    """The tables of `table.md` and of the terminal."""
+    """The table of what is compared, then further ones."""
     summary: Mapping[str, Any]
     """Content of `summary.json`."""
-    figure: bytes | None = None
-    """Content of `figure.png`."""
+    figure: Figure | None = None
+    """What `figure.png` shows."""
 
 
-def publish(publication: Publication, folder: RunFolder, console: Console) -> None:
-    """Write the files of a report, and print its tables."""
-    folder.write("summary.json", json.dumps(publication.summary, indent=2) + "\n")
-    heading = f"# {publication.name}\n\n{publication.about}\n\n"
+def publish(publication: Publication, folder: RunFolder, console: Console, request: Request) -> None:
+    """Write the files of a report, and print its tables and the verdict."""
+    verdict, (first, *more) = list(publication.verdict), publication.grids
+    folder.write("summary.json", json.dumps({"verdict": verdict, **publication.summary}, indent=2) + "\n")
+    quoted = "".join(f"> {line}\n" for line in verdict)
+    heading = f"# {publication.name}\n\n{quoted}\n{publication.about}\n\n"
     folder.write("table.md", heading + "\n".join(markdown(grid) for grid in publication.grids))
     if publication.figure is not None:
-        folder.write("figure.png", publication.figure)
-    for grid in publication.grids:
+        from train.reports.charts import picture_of
+
+        folder.write("figure.png", picture_of(publication.figure, ".png"))
+    for grid in (first, *(more if request.every_table else ())):
         console.print(on_terminal(grid), soft_wrap=True)
         console.print()
-    console.print(f"results in {folder.path}", soft_wrap=True, highlight=False)
+    for line in verdict:
+        console.print(line, highlight=False)
+    hidden = f"; {len(more)} more tables with --all and in table.md" if more and not request.every_table else ""
+    console.print(f"results in {folder.path}{hidden}", soft_wrap=True, highlight=False)
+    write_figure(publication.figure, request, console)
+
+
+def write_figure(figure: Figure | None, request: Request, console: Console) -> None:
+    """Write the figure to the file that `--figure` names, if any."""
+    if request.figure is None:
+        return
+    if figure is None:
+        console.print("--figure: these results have no figure", highlight=False)
+        return
+    from train.reports.charts import picture_of
+
+    write_whole(request.figure, picture_of(figure, request.figure.suffix))
+    console.print(f"figure in {request.figure}", soft_wrap=True, highlight=False)

@@ -20,6 +20,7 @@ from typing import Any
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.plain import short
 from selector.documents.trust import current_permission, permitting
+from selforg.plugins import import_named, named_plugins
 from train.running.bits import WorkerBits, own_bits
 from train.running.engine import Round, WorkerLost
 from train.running.runs import RunRecord, Work
@@ -87,7 +88,9 @@ class DaskEngine:
             return call("train.running.dask_engine", "do_task", directory, pickled)
 
         work = partial(client.submit, remote, os.getcwd(), pure=False)
-        given = {work(pickle.dumps((task, current_permission()))): task for task in tasks}
+        given = {
+            work(pickle.dumps((named_plugins(), current_permission(), pickle.dumps(task)))): task for task in tasks
+        }
         try:
             for future in as_completed(given):
                 yield from self._runs(future, given[future])
@@ -141,6 +144,8 @@ def do_task(directory: str, pickled: bytes) -> tuple[dict[str, str], list[RunRec
     if not Path(directory).is_dir():
         raise ConfigurationError(f"{directory}: not on a worker; expected the file system of the command")
     os.chdir(directory)
-    task, permission = pickle.loads(pickled)
+    plugins, permission, task_pickled = pickle.loads(pickled)
     with _one_task, permitting(permission):
+        import_named(plugins)  # before the task, whose classes they may have
+        task: Work = pickle.loads(task_pickled)
         return own_bits(), list(task.each())

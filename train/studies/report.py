@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -18,21 +17,24 @@ from optuna.trial import create_trial
 from selforg.arrays import Floats
 from train.analysis.intervals import too_few
 from train.analysis.statistics import share_cell
+from train.analysis.verdict import Ranking, amount, unfinished_sentence
 from train.learning.racing import front
+from train.reports.charts import colour_of, panels
+from train.reports.ranking_table import ranking_table
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 from train.running.finished_runs import as_csv
 from train.studies.conclusion import TO_BEAT, UNCHANGED, Conclusion, Stated
 from train.studies.config import ArchiveConfig
-from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, FIGURES
+from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, FIGURES, UNFINISHED
 from train.studies.search import Arm, empty_archive
-from train.studies.space import StudySpace
+from train.studies.space import NULL_OPTION, StudySpace
 
 Importances = Mapping[str, float]
 FEWEST = 4
 """Least number of trials from which importances are computed."""
-COLOURS = ("#0072b2", "#999999")
+COLOURS = (colour_of(0), "#999999")
 """Of the method, and of random search beside it."""
-RESULT, YARDSTICK, MARKERS = "#d55e00", "#000000", "x+d"
+RESULT, YARDSTICK, MARKERS = colour_of(4), "#000000", "x+d"
 
 
 def importances(arms: Sequence[Arm], space: StudySpace) -> dict[str, float]:
@@ -78,6 +80,17 @@ def trials_csv(arms: Sequence[Arm], space: StudySpace) -> str:
     return as_csv(("trial", *space.names, "scenarios", *FIGURES), rows)
 
 
+def verdict_of(conclusion: Conclusion) -> list[str]:
+    """Return what came out, in one to three sentences."""
+    there = (*conclusion.results, *conclusion.yardsticks)
+    ranking = Ranking.of({one.label: one.figures[COST] for one in there})
+    left = {one.label: one.figures[UNFINISHED][None, :, None] for one in there}
+    beaten = {one.label: conclusion.marks(one) for one in conclusion.results}
+    lost = [f"{label} is not shown to beat {' and '.join(marks)}" for label, marks in beaten.items() if marks]
+    shown = f"{'; '.join(lost)}." if lost else f"{', '.join(beaten)}: shown to beat {' and '.join(TO_BEAT)}."
+    return [ranking.sentences((UNCHANGED, NULL_OPTION))[0], shown, unfinished_sentence(left, ranking)]
+
+
 def _stated(stated: Stated, space: StudySpace) -> dict[str, Any]:
     figures = {name: asdict(summary) for name, summary in stated.summaries.items()}
     values = dict(zip(space.names, stated.candidate.values, strict=False))
@@ -85,14 +98,16 @@ def _stated(stated: Stated, space: StudySpace) -> dict[str, Any]:
 
 
 def _costs(conclusion: Conclusion) -> Grid:
-    rows = []
-    for stated in (*conclusion.results, *conclusion.yardsticks):
-        cost, duration, events, avoiding, left = (stated.summaries[name] for name in FIGURES)
-        figures = (f"{cost.mean:.1f}", interval_cell(cost.ci95, 1), f"{duration.mean:.1f}", f"{events.mean:.1f}")
-        rows.append((stated.label, share_cell(left.mean), *figures, f"{avoiding.mean:.3f}"))
-    count = conclusion.results[0].figures.shape[1]
-    heads = ("options", "unfinished", "cost s", "95 %", "duration s", "events", "avoiding")
-    return Grid(f"means over {count} training scenarios that decided nothing", heads, rows)
+    there = {stated.label: stated for stated in (*conclusion.results, *conclusion.yardsticks)}
+    columns: dict[str, dict[str, str]] = {}
+    for label, stated in there.items():
+        _, duration, events, avoiding, left = (stated.summaries[name].mean for name in FIGURES)
+        cells = (share_cell(left), amount(duration), amount(events), share_cell(avoiding))
+        for head, cell in zip(("unfinished", "duration s", "events", "avoiding"), cells, strict=True):
+            columns.setdefault(head, {})[label] = cell
+    ranking = Ranking.of({label: stated.figures[COST] for label, stated in there.items()})
+    title = f"means over {ranking.scenarios} training scenarios that decided nothing"
+    return ranking_table(title, ranking, "cost s", columns, ("avoiding: share of the time",))
 
 
 def _comparison(conclusion: Conclusion) -> Grid:
@@ -128,15 +143,12 @@ def _text(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def draw_study(arms: Sequence[Arm], conclusion: Conclusion, archive: ArchiveConfig) -> bytes:
-    """Return the picture as PNG."""
-    figure = Figure(figsize=(11.0, 4.2), dpi=100, layout="constrained")
-    plane, cells = figure.subplots(1, 2)
-    _draw_plane(plane, arms, conclusion)
-    _draw_archive(cells, arms, archive)
-    picture = io.BytesIO()
-    figure.savefig(picture, format="png", metadata={"Software": None})
-    return picture.getvalue()
+def draw_study(arms: Sequence[Arm], conclusion: Conclusion, archive: ArchiveConfig) -> Figure:
+    """Return durations and events of all trials beside the results, and the archive of all trials."""
+    with panels(1, 2, (11.0, 4.2), heights=[1.0]) as (figure, ((plane, cells),)):
+        _draw_plane(plane, arms, conclusion)
+        _draw_archive(cells, arms, archive)
+        return figure
 
 
 def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None:
@@ -153,7 +165,8 @@ def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None
         x, y = stated.figures.mean(axis=1)[[DURATION, EVENT_COUNT]]
         marker, colour = ("*", RESULT) if own else (MARKERS[number % 3], YARDSTICK)
         axes.scatter(x, y, s=60, zorder=3, label=stated.label, marker=marker, color=colour)
-    axes.set(title="duration and collisions", xlabel="duration s", ylabel="collision events", xscale="log")
+    axes.set(title="duration and collisions", xlabel="duration [s]", ylabel="collision events", xscale="log")
+    axes.set_ylim(bottom=0.0)
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(ScalarFormatter())
     axes.xaxis.set_minor_formatter(NullFormatter())

@@ -26,7 +26,7 @@ from train.running.run_folder import default_directory, fingerprints
 from train.studies.conclusion import UNCHANGED, Conclusion, FoundKnowledge, conclude
 from train.studies.config import StudyConfig, study_versions
 from train.studies.missions import STAGES, Candidate, CandidateTasks, MissionField, TaskMaker
-from train.studies.report import draw_study, importances, study_summary, study_tables, trials_csv
+from train.studies.report import draw_study, importances, study_summary, study_tables, trials_csv, verdict_of
 from train.studies.search import Arm, CandidateSearch, StudyTrial
 from train.studies.space import StudySpace
 
@@ -71,11 +71,12 @@ def run_study(study: StudyConfig, request: Request, console: Console, make: Task
         publication = Publication(
             study.name,
             f"{study.description}\nFamily {family.name}, seed {request.seed}.",
+            verdict_of(conclusion),
             study_tables(conclusion, space, importance),
             study_summary(conclusion, space, arms, importance),
             draw_study(arms, conclusion, study.archive),
         )
-        publish(publication, folder, console)
+        publish(publication, folder, console, request)
         found.give(request.store)
     return FINISHED
 
@@ -87,7 +88,7 @@ def _searched(
     unchanged, arms = Candidate(UNCHANGED, space.unchanged()), list[Arm]()
     if not compiled_before():
         compile_first(make(STAGES[0], unchanged, (0,)))
-    bar = progress(study.method, MofNCompleteColumn(), study.trials)
+    bar = progress(study.method, MofNCompleteColumn(), study.trials * len(study.methods), log=results.folder.path)
     with request.engine.rounds() as done, bar as update:
         missions = MissionField(make, results, done, mission)
         search = CandidateSearch(study, space, missions, unchanged)
@@ -95,7 +96,7 @@ def _searched(
 
             def on_batch(trials: Sequence[StudyTrial], method: str = method) -> None:
                 told = f"trials, {len(results.runs):,} missions"
-                update(description=method, completed=len(trials), more=told)
+                update(description=method, completed=len(trials) + sum(len(arm.trials) for arm in arms), more=told)
 
             arms.append(search.arm(method, request.seed, on_batch))
         return arms, conclude(study, space, search, arms, missions)

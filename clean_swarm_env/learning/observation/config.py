@@ -24,7 +24,7 @@ from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.tasks.cleaning.task import Cleaning
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Number, Positive
-from selector.documents.imported import NameOrImport, imported, is_import
+from selector.documents.imported import NameOrImport, registered
 from selforg.registry import unknown
 
 DEFAULT_TERMS = Cleaning.terms
@@ -46,14 +46,8 @@ class TermConfig(Closed):
 
     @field_validator("name", mode="after")
     @classmethod
-    def _imported(cls, name: str) -> str:
-        return str(imported(name, "name").name) if is_import(name) else name
-
-    @model_validator(mode="after")
-    def _known(self) -> Self:
-        if self.name not in TERMS:
-            raise ValueError(unknown("term", self.name, TERMS.names()))
-        return self
+    def _registered(cls, name: str) -> str:
+        return registered(name, TERMS)
 
 
 def _by_name(given: object) -> object:

@@ -16,8 +16,10 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store.records import Poses
 from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
+from selforg.mechanisms.causes import Causes, note_cause
 from selforg.mechanisms.steering.base import (
     OTHER_COLUMNS,
+    OTHER_ROW,
     OTHER_VX,
     OTHER_VY,
     OTHER_X,
@@ -96,6 +98,30 @@ class ORCA(SteeringMechanism):
     def steer(self, now: float, rows: Ints, commands: Words[Commanded]) -> None:
         """Change the commands of `rows` (K,), all different, at `now` [s]."""
         avoid_rows(now, rows, commands, self._planes.words, self.poses.packed.words)
+
+    def weigh(self, now: float, rows: Ints, wishes: Floats, causes: Causes) -> None:
+        """Note the others by how far the wish lies outside of what they permit [m/s]."""
+        weigh_planes(now, rows, wishes, causes.who, causes.weights, self._planes.words, self.poses.packed.words)
+
+
+@lean_kernel
+def weigh_planes(
+    now: float,
+    rows: Ints,
+    wishes: Floats,
+    who: Ints,
+    weights: Floats,
+    planes: Words[HalfPlanes],
+    poses: Words[Poses],
+) -> None:
+    """Note the others of `rows` (K,) in the arrays of `Causes`, for `wishes` (N, 2) [m/s] at `now` [s]."""
+    h = open_half_planes(planes)
+    for row in rows:
+        vx, vy = own_velocity(row, poses)
+        h.found[0], h.found[1] = wishes[row, 0], wishes[row, 1]
+        for other in range(note_others(row, now, h.view_distance, h.others, poses)):
+            permit(other, vx, vy, planes)
+            note_cause(row, int(h.others[other, OTHER_ROW]), violation(other, h.lines, h.found), who, weights)
 
 
 @lean_kernel

@@ -18,8 +18,10 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
 from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
+from selforg.mechanisms.causes import Causes, note_cause
 from selforg.mechanisms.steering.base import (
     OTHER_COLUMNS,
+    OTHER_ROW,
     OTHER_VX,
     OTHER_VY,
     OTHER_X,
@@ -152,10 +154,33 @@ class PredictiveSteering(SteeringMechanism):
             self._directions.refill()
         foresee_rows(now, rows, commands, self._foresight.words, self.poses.packed.words)
 
+    def weigh(self, now: float, rows: Ints, wishes: Floats, causes: Causes) -> None:
+        """Note the others by how much they threaten the wish."""
+        foresight, poses = self._foresight.words, self.poses.packed.words
+        weigh_threats(now, rows, wishes, causes.who, causes.weights, foresight, poses)
+
     def reset(self, rows: Ints) -> None:
         """Forget where `rows` (K,) were, and that they dare more."""
         self._places[rows, PLACE_KNOWN] = 0.0
         self._times[rows] = 0.0
+
+
+@lean_kernel
+def weigh_threats(
+    now: float,
+    rows: Ints,
+    wishes: Floats,
+    who: Ints,
+    weights: Floats,
+    foresight: Words[Foresight],
+    poses: Words[Poses],
+) -> None:
+    """Note the others of `rows` (K,) in the arrays of `Causes`, for `wishes` (N, 2) [m/s] at `now` [s]."""
+    f = open_foresight(foresight)
+    for row in rows:
+        for other in range(note_others(row, now, f.view_distance, f.others, poses)):
+            weight = threat(other, wishes[row, 0], wishes[row, 1], foresight)
+            note_cause(row, int(f.others[other, OTHER_ROW]), weight, who, weights)
 
 
 @lean_kernel

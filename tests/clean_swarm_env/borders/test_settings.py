@@ -66,3 +66,14 @@ def test_spaces_name_what_they_hold_and_copies_do_too(copied):
     assert copied(observation_space(batch)).names == batch.observer.names
     assert copied(action_space(batch.options, "option")).names == dict(batch.options)
     assert len(observation_space(batch, 2).names) == 2 * batch.observer.width
+
+
+def test_pictures_have_the_size_that_is_asked_for():
+    env = CleanSwarmTeam(render_mode="rgb_array", picture={"side": 300, "numbers": False})
+    env.reset(seed=1)
+    height, width, _ = env.render().shape
+    assert width in (299, 300, 301)
+    assert height > width
+    env.close()
+    with pytest.raises(ValueError, match="picture: side: expected"):
+        Batch(picture={"side": 10})

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.drawing.canvas import GARBAGE, Canvas
-from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS
+from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, legend
 from clean_swarm_env.drawing.picture import MARGIN, TITLE, pixels_of, write_picture
 
 SIDE = 400
@@ -63,6 +63,26 @@ def test_numbers_are_those_of_the_robots_and_left_out_where_there_is_no_room():
     crowd = replace(plain, positions=many + 5.0, headings=many[:, 0], held=None)
     unnumbered = replace(crowd, numbers=np.arange(len(many)) + 100)
     assert np.array_equal(pixels_of(crowd), pixels_of(unnumbered))
+
+
+def test_numbers_can_be_left_out():
+    beside = np.s_[218:230, 192:210]
+    numbered, plain = (pixels_of(canvas(), SIDE, numbers=wanted)[beside] for wanted in (True, False))
+    assert not np.array_equal(numbered, plain)
+    assert len(np.unique(plain.reshape(-1, 3), axis=0)) == 1
+
+
+def test_no_option_has_the_colour_of_anything_else():
+    others = [LOOK.item.colour, LOOK.leftovers.colour, LOOK.failed.colour, LOOK.contact, LOOK.paper, LOOK.ink]
+    colours = [np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) for colour in (*OPTION_COLOURS, *others)]
+    for k, own in enumerate(colours[: len(OPTION_COLOURS)]):
+        assert min(np.abs(own - other).sum() for other in (*colours[:k], *colours[k + 1 :])) > 45
+
+
+def test_the_legend_names_all_that_is_drawn():
+    cleaning, other = ({sign.word for sign in legend(("a",), cleans)} for cleans in (True, False))
+    assert cleaning >= {"a", "item", "leftovers of an item", "recycling station", "dump station", "pheromones"}
+    assert other >= {"a", "attracts robots", "repels robots", "pheromones"}
 
 
 @pytest.mark.parametrize("size", [(11.0, 11.0), (30.0, 10.0), (7.0, 23.0)])

@@ -196,7 +196,7 @@ def test_terms_are_chosen_ordered_and_weighted():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"terms": ["garbag"]}, "unknown term 'garbag'.*did you mean 'garbage'"),
+        ({"terms": ["garbag"]}, "unknown observation term 'garbag'.*did you mean 'garbage'"),
         ({"terms": ["cargo", "cargo"]}, "terms: 'cargo' is given twice"),
         ({"terms": []}, "at least 1"),
         ({"terms": [{"name": "cargo", "wait": 1.0}]}, "wait"),

@@ -42,7 +42,8 @@ def test_all_channels_are_on_the_page_as_they_are(tmp_path, monkeypatch):
     channels = {}
     for each in (cleaning, other):
         run = MissionRun(each, random_start(each, 1, 0), 2, {})
-        record_mission(run, RecordSettings(tmp_path, minds=True, name=each.name), {})
+        policies = {"policy:any": {"observations": ("idle",)}}
+        record_mission(run, RecordSettings(tmp_path, minds=True, name=each.name, policies=policies), {})
         channels |= RecordedMission(tmp_path / f"{each.name}.swarm").channels
     rows = PAGE.split("<!-- begin: channels -->\n")[1].split("<!-- end: channels -->")[0].splitlines()[2:]
     cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]

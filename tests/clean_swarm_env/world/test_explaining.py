@@ -32,7 +32,14 @@ def test_the_data_are_what_the_command_prints(tmp_path, capsys):
         assert run("explain", tmp_path / "run", "--robot", robot, "--time", time, "--json") == 0
         told = json.loads(capsys.readouterr().out)
         named = {name: told.pop(name) for name in ("experiment", "scenario", "condition", "seed")}
-        before = {name: told.pop(name) for name in ("stayed_s", "running_s")}  # what led to the step: the command only
+        own = (
+            "stayed_s",
+            "running_s",
+            "sentence",
+            "facts",
+            "policy",
+        )  # what led to the step, and more: the command only
+        before = {name: told.pop(name) for name in own}
         assert json.loads(json.dumps(same.explain(robot, time).as_mapping())) == told
         assert named["condition"] == "RepulsionGradient"
         assert 0.0 <= before["stayed_s"] <= time + 0.2

@@ -1,71 +1,67 @@
 """The command behind docs/choosing.md: what is there is kept, tables say what runs say, and a lost claim is noticed."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import docs.comparison.pairs
 from clean_swarm_env.config.load import load_family
 from docs.comparison import runs, write_choosing
+from docs.comparison.frequencies import frequencies_table
 from docs.comparison.manifest import Manifest
+from docs.comparison.shuffled import ShuffledDecider
 from docs.comparison.tables import Results
 from selector.documents.find import load_file
 from selector.documents.reading import read_mapping
+from selector.strategies.problem import Problem
 from tests.train.learning.trainings import written
 from train.analysis.family_report import excesses_of
+from train.deciders.decider import OptionDecider
 from train.evaluation.claims import family_runs
 from train.learning.config import TrainingConfig
 
+TRIED = {
+    "name": "tried",
+    "goal": "AvoidCollision",
+    "seeds": (3, 4),
+    "race": {"searched": 2, "finalists": 2, "seed": 1},
+    "families": {"random": {"scenarios": 2, "headroom": True, "told": {"free_far": "Off", "free_near": "ORCA"}}},
+    "variants": {"three robots": {"family": "random", "robots": (3, 3), "loss": 0.5}},
+}
 
-def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path, monkeypatch):
-    training = written(tmp_path, "es", validation={"scenarios": 1})
-    manifest = Manifest(
-        name="tried",
-        goal="AvoidCollision",
-        knowledge="avoidance",
-        learners={"ES": {"training": str(training), "seeds": (1, 2)}},
-        families={"random": {"scenarios": 2, "looked_ahead": 2}},
-        rule="MaxScore",
-        ablations={
-            "seeds": (1,),
-            "of": {
-                "no crowd": {"changes": {"observation": {"terms": ["situation"]}}},
-                "never off": {"without": "Off"},
-                "one option": {"learner": "ES", "only": "ORCA"},
-            },
-        },
-    )
+
+def test_the_tables_come_from_races_trainings_and_evaluations_which_are_kept(tmp_path):
+    pytest.importorskip("torch")
+    training = str(written(tmp_path, "ppo", validation={"scenarios": 1}))
+    ablations = {"seeds": (1,), "families": ("random",), "knowledge": "avoidance"}
+    ablations["of"] = {"never off": {"without": ("Off",), "changes": {"ppo": {"entropy": 0.0}}}}
+    learners = {"one": {"training": training, "seeds": (1, 2)}, "other": {"training": training, "seeds": (3,)}}
+    manifest = Manifest(**TRIED, learners=learners, rules={"hold": "MaxScore"}, ablations=ablations)
     folder = tmp_path / "results"
     runs.make(manifest, folder)
     results = Results(manifest, folder)
     tables = results.tables()
-    assert list(tables) == ["main", "limits", "statistics", "learners", "looking", "ablations"]
-    means = json.loads((folder / "random" / "summary.json").read_text())["strategies"]
-    best_fixed, excesses = results.best["random"], excesses_of(family_runs(folder / "random"))
-    judged = [excesses[label][0, k, 0] for k, label in enumerate(best_fixed.labels)]  # the other one chose
-    best, own = float(np.mean(judged)), means["ES"]["excess_s"]["mean"]
-    assert "| best fixed | 0% |" in tables["limits"]
+    assert list(tables) == ["main", "learners", "told", "variants", "ablations", "unfinished"]
+    raced = json.loads((folder / "race-of-random" / "summary.json").read_text())["notes"]
+    assert f"best single choice: {results.best['random']}" in raced
+    found = [excesses_of(family_runs(folder / f"random-{seed}")) for seed in (3, 4)]
+    mean = {label: np.mean([own[label].mean() for own in found]) for label in found[0]}
+    best = mean[f"fixed:{results.best['random']}"]
     assert f"| {best:.1f} |" in tables["main"]
-    assert f"{own / best:.3f}" in tables["main"]
-    assert f"{own / best:.3f}" in tables["learners"]
-    full, no_crowd, never_off, one_option = (
-        json.loads((folder / name / "policy" / "policy.json").read_text())
-        for name in ("ES-1", "no crowd-1", "never off-1", "one option-1")
-    )
-    assert set(full["observations"]) - set(no_crowd["observations"]) == {"crowd_1m", "crowd_1.5m", "crowd_2.5m"}
-    goal = "AvoidCollision"
-    assert set(full["goals"][goal]) - set(never_off["goals"][goal]) == {"Off"}
-    assert one_option["goals"] == {goal: ["ORCA"]}
-    assert means["one option"]["excess_s"]["mean"] == means["fixed:ORCA"]["excess_s"]["mean"]
-    for label in manifest.ablations.of:
-        assert f"{means[label]['excess_s']['mean'] / own:.3f}" in tables["ablations"]
-    wrong = results.broken()
-    rivals = {best_fixed.label: best} | {name: means[name]["excess_s"]["mean"] for name in ("MaxScore", "Random")}
-    assert [line.split(" of ")[1].split(",")[0] for line in wrong] == [name for name in rivals if own >= rivals[name]]
-    results.draw_curves(tmp_path / "curves.png")
-    assert (tmp_path / "curves.png").stat().st_size > 10_000
+    for label, table in {
+        "one": "main",
+        "Random": "main",
+        "other": "learners",
+        "hold": "learners",
+        "told": "told",
+    }.items():
+        assert f"{mean[label] / best:.3f}" in tables[table]
+    assert f"{mean['never off'] / mean['one']:.3f}" in tables["ablations"]
+    policy = json.loads((folder / "never off-1" / "policy" / "policy.json").read_text())
+    assert "Off" not in policy["goals"]["AvoidCollision"]
+    (lost,) = [line for line in results.broken() if line.startswith("not shown to be better than `other`")]
+    assert "`random`" in lost
+    assert "| `random` |" in frequencies_table(manifest, folder)
 
     before = {file: file.read_bytes() for file in folder.glob("*/runs.csv")}
     times = (folder / runs.CPU_TIMES).read_bytes()
@@ -74,49 +70,52 @@ def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path,
     assert (folder / runs.CPU_TIMES).read_bytes() == times
 
 
-def test_strategies_are_judged_beside_the_best_pair_of_options_on_all_seeds(tmp_path, monkeypatch):
-    asked, excess = [], {"ORCA": {"fixed:Patrol": 4.0, "Random": 8.0}, "Off": {"Random": 20.0}}
-    judged = {"strategies": {"Random": ("ORCA", "Off")}, "seeds": (3, 4)}
-    judged["families"] = {"rare": {"best": "ORCA+Patrol", "scenarios": 10}}
+def test_a_race_tells_the_options_of_each_kind(tmp_path):
     manifest = Manifest(
-        name="tried",
-        goal="ExplorationPatrol",
-        knowledge="exploring",
-        learners={"ES": {"training": "exploring", "seeds": (1,)}},
-        families={"rare": {"scenarios": 10}},
-        pairs={"goal": "AvoidCollision", **judged},
+        **TRIED | {"families": {"rare": {"scenarios": 2, "headroom": True}}, "variants": {}}, learners=LEARNERS
     )
-    monkeypatch.setattr(runs, "run", lambda *words: asked.append(list(map(str, words))))
-    runs._pair(tmp_path, manifest, manifest.pairs)
-    named = {Path(words[-2]).name: words for words in asked}
-    assert list(named) == ["rare-ORCA-3", "rare-ORCA-4", "rare-Off-3", "rare-Off-4"]
-    assert named["rare-Off-4"].count("--strategy") == 1
-    assert {"fixed:Patrol", "Random", "3"} <= set(named["rare-ORCA-3"])
-    (serves,) = read_mapping(tmp_path / "Off.knowledge.yaml")["goals"]["AvoidCollision"]
-    assert serves["name"] == "Off"
+    notes = ["best single choice: ORCA+Patrol", "best choices: spots 0 ORCA+Patrol, spots 1 Off+Finds"]
+    (tmp_path / "race-of-rare").mkdir()
+    (tmp_path / "race-of-rare" / "summary.json").write_text(json.dumps({"notes": notes}))
+    found = runs.raced(manifest, tmp_path, "rare")
+    assert found == runs.Raced("ORCA+Patrol", {"spots 0": "ORCA+Patrol", "spots 1": "Off+Finds"})
 
-    def measured(folder):
-        _, option, seed = folder.name.split("-")
-        spread = np.linspace(-1.0, 1.0, 10)[None, :, None]
-        return {label: mean + spread + int(seed) - 3.5 for label, mean in excess[option].items()}
 
-    monkeypatch.setattr(docs.comparison.pairs, "family_runs", lambda folder: folder)
-    monkeypatch.setattr(docs.comparison.pairs, "excesses_of", measured)
-    table = docs.comparison.pairs.pairs_table(manifest.pairs, tmp_path, lambda claim: f"{claim.ratio:.2f}")
-    assert "| `rare` | ORCA, Patrol | 4.0 | 2.00 | 5.00 |" in table
+LEARNERS = {"one": {"training": "one", "seeds": (1,)}}
+
+
+def test_shuffled_observations_change_places_within_teams_and_rows_without_robot_keep_theirs():
+    class Seen(OptionDecider):
+        def _choose(self, observations):
+            self.seen = observations.copy()
+            return np.zeros(len(observations), dtype=np.int64)
+
+    teams = np.array([0, 0, 0, 0, 1, 1, 1, 1])
+    own = np.array([1.0, 2.0, 3.0, 0.0, 5.0, 6.0, 7.0, 8.0], dtype=np.float32)[:, None]
+    decider = Seen(Problem("Goal", ("only",), np.zeros(1), ("number",)), teams)
+    shuffled = ShuffledDecider(decider, teams)
+    for team in (0, 1):
+        shuffled.reset(np.flatnonzero(teams == team), seed=team)
+    orders = []
+    for _ in range(20):
+        shuffled.decide(own)
+        orders.append(decider.seen[:, 0].tolist())
+        assert sorted(orders[-1][:3]) == [1.0, 2.0, 3.0]
+        assert orders[-1][3] == 0.0
+        assert sorted(orders[-1][4:]) == [5.0, 6.0, 7.0, 8.0]
+    assert len({tuple(order) for order in orders}) > 10
 
 
 @pytest.mark.parametrize("file", [write_choosing.OWN.with_name(f"{name}.yaml") for name in ("choosing", "learning")])
 def test_manifests_that_ship_name_what_there_is(file):
     manifest = Manifest(**read_mapping(file))
-    assert (manifest.name, manifest.page) == (file.stem, file.stem != "learning")
+    assert manifest.name == file.stem
     if manifest.page:
         page = (write_choosing.DOCS / f"{manifest.name}.md").read_text(encoding="utf-8")
-        assert (f"pictures/{manifest.name}.png" in page) == manifest.drawn
         for label in manifest.learners:
             assert f"| `{label}` |" in page
     for learner in manifest.learners.values():
-        config = load_file("training", learner.training, TrainingConfig)
-        assert config.goal in (manifest.goal, None)
-    for family in manifest.families:
+        assert load_file("training", learner.training, TrainingConfig).validation.scenarios
+        assert set(learner.families) <= set(manifest.families)
+    for family in (*manifest.families, *(variant.family for variant in manifest.variants.values())):
         load_family(family)

@@ -193,7 +193,7 @@ def test_a_movement_is_held_as_long_as_it_says(model):
             "tale",
             "sensors.told.name: unknown knowledge 'tale' (known: measured, ready, role, told",
         ),
-        ("behaviours.Go.action.type", "Fly", "behaviours.Go.action.0: "),
+        ("behaviours.Go.action.type", "Fly", "behaviours.Go.action.0.type: unknown action "),
         ("behaviours.Go.action", [], "behaviours.Go.action: "),
         ("behaviours.Look.action", {"type": "Turn"}, "expected a mechanism or a target"),
         (

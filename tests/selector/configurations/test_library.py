@@ -108,7 +108,7 @@ def test_parameters_that_cannot_be_are_refused_with_their_place(parameters, mess
             r"sensors\.rep_len\.mechanism: unknown parameter 'far'",
         ),
         (changed("sensors", "rep_len", "mechanism", value="x"), r"sensors\.rep_len\.mechanism: unknown mechanism 'x'"),
-        (changed("sensors", "rep_len", "type", value="Width"), r"sensors\.rep_len: .*'Width'"),
+        (changed("sensors", "rep_len", "type", value="Width"), r"sensors\.rep_len\.type: unknown sensor 'Width'"),
         (
             changed("behaviours", "Avoid", "action", "mechanism", value="x"),
             r"Avoid\.action\.mechanism: unknown mechanism",

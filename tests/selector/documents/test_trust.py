@@ -28,7 +28,7 @@ from train.deciders.named import decider_named
 from train.running.processes import Processes
 
 CANARY = "from pathlib import Path\nPath('sang').touch()\nfrom selector.strategies.unlearned import MaxScore as Own\n"
-REFUSED = "only a file asks to import bird:Own; --trust"
+REFUSED = "only a file asks to import bird:Own; --import bird .imports= in Python. allows it, --trust"
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError
 from train.analysis.family_report import Front, priced_excess
+from train.analysis.statistics import summarise
 from train.analysis.strategy_comparison import BestFixed, compare_strategies
 from train.evaluation.entrants import Entrant, entrants_of
 
@@ -101,7 +102,8 @@ def test_the_best_fixed_option_is_chosen_on_the_other_half_of_the_scenarios():
 
 def test_the_front_holds_what_none_beats_in_time_and_events():
     prices = {"fast": (10.0,) * 8, "safe": (50.0,) * 8, "poor": (60.0,) * 8}
-    front = Front(prices, {"fast": 90.0, "safe": 1.0, "poor": 1.5})
+    events = {label: summarise(np.array([own])) for label, own in {"fast": 90.0, "safe": 1.0, "poor": 1.5}.items()}
+    front = Front(prices, {label: summarise(np.array(own)) for label, own in prices.items()}, events)
     assert front.undominated == ("fast", "safe")
     assert front.best_at(2.0) == "fast"
 

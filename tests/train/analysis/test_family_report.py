@@ -1,19 +1,18 @@
 """The report on a family: unfinished missions beside every mean, ratios at other prices of them, and the figure."""
 
-import io
+import itertools
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
-from PIL import Image
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.tasks.cleaning.cost import mission_cost
 from tests.train.records import record
 from train.analysis.family_report import FamilyRuns, family_report_of
+from train.reports.charts import picture_of
 from train.reports.family_tables import family_tables
-from train.reports.figures import draw_front
+from train.reports.figures import draw_family
 
 LIMIT, SCENARIOS = 20.0, 8
 
@@ -38,6 +37,7 @@ def report(left, fixed=("fixed:a", "fixed:b"), conditions=("fixed:a", "fixed:b",
 
 def test_the_share_of_unfinished_missions_stands_beside_every_mean():
     found = report({"Random": 2})
+    assert found.verdict[-1] == "1 of 24 missions was left unfinished, by Random."
     for grid in family_tables(found):
         place = grid.heads.index("unfinished")
         shares = {row[0]: row[place] for row in grid.rows}
@@ -46,7 +46,7 @@ def test_the_share_of_unfinished_missions_stands_beside_every_mean():
 
 def test_ratios_are_told_with_items_left_priced_by_half_and_twice_the_limit():
     found = report({"Random": 2})
-    _, gaps, _ = family_tables(found)
+    _, _, gaps, _ = family_tables(found)
     (row,) = (row for row in gaps.rows if row[0] == "Random")
     cells = dict(zip(gaps.heads, row, strict=True))
     fixed = np.mean([10.0 + 0.1 * k for k in range(SCENARIOS)])
@@ -60,50 +60,46 @@ def test_ratios_are_told_with_items_left_priced_by_half_and_twice_the_limit():
 def test_without_an_unfinished_mission_there_are_no_other_limits():
     found = report({})
     assert found.limits == {}
-    assert not any("limit" in head for head in family_tables(found)[1].heads)
+    assert not any("limit" in head for head in family_tables(found)[2].heads)
 
 
 def test_a_single_fixed_option_is_not_called_the_best():
-    _, gaps, _ = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
+    _, _, gaps, _ = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
     assert gaps.title == "excess cost beside fixed:a"
     assert "ratio to fixed:a" in gaps.heads
     assert "only fixed option that ran" in gaps.notes[0]
 
 
-@pytest.fixture
-def drawn(monkeypatch):
-    """Draw the figure of a report; return its axes, and the picture."""
-    figures = []
-    save = Figure.savefig
-    monkeypatch.setattr(Figure, "savefig", lambda figure, *a, **k: (figures.append(figure), save(figure, *a, **k))[1])
-
-    def draw(found):
-        picture = np.asarray(Image.open(io.BytesIO(draw_front(found))).convert("RGB"))
-        return figures[-1].axes, picture
-
-    return draw
-
-
-def test_the_figure_shows_every_point_whole_and_no_events_below_0(drawn):
-    axes, _ = drawn(report({}, conditions=("fixed:a", "fixed:b", "Random")))
-    low, high = axes[0].get_ylim()
-    events = [float(points.get_offsets()[0][1]) for points in axes[0].collections]
-    assert low < min(events) == 0.0
+def test_the_figure_shows_every_point_whole_and_nothing_below_0():
+    figure = draw_family(report({}, conditions=("fixed:a", "fixed:b", "Random")))
+    picture_of(figure, ".png")  # places the axes
+    cost, duration, front, _ = figure.axes
+    assert cost.get_xlim()[0] >= 0.0
+    assert duration.get_xlim()[0] >= 0.0
+    low, high = front.get_ylim()
+    points = [bar.lines[0] for bar in front.containers]
+    assert low < min(point.get_ydata()[0] for point in points) == 0.0
     assert low > -1.0
-    assert all(tick >= 0.0 for tick in axes[0].get_yticks())
-    box = axes[0].get_window_extent()
-    for points in axes[0].collections:
-        across, up = axes[0].transData.transform(points.get_offsets()[0])
+    assert all(tick >= 0.0 for tick in front.get_yticks())
+    assert high > max(point.get_ydata()[0] for point in points)
+    box = front.get_window_extent()
+    for point in points:
+        across, up = front.transData.transform((point.get_xdata()[0], point.get_ydata()[0]))
         assert box.x0 + 4 < across < box.x1 - 4
         assert box.y0 + 4 < up < box.y1 - 4
-    assert high > max(events)
 
 
-def test_no_two_strategies_look_alike(drawn):
+def test_no_two_strategies_look_alike():
     conditions = tuple(f"fixed:{letter}" for letter in "abcdefghijklmnopqrst")
-    axes, _ = drawn(report({}, fixed=conditions, conditions=conditions))
-    looks = {(line.get_color(), line.get_linestyle()) for line in axes[1].get_lines()}
+    figure = draw_family(report({}, fixed=conditions, conditions=conditions))
+    looks = {(line.get_color(), line.get_linestyle(), line.get_marker()) for line in figure.axes[3].get_lines()}
     assert len(looks) == len(conditions)
-    colours = [np.array(points.get_facecolors()[0][:3]) for points in axes[0].collections]
-    apart = [np.abs(one - other).sum() for k, one in enumerate(colours) for other in colours[:k]]
-    assert min(one for one in apart if one > 0.0) > 0.2
+    neighbours = [line.get_marker() for line in figure.axes[3].get_lines()]
+    assert all(one != other for one, other in itertools.pairwise(neighbours))  # also in print without colours
+
+
+@pytest.mark.parametrize("suffix", [".pdf", ".svg", ".png"])
+def test_equal_figures_are_equal_files(suffix):
+    one, other = (picture_of(draw_family(report({})), suffix) for _ in range(2))
+    assert one == other
+    assert one.startswith({".pdf": b"%PDF", ".svg": b"<?xml", ".png": b"\x89PNG"}[suffix])

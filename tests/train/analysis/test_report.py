@@ -11,6 +11,7 @@ from rich.console import Console
 
 from tests.train.records import experiment, record
 from train.analysis.report import report_of, summary_of
+from train.reports.charts import COLOURS, picture_of
 from train.reports.experiment_tables import all_tables, ratios, table_1
 from train.reports.figures import draw_experiment
 from train.reports.text_table import markdown, on_terminal
@@ -139,8 +140,10 @@ def test_many_scenarios_are_left_to_the_file():
 @pytest.mark.parametrize("scenarios", [1, 5, 100])
 def test_the_figure_is_a_picture_with_every_condition(scenarios):
     image = np.asarray(
-        Image.open(io.BytesIO(draw_experiment(_report(scenarios, conditions=("a", "b", "c"))))).convert("RGB")
+        Image.open(
+            io.BytesIO(picture_of(draw_experiment(_report(scenarios, conditions=("a", "b", "c"))), ".png"))
+        ).convert("RGB")
     )
     assert image.shape[0] > 400
-    for colour in ((0x00, 0x72, 0xB2), (0xE6, 0x9F, 0x00), (0x00, 0x9E, 0x73)):
+    for colour in (tuple(bytes.fromhex(colour[1:])) for colour in COLOURS[:3]):
         assert (np.abs(image.astype(int) - colour).sum(axis=-1) < 6).sum() > 50

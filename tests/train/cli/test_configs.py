@@ -71,7 +71,7 @@ def test_an_evaluation_with_configurations_of_ones_own_can_be_repeated(directory
     assert f"{directory}/mechanisms/Swerve.yaml" in identity["files"]
     code, out, err = told("explain", run, "--robot", 0, "--time", 0.2, "--json")
     assert (code, json.loads(out)["options"]) == (0, {"AvoidCollision": "Swerve"})
-    assert "mine: " in told("list", "--configs", directory)[1]
+    assert "mine " in told("list", "experiments", "--configs", directory)[1]
     (directory / "mechanisms" / "Swerve.yaml").write_text(SWERVE.replace("2.0", "1.5"))
     code, _, err = told("explain", run, "--robot", 0, "--time", 0.2)
     assert code == 2
@@ -94,7 +94,7 @@ def test_options_drawn_anew_in_every_decision_period_are_recorded(directory, tmp
     ("kind", "name", "old", "new", "expected"),
     [
         ("mechanisms", "Swerve", "RepulsionGradient", "Repulsion", "Swerve.yaml: mechanisms.swerve.type: unknown mech"),
-        ("mechanisms", "Swerve", "VectorLength", "VectorLenght", "Swerve.yaml: sensors.rep_len: "),
+        ("mechanisms", "Swerve", "VectorLength", "VectorLenght", "Swerve.yaml: sensors.rep_len.type: "),
         ("knowledge", "mine", "reach: 1.0", "reach: far", "mechanisms.swerve.parameters: view_distance"),
         ("knowledge", "mine", "Swerve", "Swreve", "unknown configuration 'Swreve'"),
         ("experiments", "mine", "Random", "Radnom", "conditions.1.strategy: unknown strategy 'Radnom'"),

@@ -61,7 +61,7 @@ def test_a_path_and_a_directory_of_ones_own_are_found(told, tmp_path):
         (["cleanin"], "unknown robot, configuration or machine 'cleanin'"),
         (["none.yaml"], "none.yaml: "),
         (["cleaning", "--output", "x.gif"], "--output: expected a name that ends in .svg, .png, .pdf, got x.gif"),
-        (["Spacing", "--output", "none/x.png"], "--output: none/x.png: No such file or directory"),
+        (["Spacing", "--output", "none/x.png"], "--output: none/x.png: no such directory as none"),
         (["Spacing", "--knowledge", "cleaning"], "--knowledge: expected a robot"),
         (["rule", "--knowledge", "cleaning"], "--knowledge: expected a robot"),
         (["cleaning", "--knowledge", "nix"], "unknown expert knowledge 'nix'"),

@@ -63,9 +63,18 @@ def test_a_mistake_in_the_words_is_told_before_slow_libraries_are_imported(words
 def test_the_list_imports_nothing_slow_and_names_all_that_is_registered():
     code, said, imported = told("list")
     assert (code, imported) == (0, [])
+    kinds = {line.split()[0]: int(line.split()[1]) for line in said.strip().splitlines()[:-2]}
     known = json.loads(subprocess.check_output([sys.executable, "-c", REGISTERED], cwd=ROOT, text=True))
-    lines = dict(line.split(": ", 1) for line in said.splitlines() if ": " in line and not line.startswith("  "))
-    assert lines["strategies by name"].split(", ") == known["strategies"]
-    assert lines["mechanisms by name"].split(", ") == known["mechanisms"]
-    assert "\n  Foraging: 12 robots bring food" in said
-    assert lines["terms of observations"].split(", ") == known["terms"]
+    for kind, names in (("strategy-classes", "strategies"), ("mechanism-classes", "mechanisms"), ("terms", "terms")):
+        code, said, imported = told("list", kind)
+        assert (code, imported) == (0, [])
+        assert [line.split()[0] for line in said.splitlines() if line[:1].strip()][:-1] == sorted(known[names])
+        assert kinds[kind] == len(known[names])
+    assert "12 robots bring food" in told("list", "tasks")[1]
+
+
+def test_an_unknown_kind_is_one_line():
+    code, said, imported = told("list", "familys")
+    assert (code, imported) == (2, [])
+    assert "did you mean 'families'" in said
+    assert len(said.strip().splitlines()) == 1

@@ -219,7 +219,7 @@ def test_a_task_of_a_users_own_runs_and_is_evaluated_recorded_and_replayed(tmp_p
     done = own("--import", EXAMPLE, "replay", "r", "--html", "page.html", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "page.html").stat().st_size > 10_000
-    assert "Shepherding: 12 robots" in own("list", "--import", EXAMPLE, cwd=tmp_path).stdout
+    assert "Shepherding  12 robots" in own("list", "tasks", "--import", EXAMPLE, cwd=tmp_path).stdout
 
 
 def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_path):
@@ -228,9 +228,9 @@ def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_pa
         done = own("evaluate", "--family", mission, cwd=tmp_path)
         assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done.stderr
     assert "unknown family or task 'Shepherding'" in done.stderr
-    assert "a task of your own: --import FILE.py" in done.stderr
+    assert "a task of your own: --import MODULE or FILE.py" in done.stderr
     done = own("list", "--import", "no.py", cwd=tmp_path)
-    assert "expected a file of Python code with a task" in done.stderr
+    assert "no.py: expected a module, or a file of Python code" in done.stderr
     example = (ROOT / "examples" / "own_task.py").read_text()
     for code, said in (
         ("def broken(:", "own.py:1: SyntaxError"),

@@ -103,7 +103,8 @@ def test_a_search_among_many_options_drops_the_worse_half_and_judges_who_is_left
     rows, notes = rows_of(evaluation, done)
     assert set(rows) >= {SINGLE, RULE_FOUND, "fixed:ORCA+Patrol", "fixed:Off+Finds"}
     assert 4 <= len(rows) <= 2 + 3 + 2
-    assert [task.condition for task in judged] == list(rows)
+    assert {task.condition for task in judged} == set(rows)
+    assert next(iter(rows)) == RULE_FOUND  # the lowest first
     assert (rows[SINGLE][1], rows[RULE_FOUND][1]) == ("12.0", "10.0")
     assert "best single choice: PredictiveSteering+Patrol" in notes
     assert "best choices: " + ", ".join(f"{kind} {option}" for kind, option in planted.items()) in notes

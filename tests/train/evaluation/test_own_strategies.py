@@ -187,7 +187,7 @@ def test_strategies_see_the_terms_of_a_mission(folder):
     with pytest.raises(DocumentError, match="unknown component 'finds_together'"):
         FamilyEvaluation(Request("clustered", ("fsm:finder.yaml",), 3, **given), blind)
     odd = seeing("fines")
-    with pytest.raises(DocumentError, match=r"observation: .*unknown term 'fines'.*did you mean 'finds'"):
+    with pytest.raises(DocumentError, match=r"observation: .*unknown observation term 'fines'.*did you mean 'finds'"):
         FamilyEvaluation(Request("clustered", ("fixed",), 3, **given), odd)
 
 

@@ -17,11 +17,11 @@ def test_a_fixed_option_costs_the_same_and_chance_does_not():
     [grid] = evaluation.publication(records).grids
     cells = {label: cells for label, *cells in grid.rows}
     names = [f"{strategy}, {period}" for strategy in ("Random", "fixed:ORCA") for period in ("1 s", "0.2 s", "5 s")]
-    assert list(cells) == names
+    assert sorted(cells) == sorted(names)
     cost = cells["fixed:ORCA, 1 s"][1]
     same = ["0%", cost, "1.000", "[1.000, 1.000]"]
     assert [cells[name] for name in names[3:]] == [["0%", cost, "1", ""], same, same]
-    assert [note.partition(";")[0] for note in grid.notes] == ["2 scenarios: no statement"]
+    assert [note.partition(";")[0] for note in grid.notes[1:]] == ["2 scenarios: no statement"]
     assert len({tuple(cells[name]) for name in names[:3]}) == 3
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.recording.reader import RecordedMission
+from tests.train.live.pages import drag, free_place, on_screen, until
 from tests.train.live.sessions import SMALL, play_of, served
 from train.live.chosen import chosen
-from train.live.server import LiveServer
 from train.live.session import Session
 
 pytestmark = pytest.mark.page
@@ -27,56 +27,6 @@ SHOWN_AT = (
 SET_LOSS = (
     "() => { const loss = document.querySelector('#loss'); loss.value = 0.6; loss.dispatchEvent(new Event('change')); }"
 )
-
-
-@pytest.fixture
-def session(tmp_path):
-    return Session(play_of(SMALL), tmp_path / "run.swarm")
-
-
-@pytest.fixture
-def opened(watched):
-    """Open the page of a server, before the first step of its session; it must log nothing."""
-    heard = []
-
-    def open_page(server: LiveServer, address: str = ""):
-        page, said, _ = watched()
-        heard.append(said)
-        page.goto(address or server.address)
-        page.wait_for_selector("body[data-ready]")
-        return page
-
-    yield open_page
-    for said in heard:
-        assert [words for words in said if not words.startswith("Failed to load resource")] == []
-
-
-def until(page, condition: str, *words: object) -> None:
-    """Wait until a condition of the page holds."""
-    page.wait_for_function(condition, arg=list(words) or None)
-
-
-def on_screen(page, x: float, y: float) -> tuple[float, float]:
-    """Return where a point of the world [m] is on the screen."""
-    box = page.locator(".world").bounding_box()
-    return box["x"] + x / 11.0 * box["width"], box["y"] + (1.0 - y / 11.0) * box["height"]
-
-
-def drag(page, begin: tuple[float, float], end: tuple[float, float]) -> None:
-    page.mouse.move(*on_screen(page, *begin))
-    page.mouse.down()
-    for share in (0.3, 0.6, 1.0):
-        page.mouse.move(*on_screen(page, *(np.array(begin) + share * (np.array(end) - begin))))
-    page.mouse.up()
-
-
-def free_place(session) -> tuple[float, float]:
-    """A place far from all robots and items."""
-    things = np.concatenate(
-        [session.worlds.physics.positions[session.worlds.physics.present], session.worlds.task.garbage.positions[0]]
-    )
-    places = [(x + 0.5, y + 0.5) for x in range(1, 10) for y in range(1, 10)]
-    return max(places, key=lambda place: np.hypot(*(things - place).T).min())
 
 
 def step(page) -> None:
@@ -241,7 +191,7 @@ def test_the_world_is_there_before_the_first_step(session, opened):
     with served(session) as server:
         page = opened(server)
         assert page.text_content("#now") == "0.0 s"
-        assert page.text_content(".caption") == "0 items dumped, 0 collisions"
+        assert page.text_content(".score").startswith("0 of 8 items dumped0 collisionscost so far 0 s")
         shown = [page.evaluate(f"[...replay.page.shown[0].view.{axis}]")[:6] for axis in "xy"]
         assert np.transpose(shown) == pytest.approx(session.worlds.physics.positions[:6], abs=0.002)
         assert page.evaluate("replay.page.shown[0].view.rows") == list(range(6))
@@ -302,3 +252,27 @@ def test_a_period_that_fails_is_said_and_the_same_again_can_be_opened(session, o
         page.click("#again")
         until(page, "() => window.replay?.page && !replay.page.state.failure && replay.page.state.number == 2")
         step(page)
+
+
+def test_what_if_shows_the_next_seconds_of_every_option(session, opened):
+    with served(session) as server:
+        page = opened(server)
+        for _ in range(3):
+            step(page)
+        page.evaluate("replay.page.choose(0, 3)")
+        before = page.evaluate("document.querySelector('.world').toDataURL()")
+        page.click("#what_if")
+        until(page, "() => document.querySelector('[data-foretold]')")
+        shown = page.evaluate("[...document.querySelectorAll('[data-foretold]')].map(row => row.dataset.foretold)")
+        assert shown == list(session.options)
+        assert page.text_content("#panel h3").startswith("What if robot 3 took another option at 0.6 s: the next 5 s")
+        assert page.evaluate("document.querySelector('.world').toDataURL()") != before
+        foretold = page.evaluate("replay.page.foretold.options.find(({option}) => option === 'ORCA').path")
+        assert session.ticks == 3
+        page.select_option("#option", "ORCA")
+        page.click("#hold")
+        for tick in range(1, 6):
+            step(page)
+            assert session.worlds.physics.positions[3].tolist() == foretold[tick]
+        page.keyboard.press(" ")
+        until(page, "() => replay.page.state.playing && !document.querySelector('[data-foretold]')")

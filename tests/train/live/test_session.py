@@ -139,7 +139,8 @@ def test_strategies_are_those_that_fit(tmp_path):
     assert {"MaxScore", "Random", "fixed:Off", "fsm:rule"} <= set(session.strategies())
     session.close()
     session = Session(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
-    assert session.strategies() == ["MaxScore", "Random"]
+    fixed = [f"fixed:{option}" for option in session.options]
+    assert session.strategies() == ["MaxScore", "policy:one", *fixed, "Random"]
     session.close()
 
 

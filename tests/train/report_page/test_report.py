@@ -93,10 +93,14 @@ def test_the_figures_are_those_of_the_runs_and_links_lead_to_replays(results, tm
     assert len(text.links) == len(set(text.links)) == len(costs) == 9
     assert all((tmp_path / unquote(link)).read_text().lower().startswith("<!doctype html>") for link in text.links)
     headings = [*text.found["h2"], *text.found["h3"]]
-    for heading in ("Tables", "Distributions", "Paired differences", "Performance profile", "Scenarios", "Selection"):
+    for heading in ("Distributions", "Paired differences", "Performance profile", "Scenarios", "Selection"):
         assert heading in headings
     assert "Random: AvoidCollision, 3 recorded runs" in headings
     assert json.loads(text.found["pre"][0]) == json.loads((results / "manifest.json").read_text())
+    verdict = json.loads((results / "summary.json").read_text())["verdict"]
+    assert verdict[0].startswith("3 scenarios cannot tell strategies apart; about ")
+    assert page.read_text().index("<blockquote>") < page.read_text().index("<table>") < page.read_text().index("<svg")
+    assert "\n".join(verdict) in text.found["p"]
     assert "Four robots & <items>." in text.found["p"]
     assert {"searching", "with an item", "nobody within 2 m", "100%"} <= set(text.found["text"])
 

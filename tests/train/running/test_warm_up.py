@@ -72,7 +72,7 @@ class OneRun(Evaluation):
         raise AssertionError("nothing is learned")
 
     def publication(self, records):
-        return Publication("", "", [Grid("", ("",), [])], {})
+        return Publication("", "", [], [Grid("", ("",), [])], {})
 
 
 @pytest.mark.parametrize(("compiled", "expected"), [(False, [300.0, 3000.0]), (True, [3000.0])])

@@ -2,7 +2,6 @@
 /** Charts of runs over time, and the timeline with events. */
 import { valueAt } from "./recording.js";
 import { LOOK, colourOf } from "./world.js";
-import { EVENT_WORDS } from "./course.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {import("./course.js").RunEvent} RunEvent */
 
@@ -66,11 +65,13 @@ export function opinionCurves(run, points) {
   return curves;
 }
 
-/** Draw events: a line for each kind. @param {RunEvent[]} events @param {number} frames @param {HTMLCanvasElement} canvas @param {string} ink */
-export function drawEvents(events, frames, canvas, ink) {
-  const c = cleared(canvas), { width, height } = canvas, kinds = Object.keys(EVENT_WORDS), line = height / kinds.length;
+const EVENT_COLOURS = Object.entries({ found: LOOK.item.colour, recycled: LOOK.stations[0].colour, dumped: LOOK.stations[1].colour, contact: LOOK.contact });
+
+/** Draw events: a line for each of some kinds. @param {RunEvent[]} events @param {string[]} kinds @param {number} frames @param {HTMLCanvasElement} canvas @param {string} ink */
+export function drawEvents(events, kinds, frames, canvas, ink) {
+  const c = cleared(canvas), { width, height } = canvas, line = height / kinds.length;
   kinds.forEach((kind, k) => {
-    c.fillStyle = kind === "contact" ? LOOK.contact : kind === "failed" ? ink : colourOf(k);
+    c.fillStyle = EVENT_COLOURS.find(([own]) => own === kind)?.[1] ?? (kind === "failed" ? ink : LOOK.edge);
     for (const event of events)
       if (event.kind === kind) c.fillRect(Math.floor((event.frame / frames) * width), k * line + 1, 2, line - 2);
   });

@@ -3,6 +3,9 @@
 import { titleOf, valueAt } from "./recording.js";
 import { shorter } from "./course.js";
 import { LOOK, colourOf, plain } from "./world.js";
+import { TERM_WORDS, optionWord, robotWord } from "./words.js";
+import { factsOf, sentenceOf } from "./why.js";
+import { inputsOf } from "./policy.js";
 /** @typedef {import("./recording.js").Run} Run */
 
 const STILL = 0.1; // [m] within which a robot stands still
@@ -63,8 +66,8 @@ function stacked(parts, most) {
   return `<div class="bar">${bars}<em></em></div>`;
 }
 
-/** @param {string} colour @param {string} text */
-const key = (colour, text) => `<span class="key" style="background:${colour}"></span>${plain(text)}`;
+/** @param {string} colour @param {string} text @param {string} told */
+const key = (colour, text, told) => `<span title="${plain(told)}"><span class="key" style="background:${colour}"></span>${plain(text)}</span>`;
 
 /** Return how fast a robot moves, or for how long it has stayed where it is, in words. @param {Run} run @param {number} frame @param {number} robot */
 export function movementOf(run, frame, robot) {
@@ -85,6 +88,7 @@ export function panelOf(run, frame, robot) {
   const works = valueAt(run, "working", frame, robot), there = valueAt(run, "present", frame, robot);
   const cargo = valueAt(run, "cargo", frame, robot) < 0 ? 0 : 1 + valueAt(run, "recycled", frame, robot);
   parts.push(`<h2>Robot ${robot}</h2><p>${plain(titleOf(run, frame))}</p>`);
+  if (run.tracks.has("command_x")) parts.push(`<p class="because" data-sentence>${plain(sentenceOf(factsOf(run, frame, robot)))}</p>`);
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
   parts.push(`<p>It is at <span data-channel="x">${fixed(valueAt(run, "x", frame, robot), 3)}</span> m,
     <span data-channel="y">${fixed(valueAt(run, "y", frame, robot), 3)}</span> m${run.tracks.has("cargo") ? ` and carries ${CARGO[cargo]}` : ""}.</p>`);
@@ -103,11 +107,11 @@ function optionsOf(run, goal, options, frame, robot) {
   const held = valueAt(run, `held/${goal}`, frame, robot), thought = run.tracks.has(`opinion/${goal}`);
   const values = options.map((_, k) => valueAt(run, `opinion/${goal}`, frame, robot * options.length + k));
   const most = Math.max(...values.map(Math.abs), 1e-9);
-  const rows = options.map((name, k) => `<tr class="${k === held ? "run" : ""}"><td>${key(colourOf(k), name)}</td>
+  const rows = options.map((name, k) => `<tr class="${k === held ? "run" : ""}"><td>${key(colourOf(k), name, optionWord(run.head, goal, name))}</td>
     <td><div class="bar"><i style="left:0;width:${thought ? (Math.abs(values[k]) / most) * 100 : 0}%;background:${colourOf(k)}"></i></div></td>
     <td class="n">${thought ? fixed(values[k]) : ""}</td></tr>`);
-  return `<h3>${plain(goal)}: <span data-held="${plain(goal)}">${plain(options[held])}</span></h3>
-    ${thought ? "<p class='small'>What the chooser thinks of each option:</p>" : ""}<table>${rows.join("")}</table>`;
+  return `<h3 title="${plain(robotWord("Goal", goal))}">${plain(goal)}: <span data-held="${plain(goal)}">${plain(options[held])}</span></h3>
+    ${thought ? "<p class='small' title='A score, an estimate or a probability; the highest is taken.'>What the chooser thinks of each option:</p>" : ""}<table>${rows.join("")}</table>${inputsOf(run, frame, robot, goal)}`;
 }
 
 /** @param {Run} run @param {string} prefix @param {number} frame @param {number} robot */
@@ -123,15 +127,15 @@ function networkOf(run, prefix, frame, robot) {
     const running = valueAt(run, `${prefix}/running`, frame, robot * count + b), ready = valueAt(run, `${prefix}/ready`, frame, robot * count + b);
     return `<tr class="${running ? "run" : ""}" data-network="${plain(prefix)}" data-behaviour="${plain(names.behaviours[b])}"
       data-activation="${value(b, 0)}" data-parts="${terms.slice(2).map((_, k) => value(b, k + 2)).join(" ")}" data-running="${running}">
-      <td>${running ? "&#9654; " : ""}${plain(names.behaviours[b])}
+      <td title="${plain(robotWord("Behaviour", names.behaviours[b]))}">${running ? "&#9654; " : ""}${plain(names.behaviours[b])}
       ${running ? `<span class="small" data-ran>for ${fixed(ranFor(run, frame, robot, b), 1)} s</span>` : ""}<div class="why">${plain(whyOf(run, prefix, frame, robot, b))}</div>
       ${ready ? "" : `<div class="why">${plain(needsOf(run, prefix, frame, robot, b))}</div>`}</td>
       <td>${stacked(terms.slice(2).map((_, k) => value(b, k + 2)), most)}</td><td class="n">${fixed(value(b, 0))}</td></tr>`;
   });
   const threshold = valueAt(run, `${prefix}/thresholds`, frame, robot * 3 + 2);
-  return `<h3>Behaviours, the most active first</h3><p class="small">The step was decided by the threshold ${fixed(threshold)}.
+  return `<h3 title="What the robot can do; behaviours that are ready and active enough run.">Behaviours, the most active first</h3><p class="small">The step was decided by the threshold ${fixed(threshold)}.
     Bars: what the step added to each activation.</p><table>${rows.join("")}</table>
-    <div class="small">${terms.slice(2).map((term, k) => key(colourOf(k), term.replace("_", " "))).join(" ")}</div>`;
+    <div class="small">${terms.slice(2).map((term, k) => key(colourOf(k), term.replace("_", " "), TERM_WORDS[term] ?? term)).join(" ")}</div>`;
 }
 
 /** Return the networks inside behaviours that run. @param {Run} run @param {number} frame @param {number} robot */
@@ -145,7 +149,7 @@ function insideOf(run, frame, robot) {
     if (!valueAt(run, "robot/running", frame, robot * outer.length + outer.indexOf(goal))) continue;
     names.behaviours.forEach((name, b) => lines.push(`<li>${plain(name)}: ${plain(whyOf(run, prefix, frame, robot, b))} <span class="small">in ${plain(prefix)}</span></li>`));
   }
-  return lines.length ? `<h3>Inside</h3><ul>${lines.join("")}</ul>` : "";
+  return lines.length ? `<h3 title="What runs inside the option.">Inside</h3><ul>${lines.join("")}</ul>` : "";
 }
 
 /** @param {Run} run @param {number} frame @param {number} robot */
@@ -157,7 +161,7 @@ function planOf(run, frame, robot) {
   const length = valueAt(run, "robot/plan_length", frame, robot), due = valueAt(run, "robot/plan_due", frame, robot);
   const steps = Array.from({ length: Math.min(Math.max(length, 0), most) }, (_, k) =>
     `<span data-step class="${k === due ? "due" : k < due ? "past" : ""}">${plain(names[valueAt(run, "robot/plan", frame, robot * most + k)])}</span>`);
-  return `<h3>Plan</h3><div class="plan" data-plan="${length}">${length < 0 ? "no plan" : steps.join(" &rarr; ") || "nothing to do"}</div>`;
+  return `<h3 title="Steps that lead from what the robot senses to its goals; the coloured one is due.">Plan</h3><div class="plan" data-plan="${length}">${length < 0 ? "no plan" : steps.join(" &rarr; ") || "nothing to do"}</div>`;
 }
 
 /** @param {Run} run @param {number} frame @param {number} robot */
@@ -165,10 +169,10 @@ function readingsOf(run, frame, robot) {
   const names = run.head.networks?.robot.sensors ?? [];
   const cells = names.map((name, k) => {
     const value = valueAt(run, "robot/readings", frame, robot * names.length + k);
-    return `<td>${plain(name)}</td><td class="n" data-sensor="${plain(name)}" data-value="${value}">${fixed(value)}</td>`;
+    return `<td title="${plain(robotWord("Sensor", name))}">${plain(name)}</td><td class="n" data-sensor="${plain(name)}" data-value="${value}">${fixed(value)}</td>`;
   });
   const rows = cells.map((cell, k) => (k % 2 ? "" : `<tr>${cell}${cells[k + 1] ?? ""}</tr>`));
-  return `<h3>Sensors</h3><table>${rows.join("")}</table>`;
+  return `<h3 title="What the robot senses now.">Sensors</h3><table>${rows.join("")}</table>`;
 }
 
 /** @param {Run} run @param {number} frame @param {number} robot */
@@ -176,8 +180,8 @@ function goalsOf(run, frame, robot) {
   const names = run.head.networks?.robot.goals ?? [];
   const rows = names.map((name, k) => {
     const value = valueAt(run, "robot/goals", frame, robot * names.length + k);
-    return `<tr><td>${plain(name)}</td><td><div class="bar"><i style="left:0;width:${value * 100}%;background:${LOOK.attracts}"></i></div></td>
+    return `<tr><td title="${plain(robotWord("Goal", name))}">${plain(name)}</td><td><div class="bar"><i style="left:0;width:${value * 100}%;background:${LOOK.attracts}"></i></div></td>
       <td class="n" data-goal="${plain(name)}" data-value="${value}">${fixed(value)}</td></tr>`;
   });
-  return names.length ? `<h3>Goals: how far each is satisfied</h3><table>${rows.join("")}</table>` : "";
+  return names.length ? `<h3 title="1: the goal is reached; what would help the others gets more activation.">Goals: how far each is satisfied</h3><table>${rows.join("")}</table>` : "";
 }

@@ -2,22 +2,33 @@
 /** The page: plays runs on one clock, and shows what is chosen. */
 import { titleOf } from "./recording.js";
 import { EVENT_WORDS, countsOf, eventsOf, partingFrame } from "./course.js";
-import { LOOK, WorldView, colourOf, legendOf } from "./world.js";
+import { LOOK, WorldView, colourOf, keyOf, plain } from "./world.js";
+import { CHART_WORDS, WORDS, explainWords, optionWord } from "./words.js";
 import { drawCurves, drawEvents, drawHeld, opinionCurves } from "./charts.js";
 import { panelOf } from "./mind.js";
+import { scoreOf } from "./score.js";
+import { listenTo } from "./pointer.js";
+import { drawWhy } from "./why.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{run: Run, view: WorldView, events: import("./course.js").RunEvent[], counts: {items: Float64Array, contacts: Float64Array},
- *   charts: HTMLCanvasElement[], title: HTMLElement, caption: HTMLElement}} Shown */
+ *   charts: HTMLCanvasElement[], title: HTMLElement, caption: HTMLElement, score: HTMLElement}} Shown */
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 50];
 const LINE = 12; // pixels of a line of the timeline, as of its words in page.css
 const PANEL_PERIOD = 120; // [ms] between two pictures of the panel while the page plays
+const LEAST_WORLD = 200; // [pixels] height of a world where there is no room
+const SHOWN_AT_FIRST = ["fields", "paths", "contacts", "numbers", "command", "added", "target", "causes"];
+const WIDE = matchMedia("(min-width: 901px)"); // as in page.css
 
 /** Return the element of an id. @param {string} id @returns {any} */
 export const element = (id) => document.getElementById(id);
 
-/** Return a number with its noun. @param {number} count @param {string} noun */
-const numbered = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
+/** Write HTML where it differs from what is there: a tooltip would vanish. @param {HTMLElement} place @param {string} html */
+export function put(place, html) {
+  if (place.dataset.html === html) return;
+  place.innerHTML = html;
+  place.dataset.html = html;
+}
 
 /** The page; call `start` once. */
 export class Page {
@@ -33,8 +44,12 @@ export class Page {
     this.speed = SPEEDS.indexOf(5);
     this.before = 0;
     this.panelAt = 0;
+    /** Kinds of events that have a line. @type {string[]} */
+    this.kinds = [];
     document.body.classList.toggle("task", runs.some((run) => run.head.things));
+    document.body.classList.toggle("two", runs.length > 1);
     this.parting = runs.length > 1 ? partingFrame(runs[0], runs[1]) : -1;
+    this.offerLayers(runs);
     /** @type {Shown[]} */
     this.shown = runs.map((run, k) => this.build(run, k));
     /** Lines over the charts at the present time. @type {HTMLElement[]} */
@@ -47,8 +62,9 @@ export class Page {
   /** Listen to the user, and show the moment that the address names. */
   start() {
     this.connect();
-    this.size();
+    this.fold();
     this.readLink();
+    this.size();
     this.draw();
   }
 
@@ -66,26 +82,53 @@ export class Page {
     return Math.max(0, Math.min(run.frames + run.ahead - 1, Math.floor(this.time / this.period + 1e-6)));
   }
 
+  /** Offer the layers that the runs can show, and a legend of all that there is to see. @param {Run[]} runs */
+  offerLayers(runs) {
+    const cleans = runs.some((run) => !run.head.things);
+    /** @type {[string, import("./world.js").Sign][]} */
+    const own = [["fields", LOOK.pheromones], ...LOOK.layers];
+    const boxes = own.map(([name, { word }]) => {
+      const known = this.canShow(name, runs);
+      return `<label title="${plain(WORDS[name] + (known ? "" : " This recording does not hold it."))}"><input type="checkbox" data-layer name="${name}"
+        ${known && SHOWN_AT_FIRST.includes(name) ? "checked" : ""} ${known ? "" : "disabled"}>${word}</label>`;
+    });
+    boxes.push(`<label title="${WORDS.numbers}"><input type="checkbox" data-layer name="numbers" checked>numbers</label>`,
+      `<label title="Nothing could be drawn: the world is a torus without walls."><input type="checkbox" data-layer name="walls" disabled>walls (this world has none)</label>`);
+    element("boxes").innerHTML = boxes.join("");
+    /** @type {Map<string, [string, string]>} */
+    const entries = new Map();
+    for (const { head } of runs)
+      for (const [goal, options] of Object.entries(head.options).slice(0, 1))
+        options.forEach((word, k) => entries.set(word, [keyOf({ ...LOOK.failed, colour: colourOf(k) }), optionWord(head, goal, word)]));
+    for (const sign of LOOK.legends[cleans ? 1 : 0]) entries.set(sign.word, [keyOf(sign), WORDS[sign.word] ?? sign.word]);
+    for (const [name, sign] of LOOK.layers) entries.set(sign.word, [keyOf(sign), WORDS[name]]);
+    element("legend").innerHTML = [...entries].map(([word, [key, told]]) => `<span title="${plain(told)}">${key}${plain(word)}</span>`).join(" ");
+  }
+
+  /** Return whether recordings hold what a layer shows. @param {string} name @param {Run[]} runs */
+  canShow(name, runs) {
+    const needed = { command: "command_x", added: "wish_x", causes: "cause" }[name];
+    return !needed || runs.some((run) => run.tracks.has(needed));
+  }
+
   /** Build the figure of a run. @param {Run} run @param {number} k @returns {Shown} */
   build(run, k) {
     const figure = document.createElement("figure");
-    const goal = Object.keys(run.head.options)[0], options = run.head.options[goal] ?? [];
-    const held = options.map((word, k) => ({ ...LOOK.failed, word, colour: colourOf(k) }));
-    figure.innerHTML = `<figcaption><b></b><span class="caption"></span></figcaption>
-      <canvas class="world" tabindex="0" role="img" aria-label="The world of run ${k + 1}"></canvas>
-      <div class="small legend">${legendOf([...held, ...LOOK.legends[run.head.things ? 0 : 1]])}</div>
-      <h3>Option held by each robot</h3><div class="over"><canvas class="chart" height="120"></canvas></div>
-      <h3>${run.head.things ? "Collisions" : "Items dumped (line), collisions (dashes)"}</h3><div class="over"><canvas class="chart" height="90"></canvas></div>
-      <h3>What the chooser thinks of each option, mean of the robots</h3><div class="over"><canvas class="chart" height="90"></canvas></div>`;
+    const titles = ["Option held by each robot", run.head.things ? "Collisions" : "Items dumped (line), collisions (dashes)", "What the chooser thinks of each option, mean of the robots"];
+    figure.innerHTML = `<figcaption><b></b><span class="caption"></span></figcaption><div class="score"></div>
+      <div class="stage"><canvas class="world" tabindex="0" role="img" aria-label="The world of run ${k + 1}"></canvas></div>
+      <details class="charts"><summary>Charts</summary>
+      ${titles.map((title, c) => `<h3 title="${CHART_WORDS[c]}">${title}</h3><div class="over"><canvas class="chart" height="${c ? 90 : 120}"></canvas></div>`).join("")}</details>`;
     element("runs").append(figure);
     const canvas = /** @type {HTMLCanvasElement} */ (figure.querySelector(".world"));
     const charts = [...figure.querySelectorAll(".chart")].map((chart) => /** @type {HTMLCanvasElement} */ (chart));
     const view = new WorldView(run, canvas);
-    this.listen(canvas, view, k);
+    view.over.push(drawWhy);
+    listenTo(canvas, view, k, this, element("hint"));
     for (const chart of charts) this.scrubOn(chart);
-    const [title, caption] = ["b", ".caption"].map((name) => /** @type {HTMLElement} */ (figure.querySelector(name)));
+    const [title, caption, score] = ["b", ".caption", ".score"].map((name) => /** @type {HTMLElement} */ (figure.querySelector(name)));
     const events = eventsOf(run);
-    return { run, view, events, counts: countsOf(run, events), charts, title, caption };
+    return { run, view, events, counts: countsOf(run, events), charts, title, caption, score };
   }
 
   /** Return a new vertical line over a chart. @param {Element} over @param {string} name */
@@ -96,61 +139,18 @@ export class Page {
     return line;
   }
 
-  /** Listen to what is done on a world: click, drag, wheel, two fingers. @param {HTMLCanvasElement} canvas @param {WorldView} view @param {number} k */
-  listen(canvas, view, k) {
-    /** @type {{x: number, y: number, moved: boolean} | null} */
-    let drag = null;
-    /** Where the mouse or fingers are down. @type {Map<number, [number, number]>} */
-    const down = new Map();
-    const apart = () => {
-      const [[ax, ay], [bx, by]] = [...down.values()];
-      return Math.max(1, Math.hypot(ax - bx, ay - by));
-    };
-    /** @param {PointerEvent} e @returns {[number, number]} */
-    const shares = (e) => {
-      const box = canvas.getBoundingClientRect();
-      return [(e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height];
-    };
-    canvas.addEventListener("pointerdown", (e) => {
-      down.set(e.pointerId, [e.clientX, e.clientY]);
-      canvas.setPointerCapture(e.pointerId);
-      drag = down.size > 1 ? null : { x: e.clientX, y: e.clientY, moved: false };
-      if (drag) this.grab(view, ...shares(e));
-    });
-    canvas.addEventListener("pointermove", (e) => {
-      if (down.size > 1) {
-        const before = apart();
-        down.set(e.pointerId, [e.clientX, e.clientY]);
-        this.zoomBy(view, apart() / before);
-        return;
-      }
-      if (!drag || (!drag.moved && Math.hypot(e.clientX - drag.x, e.clientY - drag.y) < 6)) return;
-      if (this.drag(view, ...shares(e))) { drag.moved = true; return; }
-      const box = canvas.getBoundingClientRect(), metre = (box.width / view.run.head.width) * view.zoom;
-      view.centre[0] -= (e.clientX - drag.x) / metre;
-      view.centre[1] += (e.clientY - drag.y) / metre;
-      drag = { x: e.clientX, y: e.clientY, moved: true };
-      this.follow(false);
-      this.draw();
-    });
-    canvas.addEventListener("pointerup", (e) => {
-      if (drag && !drag.moved) this.click(k, view, ...shares(e));
-      else if (drag) this.drop(view, ...shares(e));
-    });
-    canvas.addEventListener("lostpointercapture", (e) => { // after every end of a press, also one that is cancelled
-      down.delete(e.pointerId);
-      drag = null;
-    });
-    canvas.addEventListener("wheel", (e) => {
-      e.preventDefault();
-      this.zoomBy(view, e.deltaY < 0 ? 1.2 : 1 / 1.2);
-    }, { passive: false });
-  }
-
   /** Zoom a world about its centre. @param {WorldView} view @param {number} factor */
   zoomBy(view, factor) {
     view.zoom = Math.max(1, Math.min(12, view.zoom * factor));
     if (view.zoom === 1) view.centre = [view.run.head.width / 2, view.run.head.height / 2];
+    this.draw();
+  }
+
+  /** Move what is seen of a world [m]. @param {WorldView} view @param {number} dx @param {number} dy */
+  moveBy(view, dx, dy) {
+    view.centre[0] -= dx;
+    view.centre[1] += dy;
+    this.follow(false);
     this.draw();
   }
 
@@ -165,9 +165,22 @@ export class Page {
   /** Drop what was taken. @param {WorldView} _view @param {number} _px @param {number} _py */
   drop(_view, _px, _py) {}
 
-  /** Choose the robot at a place on the canvas of run k. @param {number} k @param {WorldView} view @param {number} px @param {number} py */
+  /** Choose the robot at a place on the canvas of run k; nothing where none is near. @param {number} k @param {WorldView} view @param {number} px @param {number} py */
   click(k, view, px, py) {
-    this.choose(k, view.nearest(px, py));
+    const { kind, number } = view.thingAt(px, py, this.frameOf(view.run));
+    if (kind === "robot") this.choose(k, number);
+  }
+
+  /** Return what is shown above the panel of the robot, as HTML: nothing, in a recording. */
+  beside() {
+    return "";
+  }
+
+  /** Return what a press would do. @param {WorldView} view @param {number} px @param {number} py @returns {import("./pointer.js").Hint} */
+  hint(view, px, py) {
+    const { kind, number } = view.thingAt(px, py, this.frameOf(view.run));
+    if (number < 0) return { cursor: "move", words: "" };
+    return kind === "robot" ? { cursor: "pointer", words: `a click chooses robot ${number}` } : { cursor: "default", words: `item ${number}` };
   }
 
   /** Let a canvas set the time. @param {HTMLCanvasElement} canvas */
@@ -182,6 +195,7 @@ export class Page {
   }
 
   connect() {
+    explainWords(document);
     element("time").max = String(this.end);
     element("time").step = String(this.period);
     element("time").addEventListener("input", () => this.go(Number(element("time").value)));
@@ -190,6 +204,7 @@ export class Page {
     element("speed").value = String(this.speed);
     element("speed").addEventListener("change", () => { this.setSpeed(Number(element("speed").value)); element("speed").blur(); });
     element("follow").addEventListener("click", () => this.follow(!this.following));
+    element("whole").addEventListener("click", () => { this.follow(false); for (const { view } of this.shown) this.zoomBy(view, 0); });
     element("theme").addEventListener("click", () => {
       const dark = this.colours().paper !== LOOK.paper;
       document.documentElement.dataset.theme = dark ? "light" : "dark";
@@ -197,24 +212,35 @@ export class Page {
       this.draw();
     });
     this.scrubOn(element("timeline"));
-    element("timeline").height = LINE * Object.keys(EVENT_WORDS).length;
-    element("timeline").style.height = `${element("timeline").height}px`;
-    element("legend").innerHTML = Object.values(EVENT_WORDS).map((words) => `<span>${words}</span>`).join("");
-    for (const box of document.querySelectorAll("#layers input")) box.addEventListener("change", () => this.draw());
+    for (const box of document.querySelectorAll("[data-layer]")) box.addEventListener("change", () => this.draw());
     if (this.shown.length > 1) {
       element("parting").hidden = false;
       element("parting").textContent = this.parting < 0 ? "The runs are the same." : `The runs part at ${(this.parting * this.period).toFixed(1)} s`;
       element("parting").addEventListener("click", () => this.go(Math.max(this.parting, 0) * this.period));
     }
     addEventListener("keydown", (e) => this.press(e));
+    addEventListener("click", (e) => { // by a mouse, not by a key: space plays again
+      const pressed = /** @type {HTMLElement | null} */ (/** @type {HTMLElement} */ (e.target).closest?.("button, summary"));
+      if (e.detail) pressed?.blur();
+    });
     addEventListener("hashchange", () => { this.readLink(); this.draw(); });
     addEventListener("resize", () => { this.size(); this.draw(); });
+    for (const group of document.querySelectorAll("details")) group.addEventListener("toggle", () => { this.size(); this.draw(); });
+    WIDE.addEventListener("change", () => this.fold());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.pictures(); this.draw(); });
+  }
+
+  /** Fold the groups of controls on a phone, and unfold them where there is room. */
+  fold() {
+    for (const group of document.querySelectorAll("details"))
+      /** @type {HTMLDetailsElement} */ (group).open = WIDE.matches && (group.id !== "keys" || this.shown.length === 1);
   }
 
   /** @param {KeyboardEvent} e */
   press(e) {
     if (e.ctrlKey || e.metaKey || e.altKey) return;
+    const on = /** @type {HTMLElement} */ (e.target), control = on.closest?.("button, select, summary, input:not(#time)");
+    if (control && (e.key === " " || (e.key.startsWith("Arrow") && on.matches("select, input")))) return; // it has these keys itself
     const robots = this.shown[this.chosen].run.head.robots, step = e.shiftKey ? 5 : 1;
     /** @type {Record<string, () => void>} */
     const keys = {
@@ -261,7 +287,7 @@ export class Page {
   /** Choose a robot of a run. @param {number} k @param {number} robot */
   choose(k, robot) {
     if (robot < 0) return;
-    [this.chosen, this.robot] = [k, robot];
+    [this.chosen, this.robot, this.panelAt] = [k, robot, 0];
     this.writeLink();
     this.draw();
   }
@@ -320,22 +346,36 @@ export class Page {
     return { ink: of("--ink"), paper: of("--paper"), faint: of("--faint") };
   }
 
-  /** Fit the canvases to the window. */
+  /** Fit the canvases to the window: the world gets the height that is free, charts are below it. */
   size() {
-    for (const { run, view, charts } of this.shown) {
-      const width = Math.max(240, Math.min(900, Math.round(view.canvas.clientWidth || 600)));
-      view.canvas.width = width;
-      view.canvas.height = Math.round((width * run.head.height) / run.head.width);
-      for (const chart of charts) chart.width = width;
+    this.listKinds();
+    element("timeline").width = Math.max(200, Math.round(element("timeline").clientWidth));
+    const runs = element("runs");
+    for (const { view, charts } of this.shown) {
+      const stage = /** @type {HTMLElement} */ (view.canvas.parentElement), above = stage.getBoundingClientRect().top;
+      const free = WIDE.matches ? runs.getBoundingClientRect().bottom - above - runs.scrollTop - 6 : innerHeight - above - scrollY - 6;
+      view.fit(stage.clientWidth, Math.max(LEAST_WORLD, free));
+      for (const chart of charts) chart.width = Math.max(120, Math.round(stage.clientWidth));
     }
-    element("timeline").width = Math.max(300, Math.round(element("timeline").clientWidth));
     this.pictures();
+  }
+
+  /** Give each kind of events that there is a line in the timeline; return whether another one has come. */
+  listKinds() {
+    const kinds = Object.keys(EVENT_WORDS).filter((kind) => this.shown.some(({ events }) => events.some((event) => event.kind === kind)));
+    if (element("kinds").childElementCount && kinds.join() === this.kinds.join()) return false;
+    this.kinds = kinds;
+    const words = Object.entries(EVENT_WORDS).filter(([kind]) => kinds.includes(kind));
+    element("kinds").innerHTML = words.map(([kind, word]) => `<span title="${plain(WORDS[kind])}">${word}</span>`).join("") || "<span>no event yet</span>";
+    element("timeline").height = LINE * Math.max(1, kinds.length);
+    element("timeline").style.height = `${element("timeline").height}px`;
+    return true;
   }
 
   /** Draw what does not change with the time. */
   pictures() {
     const most = Math.max(...this.shown.map(({ counts }) => counts.contacts[counts.contacts.length - 1] ?? 0), 1);
-    const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.items, counts.items[counts.items.length - 1] ?? 0)), 1);
+    const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.prices?.items || run.head.items, counts.items[counts.items.length - 1] ?? 0)), 1);
     for (const { run, counts, charts } of this.shown) {
       const curves = [{ values: counts.contacts, colour: LOOK.contact, dash: [5, 4], most }];
       if (!run.head.things) curves.unshift({ values: counts.items, colour: LOOK.attracts, dash: [], most: items });
@@ -343,27 +383,25 @@ export class Page {
       drawCurves(curves, this.frames, charts[1]);
       drawCurves(opinionCurves(run, charts[2].width), this.frames, charts[2]);
     }
-    drawEvents(this.shown[this.chosen].events, this.frames, element("timeline"), this.colours().ink);
+    drawEvents(this.shown[this.chosen].events, this.kinds, this.frames, element("timeline"), this.colours().ink);
     this.timelineOf = this.chosen;
   }
 
   draw() {
     const colours = this.colours();
-    /** @type {any} */
-    const layers = Object.fromEntries([...document.querySelectorAll("#layers input")].map((box) => [/** @type {HTMLInputElement} */ (box).name, /** @type {HTMLInputElement} */ (box).checked]));
+    const layers = Object.fromEntries([...document.querySelectorAll("[data-layer]")].map((box) => [/** @type {HTMLInputElement} */ (box).name, /** @type {HTMLInputElement} */ (box).checked]));
     element("time").value = String(this.time);
     element("now").textContent = `${this.time.toFixed(1)} s`;
-    this.shown.forEach(({ run, view, counts, title, caption }, k) => {
+    this.shown.forEach(({ run, view, counts, title, caption, score }, k) => {
       const frame = this.frameOf(run), counted = Math.min(frame, run.frames - 1, counts.items.length - 1), share = this.playing ? this.time / this.period - Math.floor(this.time / this.period) : 0;
       if (this.following && this.robot < run.head.robots) { view.pose(frame, share); view.centre = [view.x[this.robot], view.y[this.robot]]; }
       view.draw(frame, share, this.robot, layers, colours);
-      const over = this.time >= (run.frames - 1) * this.period && run.result;
-      const done = [numbered(counts.contacts[counted] ?? 0, "collision")]; // nothing is counted before the first step
-      if (!run.head.things) done.unshift(`${numbered(counts.items[counted] ?? 0, "item")} dumped`);
+      const over = this.time >= (run.frames - 1) * this.period && run.result, done = [];
       if (over) done.push(...Object.entries(run.result?.measures ?? {}).map(([name, value]) => `${name} ${Number(value.toPrecision(3))}`));
       if (over) done.push(run.result?.completed ? `completed after ${run.result.duration_s} s` : "not completed");
-      title.textContent = titleOf(run, frame);
-      caption.textContent = done.join(", ");
+      title.textContent = title.title = titleOf(run, frame);
+      caption.textContent = caption.title = done.join(", ");
+      put(score, scoreOf(run, counts, counted, (counted + 1) * this.period));
       view.canvas.classList.toggle("chosen", k === this.chosen && this.shown.length > 1);
     });
     if (this.timelineOf !== this.chosen) this.pictures();
@@ -371,23 +409,26 @@ export class Page {
     for (const line of this.lines) line.style.left = `${share}%`;
     if (!this.moving || performance.now() - this.panelAt > PANEL_PERIOD) {
       const { run } = this.shown[this.chosen];
-      element("panel").innerHTML = panelOf(run, this.frameOf(run), Math.min(this.robot, run.head.robots - 1));
+      const open = element("panel").querySelector(".inputs")?.open;
+      put(element("panel"), this.beside() + panelOf(run, this.frameOf(run), Math.min(this.robot, run.head.robots - 1)));
+      if (open) for (const inputs of element("panel").querySelectorAll(".inputs")) inputs.open = true;
       this.panelAt = performance.now();
     }
   }
 
-  /** Return the milliseconds of one picture while the page plays, the mean of some. @param {number} pictures */
+  /** Return the milliseconds of one picture while the page plays, the median of some. @param {number} pictures */
   measure(pictures) {
-    const begin = performance.now(), time = this.time;
+    const time = this.time, spent = [];
     this.playing = true;
     for (let k = 0; k < pictures; k++) {
+      const begin = performance.now();
       this.time = (time + k * this.period) % Math.max(this.end, this.period);
       this.draw();
       for (const { view } of this.shown) view.canvas.getContext("2d")?.getImageData(0, 0, 1, 1); // else drawing is put off
+      spent.push(performance.now() - begin);
     }
-    const spent = (performance.now() - begin) / pictures;
     this.playing = false;
     this.time = time;
-    return spent;
+    return spent.sort((a, b) => a - b)[Math.floor(pictures / 2)];
   }
 }

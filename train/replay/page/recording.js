@@ -9,7 +9,9 @@
  * @typedef {{about: Record<string, any>, period: number, width: number, height: number, robots: number, items: number,
  *   minds: boolean, options: Record<string, string[]>, views: Record<string, number[]>, mission: any,
  *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
- *   networks?: Record<string, NetworkNames>, field?: number, things?: Thing[]}} Head; of tasks other than cleaning: field, the longer
+ *   networks?: Record<string, NetworkNames>, field?: number, things?: Thing[], option_words?: Record<string, string[]>, inputs?: string[],
+ *   policies?: Record<string, import("./policy.js").Policy>,
+ *   prices?: {event: number, sample: number, limit: number, left: number, items: number}}} Head; of tasks other than cleaning: field, the longer
  *   side of the ground, or of the rectangle of open land in which robots start [m], and the things
  * @typedef {{channel: string, attraction: number, x: number, y: number, radius: number, moves?: number}} Thing at the start; moves: its
  *   number in the channels of things that move

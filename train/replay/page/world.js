@@ -3,16 +3,16 @@
 import { valueAt } from "./recording.js";
 import { Field, seenPairs, shorter } from "./course.js";
 /** @typedef {import("./recording.js").Run} Run */
-/** @typedef {{fields: boolean, reach: boolean, view: boolean, seen: boolean, paths: boolean, contacts: boolean}} Layers */
+/** @typedef {Record<string, boolean>} Layers by their names: whether each is shown */
 /** @typedef {{ink: string, paper: string, faint: string}} Colours */
 
 /** @typedef {{word: string, colour: string, shape: string, half: number, letter: string, opacity: number}} Sign */
 /**
  * How things look, as `clean_swarm_env/drawing/look.py` defines it; legends: of other tasks, and of cleaning.
- * @type {{options: string[], ink: string, paper: string, attracts: string, repels: string, contact: string, area_opacity: number,
+ * @type {{options: string[], ink: string, paper: string, edge: string, attracts: string, repels: string, contact: string, area_opacity: number,
  *   least_area: number, front_angle: number, front_length: number, cargo_behind: number, cargo_half: number, letter_size: number,
  *   most_numbered: number, least_numbered: number, failed: Sign, item: Sign, leftovers: Sign, stations: Sign[], pheromones: Sign,
- *   legends: [Sign[], Sign[]]}}
+ *   layers: [string, Sign][], legends: [Sign[], Sign[]]}}
  */
 export const LOOK = JSON.parse(document.getElementById("look")?.textContent ?? "");
 
@@ -27,13 +27,17 @@ const faded = (colour, opacity) => `rgb(${partsOf(colour).join(" ")} / ${opacity
 /** Escape a text for HTML. @param {unknown} text */
 export const plain = (text) => String(text).replace(/[&<>"]/g, (sign) => `&#${sign.charCodeAt(0)};`);
 
-/** Return the signs of a legend as HTML. @param {Sign[]} signs @returns {string} */
-export const legendOf = (signs) => signs.map(({ word, colour, shape, half, letter, opacity }) =>
-  `<span><i class="key ${shape}" style="background:${faded(colour, opacity)};--size:${(0.8 * half) / LOOK.item.half}">${letter}</i>${plain(word)}</span>`).join(" ");
+/** Return the sign of a legend as HTML. @param {Sign} sign */
+export const keyOf = ({ colour, shape, half, letter, opacity }) => {
+  const own = colour === LOOK.ink ? "var(--ink)" : faded(colour, opacity); // ink is bright on a dark page
+  return `<i class="key ${shape}" style="background:${own};--own:${own};--size:${(0.8 * half) / LOOK.item.half}">${letter}</i>`;
+};
 
 const LEFT = LOOK.leftovers.half / LOOK.item.half; // how much smaller leftovers are than items
 const PATH_SECONDS = 20;
 const SMALL = 4; // size of a robot or an item below which it is a square: paths of a thousand discs take too long [pixels]
+const FEW = 200; // items up to which they are never smaller than that
+const NEAR = 14; // distance up to which a press means a thing, or its radius where that is more [pixels]
 const MOST_PATHS = 60; // robots up to which all paths are drawn, and all reaches; of larger teams the chosen robot's
 
 /** A canvas that shows one run. */
@@ -49,18 +53,31 @@ export class WorldView {
     this.y = new Float64Array(run.head.robots);
     this.turn = new Float64Array(run.head.robots);
     this.fieldPicture = document.createElement("canvas");
+    this.wide = canvas.width; // width and height of the canvas [CSS pixels], of which each is `ratio` pixels of the screen
+    this.high = canvas.height;
+    this.ratio = 1;
   }
 
-  /** Return pixels of a metre. */
+  /** Make the canvas as large as fits. @param {number} width @param {number} height [CSS pixels] */
+  fit(width, height) {
+    const { width: across, height: up } = this.run.head, wide = Math.max(120, Math.min(width, (height * across) / up));
+    [this.wide, this.high, this.ratio] = [wide, (wide * up) / across, Math.min(2, Math.max(1, devicePixelRatio || 1))];
+    this.canvas.width = Math.round(this.wide * this.ratio);
+    this.canvas.height = Math.round(this.high * this.ratio);
+    this.canvas.style.width = `${this.wide}px`;
+    this.canvas.style.height = `${this.high}px`;
+  }
+
+  /** Return CSS pixels of a metre. */
   get scale() {
-    return (this.canvas.width / this.run.head.width) * this.zoom;
+    return (this.wide / this.run.head.width) * this.zoom;
   }
 
   /** Return where a point of the world is on the canvas, by the image nearest to the centre. @param {number} x @param {number} y @returns {[number, number]} */
   place(x, y) {
     const { width, height } = this.run.head, s = this.scale;
     const dx = shorter(x - this.centre[0], width), dy = shorter(y - this.centre[1], height);
-    return [this.canvas.width / 2 + dx * s, this.canvas.height / 2 - dy * s];
+    return [this.wide / 2 + dx * s, this.high / 2 - dy * s];
   }
 
   /** Compute the poses at a frame and a share of the way to the next one. @param {number} frame @param {number} share */
@@ -79,42 +96,39 @@ export class WorldView {
     }
   }
 
-  /** Return the robot nearest to a place on the canvas [shares of its size]; -1 if none is there. @param {number} px @param {number} py */
-  nearest(px, py) {
-    let best = -1, least = Infinity;
-    for (const i of this.rows) {
-      const [x, y] = this.place(this.x[i], this.y[i]);
-      const d = Math.hypot(x - px * this.canvas.width, y - py * this.canvas.height);
-      if (d < least) [best, least] = [i, d];
-    }
-    return best;
-  }
-
   /** Return the point of the world at a place on the canvas [shares of its size]. @param {number} px @param {number} py @returns {[number, number]} */
   pointAt(px, py) {
-    const { width, height } = this.run.head, { canvas, scale } = this;
-    const x = this.centre[0] + ((px - 0.5) * canvas.width) / scale, y = this.centre[1] - ((py - 0.5) * canvas.height) / scale;
+    const { width, height } = this.run.head, { scale } = this;
+    const x = this.centre[0] + ((px - 0.5) * this.wide) / scale, y = this.centre[1] - ((py - 0.5) * this.high) / scale;
     return [((x % width) + width) % width, ((y % height) + height) % height];
   }
 
   /**
-   * Return the robot or the lying item at a place on the canvas [shares of its size]; its number is -1 where nothing is.
+   * Return the robot or the lying item nearest to a place on the canvas [shares of its size]; its number is -1 where
+   * nothing is near. What can be clicked can be dragged.
    * @param {number} px @param {number} py @param {number} frame @returns {{kind: "robot" | "item", number: number}}
    */
   thingAt(px, py, frame) {
-    const { run } = this, [x, y] = [px * this.canvas.width, py * this.canvas.height];
-    /** @param {number} mx @param {number} my @param {number} size */
-    const near = (mx, my, size) => Math.hypot(this.place(mx, my)[0] - x, this.place(mx, my)[1] - y) <= Math.max(8, size * this.scale);
-    const robot = this.nearest(px, py);
-    if (robot >= 0 && near(this.x[robot], this.y[robot], run.head.mission.robots.radius)) return { kind: "robot", number: robot };
+    const { run } = this;
+    /** @type {{kind: "robot" | "item", number: number}} */
+    let best = { kind: "robot", number: -1 };
+    let least = Infinity;
+    /** @param {"robot" | "item"} kind @param {number} number @param {number} mx @param {number} my @param {number} size */
+    const take = (kind, number, mx, my, size) => {
+      const [x, y] = this.place(mx, my), d = Math.hypot(x - px * this.wide, y - py * this.high);
+      if (d < least && d <= Math.max(NEAR, size * this.scale)) [best, least] = [{ kind, number }, d];
+    };
+    for (const i of this.rows) take("robot", i, this.x[i], this.y[i], run.head.mission.robots.radius);
     for (let k = 0; k < run.head.items; k++)
-      if (valueAt(run, "item_stage", frame, k) === 0 && near(valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k), 0.15))
-        return { kind: "item", number: k };
-    return { kind: "robot", number: -1 };
+      if (valueAt(run, "item_stage", frame, k) === 0) take("item", k, valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k), LOOK.item.half);
+    return best;
   }
 
   /** Robots that are there. @type {number[]} */
   rows = [];
+
+  /** What else is drawn over the robots. @type {((view: WorldView, frame: number, chosen: number, layers: Layers, colours: Colours) => void)[]} */
+  over = [];
 
   /**
    * Draw a moment.
@@ -126,8 +140,9 @@ export class WorldView {
     this.rows = [];
     for (let i = 0; i < robots; i++) if (!there || there[frame * robots + i]) this.rows.push(i);
     this.pose(frame, share);
+    c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     c.fillStyle = colours.paper;
-    c.fillRect(0, 0, canvas.width, canvas.height);
+    c.fillRect(0, 0, this.wide, this.high);
     if (layers.fields) this.drawField(c, frame);
     this.drawStations(c, frame);
     for (const thing of run.head.things ?? []) this.drawThing(c, thing, frame, share, colours);
@@ -136,13 +151,14 @@ export class WorldView {
     if (layers.reach || layers.view) this.drawReach(c, frame, chosen, layers);
     this.drawItems(c, frame, colours);
     this.drawRobots(c, frame, chosen, layers, colours);
+    for (const draw of this.over) draw(this, frame, chosen, layers, colours);
     this.drawFrame(c, colours);
   }
 
   /** Draw the border of the world where it is in sight. @param {CanvasRenderingContext2D} c @param {Colours} colours */
   drawFrame(c, colours) {
     if (this.zoom > 1 || this.centre[0] !== this.run.head.width / 2) {
-      const [x, y] = [this.canvas.width / 2 + (0 - this.centre[0]) * this.scale, this.canvas.height / 2 + this.centre[1] * this.scale];
+      const [x, y] = [this.wide / 2 + (0 - this.centre[0]) * this.scale, this.high / 2 + this.centre[1] * this.scale];
       c.strokeStyle = colours.faint;
       c.setLineDash([6, 6]);
       c.strokeRect(x, y - this.run.head.height * this.scale, this.run.head.width * this.scale, this.run.head.height * this.scale);
@@ -157,7 +173,7 @@ export class WorldView {
     for (let a = -1; a <= 1; a++)
       for (let b = -1; b <= 1; b++) {
         const qx = px + a * w, qy = py + b * h;
-        if (qx > -R && qx < this.canvas.width + R && qy > -R && qy < this.canvas.height + R) draw(qx, qy);
+        if (qx > -R && qx < this.wide + R && qy > -R && qy < this.high + R) draw(qx, qy);
       }
   }
 
@@ -259,7 +275,7 @@ export class WorldView {
 
   /** @param {CanvasRenderingContext2D} c @param {number} frame @param {Colours} colours */
   drawItems(c, frame, colours) {
-    const { run } = this, size = Math.max(2, LOOK.item.half * this.scale);
+    const { run } = this, size = Math.max(run.head.items > FEW ? 2 : SMALL, LOOK.item.half * this.scale);
     c.fillStyle = LOOK.item.colour;
     if (size < SMALL) {
       for (let k = 0; k < run.head.items; k++)
@@ -415,11 +431,12 @@ export class WorldView {
         c.arc(x, y, size + 2, 0, 7);
         c.stroke();
       }
-    if (this.rows.length <= LOOK.most_numbered && size > LOOK.least_numbered) {
+    if (layers.numbers && (this.rows.length <= LOOK.most_numbered || this.zoom > 2) && size > LOOK.least_numbered) {
       c.fillStyle = colours.ink;
       c.strokeStyle = colours.paper;
       c.lineWidth = 2;
-      c.font = `${LOOK.letter_size}px sans-serif`;
+      c.font = `600 ${LOOK.letter_size}px sans-serif`;
+      c.lineWidth = 3;
       c.textAlign = "left";
       c.textBaseline = "alphabetic";
       for (const [x, y, i] of all) {

@@ -1,0 +1,190 @@
+"""Plug-ins: modules of users that register mechanisms, strategies, tasks, ... as soon as they are imported.
+
+`--import` and `imports=` name some; they are imported at once, and by every process that this one starts. Installed
+packages name others as entry points of the group `clean_swarm`; these wait until a name is looked up that nobody else
+has registered. A package may hold folders of files, such as `families`, beside its modules.
+"""
+
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
+from threading import RLock
+from traceback import extract_tb
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+GROUP = "clean_swarm"
+"""Group of the entry points by which installed packages name their plug-ins."""
+NAMED = "CLEAN_SWARM_IMPORT"
+"""Environment variable with the plug-ins that a user has named, which the processes that this one starts read, too."""
+OURS = ("selforg", "selector", "clean_swarm_env", "train", "configs")
+OF_FILE = "file "
+"""Beginning of the name of a module that is no more than a file."""
+
+_lock = RLock()
+_loaded: list[bool] = []
+
+
+class PluginError(ValueError):
+    """A plug-in cannot be imported, or does not keep its contract; the message is one line."""
+
+
+def named_plugins() -> tuple[str, ...]:
+    """Return the plug-ins that the user has named: modules, and absolute paths of files."""
+    return tuple(filter(None, os.environ.get(NAMED, "").split(os.pathsep)))
+
+
+def import_named(names: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> None:
+    """Import plug-ins by module or `path/to/file.py`, in this process and in all that it starts from now on.
+
+    Raises:
+        PluginError: there is no such module or file, or it cannot be imported.
+
+    """
+    given = [names] if isinstance(names, str | os.PathLike) else names
+    places = [module_or_file(os.fspath(name)) for name in given]
+    for place in places:
+        module_of(place)
+    if places:
+        os.environ[NAMED] = os.pathsep.join(dict.fromkeys((*named_plugins(), *places)))  # none that fails
+
+
+def module_or_file(name: str) -> str:
+    """Return the module that a name stands for, or the absolute path of its file; PluginError for anything else."""
+    if name.endswith(".py") and Path(name).is_file():
+        return os.path.abspath(name)
+    if name.endswith(".py") or not name.replace(".", "_").isidentifier():
+        raise PluginError(f"{name or '--import'}: expected a module, or a file of Python code that ends with .py")
+    return name
+
+
+def is_named(place: str) -> bool:
+    """Return whether a module or a file is a plug-in that the user has named, or a part of one."""
+    own = os.path.abspath(place) if place.endswith(".py") else place
+    return any(own == one or own.startswith(f"{one}.") for one in named_plugins())
+
+
+def module_of(place: str) -> ModuleType:
+    """Return a module, also one in the working directory, or that of a file; it is executed once in a process."""
+    with told_in_a_line(place):
+        if place.endswith(".py"):
+            return _module_of_file(place)
+        if os.getcwd() not in sys.path:
+            sys.path.append(os.getcwd())
+        return import_module(place)
+
+
+def load() -> None:
+    """Import the plug-ins that the process which started this one has named, and all that are installed; once."""
+    with _lock:
+        if not _loaded:
+            _loaded.append(True)  # a plug-in may look up names itself
+            try:
+                for place in named_plugins():
+                    module_of(place)
+                for entry in installed():
+                    module_of(entry.module)
+            except BaseException:
+                _loaded.clear()
+                raise
+
+
+@cache
+def installed() -> tuple[EntryPoint, ...]:
+    """Return the entry points of installed plug-ins, in the order of their names."""
+    return tuple(sorted(set(entry_points(group=GROUP)), key=lambda entry: (entry.name, entry.value)))
+
+
+def folders() -> dict[Path, str]:
+    """Return the folders of all plug-ins that are packages, each with its origin; none of their code runs."""
+    modules = {entry.module: origin_of(entry.module) for entry in installed()}
+    modules |= {place: place for place in named_plugins() if not place.endswith(".py")}
+    return {folder: origin for module, origin in modules.items() for folder in _own_files(module) if folder.is_dir()}
+
+
+def origin_of(module: str) -> str:
+    """Return where a module comes from: an installed package with its version, a file, or its own name."""
+    top = module.partition(".")[0]
+    for entry in installed():
+        if entry.module.partition(".")[0] == top and entry.dist is not None:
+            return f"{entry.dist.name} {entry.dist.version}"
+    return module.removeprefix(OF_FILE)
+
+
+def is_own(cls: type) -> bool:
+    """Return whether a class is none of ours."""
+    return cls.__module__.partition(".")[0] not in OURS
+
+
+@contextmanager
+def told_in_a_line(place: str) -> Iterator[None]:
+    """Let whatever goes wrong in a plug-in become one line with its place in the files of the plug-in."""
+    try:
+        yield
+    except PluginError:
+        raise
+    except (Exception, SystemExit) as error:
+        frames = [(frame.filename, frame.lineno) for frame in extract_tb(error.__traceback__)]
+        if isinstance(error, SyntaxError):
+            frames.append((error.filename or "", error.lineno))
+        own = tuple(map(str, _own_files(place)))
+        where = [f"{file}:{line}" for file, line in frames if own and file.startswith(own)]
+        raise PluginError(f"{[place, *where][-1]}: {type(error).__name__}: {' '.join(str(error).split())}") from error
+
+
+@contextmanager
+def contract(owner: object, part: str, *inputs: Any) -> Iterator[None]:  # noqa: ANN401  (arrays)
+    """Let an error of a plug-in's object become one line, and a change of its input arrays an error."""
+    before = [array.copy() for array in inputs]
+    with told_in_a_line(type(owner).__module__):
+        yield
+    if not all(map(np.array_equal, inputs, before)):
+        raise _broken(owner, part, "expected to change no array that it reads, got a change")
+
+
+def check_answer(owner: object, part: str, answer: Any, shape: tuple[int, ...]) -> None:  # noqa: ANN401
+    """Raise PluginError unless the answer of a plug-in's object is finite numbers of a shape."""
+    given = np.asarray(answer)
+    if given.shape != shape or given.dtype.kind not in "biuf" or not np.isfinite(given).all():
+        got = f"{given.dtype} {given.shape}" + (" with NaN or infinity" if given.shape == shape else "")
+        raise _broken(owner, part, f"expected finite numbers {shape}, got {got}")
+
+
+def _broken(owner: object, part: str, what: str) -> PluginError:
+    cls = type(owner)
+    return PluginError(f"{origin_of(cls.__module__)}: {cls.__name__}.{part}: {what}")
+
+
+def _own_files(place: str) -> tuple[Path, ...]:
+    """Return the folder of the package that a module belongs to, or its file."""
+    if place.startswith(OF_FILE) or place.endswith(".py"):
+        return (Path(place.removeprefix(OF_FILE)),)
+    top = place.partition(".")[0]
+    spec = find_spec(top) if top not in sys.modules or sys.modules[top].__spec__ else None
+    if spec is None:
+        return ()
+    return tuple(map(Path, spec.submodule_search_locations or filter(None, [spec.origin])))
+
+
+def _module_of_file(path: str) -> ModuleType:
+    """Return the module of a file; while it is executed it is where Python looks for names in its annotations."""
+    name = f"{OF_FILE}{Path(path).resolve()}"
+    if name not in sys.modules:
+        spec = spec_from_file_location(name, path)
+        assert spec is not None
+        assert spec.loader is not None
+        module = sys.modules[name] = module_from_spec(spec)
+        try:
+            spec.loader.exec_module(module)
+        except BaseException:
+            del sys.modules[name]
+            raise
+    return sys.modules[name]

@@ -1,0 +1,97 @@
+"""Verdicts: equal strategies cannot be told apart, and the number of scenarios that is named does tell."""
+
+import re
+
+import numpy as np
+import pytest
+
+from train.analysis.verdict import Ranking, unfinished_sentence
+
+
+def costs(rng, scenarios, **means):
+    """Costs (K,) of strategies on the same scenarios, which differ more than the strategies do."""
+    common = rng.gamma(4.0, 10.0, size=scenarios)
+    return {label: mean * common * rng.gamma(9.0, 1 / 9, size=scenarios) for label, mean in means.items()}
+
+
+def test_the_number_of_scenarios_that_would_tell_does_tell_four_times_in_five():
+    rng, repeats = np.random.default_rng(3), 200
+    ranking = Ranking.of(costs(rng, 20_000, a=1.0, b=1.2, c=2.0))
+    needed = ranking.ratio("b", "a").spread.needed(np.log(1.2), ranking.tail)
+    told = [Ranking.of(costs(rng, needed, a=1.0, b=1.2, c=2.0)).apart("b", "a") for _ in range(repeats)]
+    assert 0.7 < np.mean(told) < 0.9
+    fewer = [Ranking.of(costs(rng, needed // 3, a=1.0, b=1.2, c=2.0)).apart("b", "a") for _ in range(repeats)]
+    assert np.mean(fewer) < 0.5
+
+
+def test_the_sentence_names_a_number_close_to_the_one_that_is_needed():
+    rng = np.random.default_rng(4)
+    large = Ranking.of(costs(rng, 20_000, a=1.0, b=1.03))
+    true, found = large.ratio("b", "a").spread.needed(np.log(1.1), large.tail), []
+    for _ in range(60):
+        text = Ranking.of(costs(rng, 30, a=1.0, b=1.03)).sentences()[0]
+        found += [int(number) for number in re.findall(r"about (\d+) would tell a tenth", text)]
+    assert len(found) > 30
+    assert 0.7 * true < np.median(found) < 1.4 * true
+
+
+@pytest.mark.parametrize("labels", ["ab", "abcdefgh"])
+def test_equal_strategies_cannot_be_told_apart(labels):
+    rng, repeats = np.random.default_rng(5), 200
+    wrong = ["cannot be told apart" not in Ranking.of(costs(rng, 30, **dict.fromkeys(labels, 1.0))).sentences()[0]
+             for _ in range(repeats)]  # fmt: skip
+    assert np.mean(wrong) < 0.1
+
+
+def test_a_strategy_beside_itself():
+    own = np.random.default_rng(6).gamma(4.0, size=12)
+    (text,) = Ranking.of({"a": own, "b": own.copy()}).sentences()
+    assert text.startswith("a and b cannot be told apart (the same in every scenario); ")
+
+
+def test_the_best_is_named_with_its_yardstick_and_who_is_no_better_than_chance():
+    rng = np.random.default_rng(7)
+    found = costs(rng, 60, **{"fixed:ORCA": 1.0, "fixed:Off": 5.0, "Random": 3.0, "policy:x": 3.0})
+    ranking = Ranking.of(found, spoken={"fixed:Off": "never avoiding"})
+    first, second = ranking.sentences(("fixed:Off", "Random"), ["policy:x"])
+    assert re.fullmatch(
+        r"ORCA costs least: \d+ s a mission \[\d+, \d+\], [45]\.\d times less than never avoiding \[.+\]\.", first
+    )
+    assert second.startswith("policy:x cannot be told from chance (60 scenarios")
+    small = Ranking.of(costs(rng, 3000, a=1.0, b=1.25)).sentences()
+    assert re.search(r"2\d% less than b|1\d% less than b", small[0])
+
+
+def test_trainings_of_both_sides_count():
+    rng = np.random.default_rng(8)
+    own = costs(rng, 40, a=1.0, b=1.6)
+    seeds = np.array([[0.4], [1.0], [1.6]])
+    assert Ranking.of(own).apart("b", "a")
+    for one, other in (("a", "b"), ("b", "a")):
+        several = Ranking.of({one: own[one] * seeds, other: own[other]})
+        assert not several.apart("b", "a")
+        assert "more trainings are needed" in several.sentences()[0]
+
+
+def test_few_scenarios_zeros_and_one_strategy():
+    assert "1 scenario cannot tell" in Ranking.of({"a": np.array([3.0]), "b": np.array([9.0])}).sentences()[0]
+    assert Ranking.of({"a": np.array([3.0])}).sentences() == ["a costs 3.0 s a mission; nothing is compared with it."]
+    zero = Ranking.of({"a": np.zeros(8), "b": np.arange(8.0) + 20.0})
+    assert zero.apart("b", "a")
+    assert zero.sentences()[0] == "a costs least: 0 s a mission [0, 0], b 24 s."
+    assert not Ranking.of({"a": np.zeros(8), "b": np.zeros(8)}).apart("a", "b")
+    below = Ranking.of({"a": np.full(8, -1.0), "b": np.arange(8.0)})
+    assert all(text for text in below.sentences())
+
+
+def test_who_left_missions_unfinished():
+    ranking = Ranking.of({name: np.ones(6) for name in "abcde"})
+    none, all_ = np.zeros((1, 6, 1)), np.ones((1, 6, 1))
+    two = none.copy()
+    two[0, :2] = 1.0
+    assert unfinished_sentence({}, ranking) == ""
+    assert unfinished_sentence({"a": none, "b": none}, ranking) == "No mission of 12 was left unfinished."
+    assert unfinished_sentence({"a": all_}, ranking) == "Every mission of 6 was left unfinished."
+    assert unfinished_sentence({"a": none, "b": two}, ranking) == "2 of 12 missions were left unfinished, both by b."
+    text = unfinished_sentence({"a": two, "b": two, "c": two, "d": all_, "e": none}, ranking)
+    assert text == "12 of 30 missions were left unfinished: 6 by d, 2 by c, 2 by b, 2 by others."

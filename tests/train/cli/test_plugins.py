@@ -1,0 +1,208 @@
+"""Plug-ins: installed packages, and modules that a command line names, in commands, files and worker processes."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+from tests.paths import ROOT
+
+TEMPLATE = ROOT / "examples" / "plugin"
+
+
+@pytest.fixture
+def site(tmp_path):
+    """A folder of packages with the template, which is not installed yet."""
+    shutil.copytree(TEMPLATE / "my_swarm", tmp_path / "site" / "my_swarm")
+    return tmp_path / "site"
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    pytest.importorskip("hatchling")
+    source, built = tmp_path_factory.mktemp("source") / "plugin", tmp_path_factory.mktemp("wheel")
+    shutil.copytree(TEMPLATE, source)
+    options = ["--no-deps", "--no-build-isolation", "--no-index", "--quiet", "--wheel-dir", str(built)]
+    subprocess.run([sys.executable, "-m", "pip", "wheel", *options, str(source)], check=True, capture_output=True)
+    return next(built.glob("*.whl"))
+
+
+@pytest.fixture
+def installed(tmp_path, wheel):
+    """A folder of packages with the wheel of the template."""
+    zipfile.ZipFile(wheel).extractall(tmp_path / "site")
+    return tmp_path / "site"
+
+
+def run(site, *words, start=("-m", "clean_swarm_env")):
+    environment = {name: value for name, value in os.environ.items() if name != "CLEAN_SWARM_IMPORT"}
+    environment["PYTHONPATH"] = os.pathsep.join((str(ROOT), str(site)))
+    command = [sys.executable, *start, *words]
+    return subprocess.run(command, cwd=site.parent, capture_output=True, text=True, check=False, env=environment)
+
+
+def refused(done):
+    """Return the one line of a command that was refused."""
+    assert done.returncode == 2, done.stdout + done.stderr
+    (line,) = done.stderr.strip().splitlines()
+    return line
+
+
+def test_an_installed_plugin_is_known_to_commands_and_their_workers(installed):
+    done = run(installed, "run", "KeepApart", "--runs", "3", "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["option"] == "KeepDistance"
+    compared = ("--strategy", "fixed:KeepDistance", "--strategy", "Second", "--scenarios", "2", "--workers", "2")
+    done = run(installed, "evaluate", "--family", "parting", *compared, "--output", "r")
+    assert done.returncode == 0, done.stderr
+    table = (installed.parent / "r" / "table.md").read_text()
+    assert "Second" in table
+    assert "KeepDistance" in table
+
+
+def test_ppo_learns_on_the_family_of_an_installed_plugin(installed):
+    pytest.importorskip("stable_baselines3")
+    (installed.parent / "training").mkdir()
+    (installed.parent / "training" / "mine.yaml").write_text(
+        "{name: mine, description: Few., tasks: [{family: parting, worlds: 2}], goal: KeepApart, checkpoints: 1, "
+        "decisions: 200, validation: {scenarios: 2}, ppo: {minibatch: 64}}"
+    )
+    done = run(installed, "train", "ppo", "--config", "mine", "--configs", ".", "--output", "r")
+    assert done.returncode == 0, done.stderr
+    assert (installed.parent / "r" / "policy" / "policy.json").is_file()
+
+
+def test_a_plugin_that_is_only_named_is_known_as_well_and_not_without(site):
+    assert "unknown task with a baseline 'KeepApart'" in refused(run(site, "run", "KeepApart"))
+    words = ("--strategy", "my_swarm:Second", "--strategy", "fixed", "--scenarios", "2", "--workers", "2")
+    done = run(site, "evaluate", "--family", "my_swarm:KeepApart", *words, "--output", "r")
+    assert done.returncode == 0, done.stderr
+    assert "my_swarm:Second" in (site.parent / "r" / "table.md").read_text()
+
+
+def test_a_file_names_a_class_only_of_a_module_that_the_command_names(site):
+    mission = "{task: 'my_swarm:KeepApart', time_limit: 10.0}"
+    (site.parent / "own.yaml").write_text(
+        f"name: own\ndescription: Few.\nmission: {mission}\nrobots: [3, 3]\nitems: [0, 0]\n"
+    )
+    words = ("evaluate", "--family", "own.yaml", "--strategy", "fixed", "--scenarios", "1", "--output", "r")
+    line = refused(run(site, *words))
+    assert "own.yaml: mission: task: " in line
+    assert "only a file asks to import my_swarm:KeepApart; --import my_swarm (imports= in Python) allows it" in line
+    done = run(site, *words, "--import", "my_swarm")
+    assert done.returncode == 0, done.stderr
+
+
+def test_names_have_their_origin(installed):
+    code = "import json; from selector.documents.find import plugin_names; print(json.dumps(plugin_names()))"
+    origin = "my-swarm 0.1.0"
+    assert json.loads(run(installed, start=("-c", code)).stdout) == {
+        "mechanism": {"KeepDistance": origin},
+        "sensor": {"Pushed": origin},
+        "strategy": {"Second": origin},
+        "task": {"KeepApart": origin},
+        "mechanisms": {"KeepDistance": origin},
+        "knowledge": {"my_swarm": origin},
+        "families": {"parting": origin},
+    }
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("import no_such_module", "__init__.py:1: ModuleNotFoundError: No module named 'no_such_module'"),
+        ("def broken(:", "__init__.py:1: SyntaxError: "),
+        (
+            "from selforg.mechanisms import MECHANISMS, FormulaMechanism\n\n"
+            "@MECHANISMS.register\nclass ORCA(FormulaMechanism):\n    formula = staticmethod(lambda pair: 0.0)\n",
+            "__init__.py:3: ValueError: mechanism 'ORCA' is registered already, by selforg.mechanisms.steering.orca",
+        ),
+        (
+            "from clean_swarm_env.config.tasks import TASKS, TaskKind\n\n"
+            "@TASKS.register\nclass Mine(TaskKind):\n    name = 'Foraging'\n",
+            "__init__.py:3: ValueError: task 'Foraging' is registered already, by clean_swarm_env.tasks.foraging",
+        ),
+    ],
+)
+def test_a_plugin_that_cannot_be_imported_is_one_line_once_it_is_needed(installed, code, said):
+    (installed / "my_swarm" / "__init__.py").write_text(code)
+    assert run(installed, "--help").returncode == 0
+    assert said in refused(run(installed, "run", "KeepApart"))
+    assert said in refused(run(installed, "run", "Foraging", "--import", "my_swarm"))
+
+
+def test_a_file_of_a_plugin_has_a_name_of_its_own(installed):
+    (installed / "my_swarm" / "families" / "crowded.yaml").write_text("name: crowded\n")
+    line = refused(run(installed, "evaluate", "--family", "parting", "--strategy", "fixed"))
+    assert "my-swarm 0.1.0: " in line
+    assert "families/crowded.yaml: the family 'crowded' exists already: " in line
+
+
+def test_words_that_are_no_plugin_are_one_line(site):
+    assert "no_swarm: ModuleNotFoundError: No module named 'no_swarm'" in refused(
+        run(site, "list", "--import=no_swarm")
+    )
+    assert "--import: expected a module, or a file of Python code" in refused(run(site, "list", "--import"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "return np.hypot(*self.source.vectors[rows].T) > self.speed",
+            "return np.full(len(rows), np.nan)",
+            "my-swarm 0.1.0: Pushed.read: expected finite numbers (24,), got float64 (24,) with NaN or infinity",
+        ),
+        (
+            "return np.hypot(*self.source.vectors[rows].T) > self.speed",
+            "return np.zeros(3)",
+            "my-swarm 0.1.0: Pushed.read: expected finite numbers (24,), got float64 (3,)",
+        ),
+        (
+            "return np.hypot(*self.source.vectors[rows].T) > self.speed",
+            "rows[:] = 0; return np.zeros(len(rows))",
+            "my-swarm 0.1.0: Pushed.read: expected to change no array that it reads, got a change",
+        ),
+        (
+            "return {NEAREST: nearest_neighbours(self.world.positions, self.world.ground).mean(axis=1)}",
+            "return {NEAREST: np.full(self.world.worlds, np.nan)}",
+            "task KeepApart: result: distance to the nearest neighbour: expected",
+        ),
+        (
+            "class KeepDistance(FormulaMechanism):",
+            "class KeepDistance(__import__('selforg.mechanisms').mechanisms.MovementMechanism):\n"
+            "    def move_into(self, now, rows, vectors, active):\n        vectors[rows] = np.nan\n",
+            "my-swarm 0.1.0: KeepDistance.move_into: expected finite numbers (24, 2), got float64 (24, 2) with NaN",
+        ),
+    ],
+)
+def test_a_plugin_that_breaks_its_contract_is_one_line(installed, old, new, said):
+    code = (installed / "my_swarm" / "__init__.py").read_text()
+    assert old in code
+    (installed / "my_swarm" / "__init__.py").write_text(code.replace(old, new))
+    assert said in refused(run(installed, "run", "KeepApart", "--runs", "4"))
+
+
+@pytest.mark.parametrize(
+    ("new", "said"),
+    [
+        ("return first + 9", "Second._select: expected options 0..1, got 9..9"),
+        (
+            "decisions.context[:] = 0.0\n        return first",
+            "__init__.py:54: ValueError: assignment destination is read",
+        ),
+    ],
+)
+def test_a_strategy_that_breaks_its_contract_is_one_line_from_a_worker_too(installed, new, said):
+    path = installed / "my_swarm" / "__init__.py"
+    head, _, rest = path.read_text().partition("        others = decisions.allowed")
+    path.write_text(f"{head}        {new}\n\n\n@TASKS.register{rest.partition('@TASKS.register')[2]}")
+    words = ("--strategy", "Second", "--scenarios", "2", "--workers", "2", "--output", "r")
+    done = run(installed, "evaluate", "--family", "parting", *words)
+    assert done.returncode == 2
+    assert said in done.stderr.splitlines()[-1]
+    assert "Traceback" not in done.stderr

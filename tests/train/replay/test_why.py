@@ -1,0 +1,146 @@
+"""Why a robot moves as it does: the sentence by its rules, in Python and in the page, from what is recorded."""
+
+import json
+from dataclasses import asdict, replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from tests.train.commands import run
+from tests.train.replay.test_page import CONDITIONS, opened, recordings, results  # noqa: F401  (fixtures)
+from train.evaluation.why import Facts, sentence
+
+PATROLLING = Facts("at work", 0.0, ("Patrol",), (1.0, 0.0), (1.0, 0.0), 0.0, (), 0.0, None, 12.0)
+AVOIDING = replace(PATROLLING, causes=((3, 0.6),), command=(0.0, 1.0), target=("recycling", 2.2))
+CASES = {
+    "patrols: nothing seen for 12 s": PATROLLING,
+    "goes to an item, 1.2 m": replace(PATROLLING, running=("MoveToGarbage",), target=("an item", 1.2)),
+    "goes to a dump": replace(PATROLLING, running=("MoveToDump",), target=("a dump", -1.0)),
+    "picks an item": replace(PATROLLING, running=("PickGarbage",), target=("an item", 0.1)),
+    "runs ChemotaxisGe and Tell": replace(PATROLLING, running=("ChemotaxisGe", "Tell"), unseen=-1.0),
+    "does nothing: no behaviour runs": replace(PATROLLING, running=()),
+    "does nothing: it has failed": replace(AVOIDING, state="failed"),
+    "is not there": replace(PATROLLING, state="taken away"),
+    "stands after a collision, for 1.2 s more": replace(AVOIDING, stands=1.2),
+    "turns left because of robot 3, 0.6 m away; would go to recycling, 2.2 m": AVOIDING,
+    "turns right because of robot 3, 0.6 m away; would patrol": replace(AVOIDING, command=(0.0, -1.0), target=None),
+    "turns left because of robot 3, 0.6 m away; would go to a dump": replace(  # over the back
+        AVOIDING, wish=(-1.0, 0.2), command=(-1.0, -0.2), target=("a dump", -1.0)
+    ),
+    "turns right because of robot 3, 0.6 m away; would go to an item, 3.0 m": replace(  # beside the heading
+        AVOIDING, wish=(0.0, 0.0), heading=pi, command=(0.0, 1.0), target=("an item", 3.0)
+    ),
+    "stops because of robot 3, 0.6 m away, and robot 8; would go to recycling, 2.2 m": replace(
+        AVOIDING, command=(0.01, 0.0), causes=((3, 0.6), (8, 0.9)), share=0.4
+    ),
+    "slows down because of robot 3, 0.6 m away; would go to recycling, 2.2 m": replace(
+        AVOIDING, command=(0.5, 0.0), causes=((3, 0.6), (8, 0.9)), share=0.1
+    ),
+    "keeps away because of robot 3, 0.6 m away; would go to recycling, 2.2 m": replace(AVOIDING, command=(1.0, 0.1)),
+    "goes to recycling, 2.2 m": replace(AVOIDING, command=(1.0, 0.02)),  # hardly another way
+}
+
+
+@pytest.mark.parametrize("expected", CASES)
+def test_the_sentence_follows_the_rules(expected):
+    assert sentence(CASES[expected]) == expected
+
+
+@pytest.mark.page
+def test_the_page_makes_the_same_sentences(opened):  # noqa: F811
+    page = opened()
+    said = page.evaluate("cases => cases.map(replay.sentenceOf)", [asdict(facts) for facts in CASES.values()])
+    assert said == list(CASES)
+
+
+@pytest.mark.page
+def test_facts_and_inputs_are_those_of_the_command(opened, results, recordings, capsys):  # noqa: F811
+    rng, page, avoided, chosen = np.random.default_rng(5), opened(), 0, 0
+    for _ in range(14):
+        k = int(rng.integers(2))
+        frame = int(rng.integers(1, recordings[k].frames))
+        robot = int(rng.choice(np.flatnonzero(recordings[k]["present"][: frame + 1].any(axis=0))))
+        page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose({k}, {robot})")
+        capsys.readouterr()
+        words = ("--condition", CONDITIONS[k], "--robot", robot, "--time", frame * 0.2, "--json")
+        assert run("explain", results / "run", *words) == 0
+        step = json.loads(capsys.readouterr().out)
+        shown, facts = page.evaluate(f"replay.factsOf(replay.runs[{k}], {frame}, {robot})"), step["facts"]
+        assert shown["state"] == facts["state"]
+        if facts["state"] != "at work":
+            continue
+        assert shown["running"] == list(facts["running"])
+        assert [who for who, _ in shown["causes"]] == [who for who, _ in facts["causes"]]
+        near, told = ([away for _, away in each["causes"]] for each in (shown, facts))
+        assert near == pytest.approx(told, abs=0.003)
+        for name in ("wish", "command", "unseen", "stands", "share", "heading"):
+            assert shown[name] == pytest.approx(facts[name], abs=0.002), name
+        assert (shown["target"] or [None])[0] == (facts["target"] or [None])[0]
+        if facts["target"]:
+            assert shown["target"][1] == pytest.approx(facts["target"][1], abs=0.003)
+        facts = {**shown, "target": tuple(shown["target"]) if shown["target"] else None}
+        assert page.text_content("[data-sentence]") == sentence(Facts(**facts))
+        avoided += "because of robot" in step["sentence"]
+        move = step["policy"].get("AvoidCollision")
+        if move is not None and recordings[k]["working"][frame, robot]:
+            chosen += 1
+            found = page.evaluate(f"replay.movesOf(replay.runs[{k}], {frame}, {robot}, 'AvoidCollision')")
+            assert found["option"] == move["option"]
+            assert found["likely"] == pytest.approx(move["probability"], abs=0.01)
+            moved = {one["name"]: one["moved"] for one in found["moves"]}
+            assert moved == pytest.approx(move["moved"], abs=0.02)
+    assert avoided
+    assert chosen
+
+
+def test_what_if_it_goes_on_as_it_did(results, recordings, capsys):  # noqa: F811
+    """The option that the robot holds anyway leads where the recorded robot went."""
+    recording = recordings[1]
+    for frame in (23, 60):
+        robot = int(np.flatnonzero(recording["working"][frame : frame + 27].all(axis=0))[0])
+        capsys.readouterr()
+        words = ("--condition", CONDITIONS[1], "--robot", robot, "--time", frame * 0.2, "--json", "--what-if")
+        assert run("explain", results / "run", *words) == 0
+        foretold = {one["option"]: one for one in json.loads(capsys.readouterr().out)["what_if"]}
+        course = [[recording[name][t, robot] for name in "xy"] for t in range(frame + 1, frame + 27)]
+        assert np.allclose(foretold["RepulsionGradient"]["path"], course, atol=0.0006)
+        assert len(foretold) > 5
+
+
+def test_what_if_needs_a_decider(tmp_path, capsys):
+    words = ("--scenarios", 1, "--condition", "RepulsionGradient", "--workers", 1, "--output", tmp_path / "run")
+    assert run("evaluate", *words) == 0
+    assert run("explain", tmp_path / "run", "--robot", 0, "--time", 1, "--what-if") == 2
+    assert (
+        capsys.readouterr()
+        .err.strip()
+        .endswith("expected a run of a family, or of a decider that decides in each period")
+    )
+
+
+@pytest.mark.page
+def test_arrows_lines_and_their_legend_can_be_shown(opened):  # noqa: F811
+    page = opened("#t=10&robot=2")
+    changed = set()
+    for moment in (4, 10, 20, 30):
+        for robot in range(8):
+            page.evaluate(f"replay.page.go({moment}); replay.page.choose(0, {robot})")
+            for name in ("command", "added", "target", "causes"):
+                before = page.evaluate("document.querySelector('.world').toDataURL()")
+                page.click(f"[name={name}]")
+                if page.evaluate("document.querySelector('.world').toDataURL()") != before:
+                    changed.add(name)
+    assert changed == {"command", "added", "target", "causes"}
+    words = page.evaluate("[...document.querySelectorAll('#legend span')].map(sign => [sign.textContent, sign.title])")
+    assert {"command", "what the mechanism adds", "way to the target", "neighbours that count"} <= {w for w, _ in words}
+    assert all(told for _, told in words)
+
+
+@pytest.mark.page
+def test_the_cost_so_far_ends_at_the_cost_of_the_run(opened, recordings):  # noqa: F811
+    page = opened()
+    for k, recording in enumerate(recordings):
+        page.evaluate(f"replay.page.go({(recording.frames - 1) * 0.2})")
+        cost = float(page.get_attribute(f"figure:nth-of-type({k + 1}) [data-cost]", "data-cost"))
+        assert cost == pytest.approx(recording.result["cost_s"], rel=0.01)

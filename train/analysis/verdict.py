@@ -1,0 +1,205 @@
+"""Verdicts: the sentences that say what a comparison found, and how sure that is.
+
+Two strategies can be told apart if the interval of the ratio of their means excludes 1. These intervals contain the
+truth for all pairs of the comparison at once in 95 % of comparisons (Bonferroni), so that the luckiest of many is not
+called the best.
+
+Shapes: S trainings of a strategy, K scenarios, V worlds of each.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from selforg.arrays import Floats
+from train.analysis.intervals import FEWEST, NO_SPREAD, TAIL, TOLD, Interval, MeanError, Ratio, about_number
+from train.analysis.strategy_comparison import Estimate
+
+TIMES = 1.5
+"""Ratio from which on a difference is said by a factor, not in per cent."""
+LOG_FROM = 8.0
+"""Ratio of the largest to the least value from which the scale of a table or a figure is logarithmic."""
+MOST_NAMED = 3
+"""Most strategies that a sentence lists by name."""
+RANDOM, CHANCE = "Random", "chance"
+"""Label of the strategy that takes any option in each decision period, and its name where others are told from it."""
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Strategies by their means of one figure, the lowest first."""
+
+    values: Mapping[str, Floats]
+    """Label -> (S, K) the figure."""
+    verb: str = "costs"
+    """What a strategy does of the figure."""
+    spoken: Mapping[str, str] = field(default_factory=dict)
+    """Label -> what it is called in a sentence, where that differs."""
+
+    @classmethod
+    def of(cls, values: Mapping[str, Floats], verb: str = "costs", spoken: Mapping[str, str] | None = None) -> Ranking:
+        """Rank labels by `values` (S, K) or (K,)."""
+        order = sorted(values, key=lambda label: float(values[label].mean()))
+        return cls({label: np.atleast_2d(values[label]) for label in order}, verb, spoken or {})
+
+    @property
+    def labels(self) -> list[str]:
+        """The labels in their order."""
+        return list(self.values)
+
+    @property
+    def scenarios(self) -> int:
+        """K."""
+        return int(self.values[self.labels[0]].shape[1])
+
+    @property
+    def tail(self) -> float:
+        """Probability of each tail outside of an interval, so that those of all pairs hold together."""
+        return TAIL / max(math.comb(len(self.values), 2), 1)
+
+    @cached_property
+    def means(self) -> dict[str, Estimate]:
+        """Label -> mean with its own 95 % interval."""
+        return {label: Estimate.of(own) for label, own in self.values.items()}
+
+    def ratio(self, label: str, to: str) -> Ratio:
+        """Return the ratio of the means of two."""
+        return Ratio.of(self.values[label], self.values[to])
+
+    def interval(self, label: str, to: str) -> Interval | None:
+        """Return the interval of the ratio of two, which holds together with those of all pairs."""
+        return self.ratio(label, to).interval(self.tail)
+
+    def apart(self, label: str, other: str) -> bool:
+        """Return whether two can be told apart."""
+        if self.scenarios < FEWEST:
+            return False
+        found = self.interval(label, other)
+        if found is None:  # a mean is zero, or the signs differ: by the difference
+            spread = MeanError.of(self.values[label] - self.values[other].mean(axis=0), self.values[other])
+            gap = self.means[label].value - self.means[other].value
+            return spread is not None and abs(gap) > max(spread.half_width(self.tail), NO_SPREAD)
+        return not found[0] <= 1.0 <= found[1]
+
+    def name(self, label: str) -> str:
+        """Return what a strategy is called in a sentence."""
+        return self.spoken.get(label, label.removeprefix("fixed:"))
+
+    def sentences(self, yardsticks: Sequence[str] = (), tried: Sequence[str] = ()) -> list[str]:
+        """Return one sentence on the best, and at most one on those that cannot be told from it or from chance.
+
+        Args:
+            yardsticks: labels that the best is compared with, the first of them that is there and is not the best;
+                the last of all unless one is.
+            tried: labels that ought to differ from `RANDOM`.
+
+        """
+        best, *others = self.labels
+        mean = f"{amount(self.means[best].value)} s a mission{interval_words(self.means[best].ci95, amount)}"
+        if not others:
+            return [f"{self.name(best)} {self.verb} {mean}; nothing is compared with it."]
+        if self.scenarios < FEWEST:
+            few = f"{self.scenarios} scenario{'s' * (self.scenarios > 1)}"
+            would = self._needed(others[0], best, TOLD)
+            return [f"{few} cannot tell strategies apart{would}: {self.name(best)} {self.verb} least in them, {mean}."]
+        alike = [label for label in others if not self.apart(label, best)]
+        if len(alike) == len(others):
+            names = [self.name(label) for label in self.labels]
+            told = f"{_listed(names)} cannot be told apart {self._would_tell(best, others)}"
+            return [f"{told}; the lowest mean has {names[0]}, {mean}."]
+        yardstick = next((label for label in (*yardsticks, others[-1]) if label in others), others[-1])
+        found = [f"{self.name(best)} {self.verb} least: {mean}, {self._less(best, yardstick)}."]
+        random = [label for label in tried if label not in alike and label != best and not self.apart(label, RANDOM)]
+        parts = [
+            f"{_listed([self.name(label) for label in own])} cannot be told from {what} {self._would_tell(to, own)}"
+            for own, what, to in ((alike, "it", best), (random, CHANCE, RANDOM))
+            if own
+        ]
+        return [*found, *([f"{'; '.join(parts)}."] if parts else [f"Next is {self._next(others[0], best)}."])]
+
+    def _next(self, label: str, best: str) -> str:
+        ratio, name = self.ratio(label, best).ratio, self.name(label)
+        more = (
+            ""
+            if ratio is None
+            else f", {ratio:.2f} times as much{interval_words(self.interval(label, best), '{:.2f}'.format)}"
+        )
+        return f"{name}, {amount(self.means[label].value)} s{more}"
+
+    def _less(self, best: str, other: str) -> str:
+        if not self.apart(other, best):
+            return f"which cannot be told from {self.name(other)} {self._would_tell(best, [other])}"
+        ratio, ends = self.ratio(other, best).ratio, self.interval(other, best)
+        if ratio is None or ends is None:
+            return f"{self.name(other)} {amount(self.means[other].value)} s"
+        if ratio >= TIMES:
+            return f"{amount(ratio)} times less than {self.name(other)}{interval_words(ends, amount)}"
+        low, high = (1.0 - 1.0 / end for end in ends)
+        return f"{1.0 - 1.0 / ratio:.0%} less than {self.name(other)} [{low:.0%}, {high:.0%}]"
+
+    def _would_tell(self, label: str, others: Sequence[str]) -> str:
+        """Return in brackets how many scenarios there are, and how many would tell the one that differs most."""
+        far = max(others, key=lambda other: abs(self.means[other].value - self.means[label].value))
+        ratio = self.ratio(far, label)
+        if np.array_equal(self.values[far], self.values[label]):
+            return "(the same in every scenario)"
+        effect = abs(math.log(ratio.ratio)) if ratio.ratio is not None and ratio.ratio > 0.0 else TOLD
+        return f"({self.scenarios} scenarios{self._needed(far, label, max(effect, TOLD))})"
+
+    def _needed(self, label: str, other: str, effect: float) -> str:
+        spread = self.ratio(label, other).spread
+        if spread is None or spread.error <= NO_SPREAD:
+            return ""
+        needed, what = spread.needed(effect, self.tail), " a tenth" if effect == TOLD else ""
+        if needed is None:
+            return "; more trainings are needed, not more scenarios"
+        if needed <= self.scenarios:
+            return f", enough to tell{what}" if what else ""
+        return f"; about {about_number(needed)} would tell{what}"
+
+
+def unfinished_sentence(left: Mapping[str, Floats], ranking: Ranking, word: str = "left unfinished") -> str:
+    """Return how many missions were not completed, and whose; empty where that means nothing.
+
+    `left`: label -> 1 where a mission was not completed (S, K, V).
+    """
+    missions, counts = sum(own.size for own in left.values()), {label: int(own.sum()) for label, own in left.items()}
+    lost, blamed = sum(counts.values()), sorted((label for label in counts if counts[label]), key=counts.__getitem__)
+    if not missions:
+        return ""
+    if not lost or lost == missions:
+        return f"{'No' if not lost else 'Every'} mission of {missions} was {word}."
+    begin = f"{lost} of {missions} missions {'was' if lost == 1 else 'were'} {word}"
+    if len(blamed) == 1:
+        return f"{begin}, {['', 'both ', 'all '][min(lost, 3) - 1]}by {ranking.name(blamed[0])}."
+    first = blamed[: -MOST_NAMED - 1 : -1]
+    rest = lost - sum(counts[label] for label in first)
+    shares = [f"{counts[label]} by {ranking.name(label)}" for label in first] + [f"{rest} by others"] * (rest > 0)
+    return f"{begin}: {', '.join(shares)}."
+
+
+def amount(value: float) -> str:
+    """Return a number with two digits at least, and all of those before the point.
+
+    >>> amount(1421.83), amount(5.29), amount(0.0412), amount(0.0)
+    ('1,422', '5.3', '0.041', '0')
+
+    """
+    return f"{value:,.0f}" if abs(value) >= 9.95 or value == 0.0 else f"{value:#.2g}"
+
+
+def interval_words(ends: Interval | None, words: Callable[[float], str]) -> str:
+    """Return an interval in brackets after a space, each end in words; empty if there is none."""
+    return "" if ends is None else f" [{words(ends[0])}, {words(ends[1])}]"
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names in a row, those beyond the first few by their number."""
+    if len(names) > MOST_NAMED + 1:
+        names = [*names[:MOST_NAMED], f"{len(names) - MOST_NAMED} others"]
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))

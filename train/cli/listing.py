@@ -1,0 +1,107 @@
+"""`clean-swarm list`: what there is, by kind: names in columns, with a line on what each is.
+
+Sources and files are read, not run: importing what registers names takes seconds.
+"""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from clean_swarm_env.config.tasks import task_stories
+from clean_swarm_env.config.types import ConfigurationError
+from selector.documents.errors import DocumentError
+from selector.documents.find import KINDS, SHIPPED, files_of
+from selector.documents.plain import plain
+from selector.documents.reading import read_mapping
+from selforg.registry import unknown
+from train.cli.options import Configs, wide_console
+
+DECLARED = {
+    "strategy-classes": (
+        "selector/strategies",
+        r"(?s)@STRATEGIES\.register\nclass (\w+).*?\"\"\"(.*?)(?:\n|\"\"\")",
+    ),
+    "mechanism-classes": (
+        "selforg/mechanisms",
+        r"(?sm)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(\w+)"
+        r"(?:\"|[^\n]*:\n    \"\"\"(.*?)(?:\n|\"\"\"))",
+    ),
+    "terms": (
+        "clean_swarm_env/learning/observation",
+        r"(?m)^(?:    name = |@compiled_term\(\s*)\"(\w+)\"()",
+    ),
+}
+"""Kind -> folder and pattern of the sources that declare it, with a name and a line."""
+LINES = {
+    "experiments": "one mission under several conditions: evaluate NAME",
+    "families": "scenarios drawn at random, to compare strategies on: evaluate --family NAME",
+    "knowledge": "options of each goal, with the scores of experts: --knowledge NAME",
+    "machines": "finite state machines that choose options: --strategy fsm:NAME",
+    "mechanism-classes": "mechanisms in code: `type:` of a configuration",
+    "mechanisms": "configurations of mechanisms: look draw NAME",
+    "missions": "one world with its robots and its task: play NAME",
+    "policies": "trained networks that choose or drive: --strategy policy:NAME",
+    "robots": "sensors, behaviours and goals of a robot: look draw NAME",
+    "starts": "start configurations of experiments",
+    "strategies": "strategies that have learned: --strategy learned:NAME",
+    "strategy-classes": "ways to choose and to learn: --strategy NAME",
+    "studies": "searches for parameters: tune NAME",
+    "tasks": "what robots do, also a mission and a family each: run NAME",
+    "terms": "what robots can observe: terms of an observation",
+    "training": "trainings: train ppo|bandit|es|design --config NAME",
+}
+"""Kind -> what it is, and where a name of it goes."""
+
+
+def list_command(
+    kind: Annotated[str | None, typer.Argument(help="One of the kinds that `list` shows.", metavar="[KIND]")] = None,
+    configs: Configs = None,
+) -> None:
+    """List the kinds of what there is with their numbers, or the names of one kind with a line on each."""
+    if kind is not None and kind not in LINES:
+        raise ConfigurationError(f"list: {unknown('kind', kind, sorted(LINES))}")
+    directories = tuple(configs or ())
+    shown = {name: names_of(name, directories) for name in ((kind,) if kind else LINES)}
+    rows = list(shown[kind].items()) if kind else [(name, (str(len(own)), LINES[name])) for name, own in shown.items()]
+    table = Table.grid(padding=(0, 2))
+    for name, cells in rows:
+        table.add_row(plain(name), *(plain(cell) for cell in cells))
+    wide_console().print(table)
+    wide_console().print(f"\n{LINES[kind]}" if kind else "\nclean-swarm list KIND shows the names of one kind")
+
+
+def names_of(kind: str, directories: Sequence[Path]) -> dict[str, tuple[str, ...]]:
+    """Return name -> a line on it, of everything of a kind."""
+    if kind == "tasks":
+        return {name: (story,) for name, story in task_stories().items()}
+    if kind in KINDS:
+        line = _conditions if kind == "experiments" else _line
+        return {name: (line(path),) for name, path in files_of(kind, directories).items()}
+    folder, pattern = DECLARED[kind]
+    texts = [path.read_text(encoding="utf-8") for path in (SHIPPED.parent / folder).rglob("*.py")]
+    return {name: (line,) for name, line in sorted(found for text in texts for found in re.findall(pattern, text))}
+
+
+def _line(path: Path) -> str:
+    """Return the first sentence of a file's description, or of the comment above it; empty for arrays."""
+    if path.suffix not in (".yaml", ".yml", ".json"):
+        return ""
+    try:
+        told = str(read_mapping(path).get("description", ""))
+    except DocumentError as error:
+        return f"cannot be read: {error}"
+    if not told:
+        comment = re.match(r"(?:#.*\n)+", path.read_text(encoding="utf-8"))
+        told = re.sub(r"\n?# ?", " ", comment[0]) if comment else ""
+    return re.split(r"(?<=[a-z0-9)])[.:] ", " ".join(told.split()))[0]
+
+
+def _conditions(path: Path) -> str:
+    """Return what an experiment is, and its conditions."""
+    held = read_mapping(path).get("conditions")
+    names = [str(part.get("name")) for part in held if isinstance(part, dict)] if isinstance(held, list) else []
+    return _line(path) + (f" [{', '.join(names)}]" if names else "")

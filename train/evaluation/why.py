@@ -1,0 +1,132 @@
+"""One sentence about what a robot does and because of whom, made of facts by rules.
+
+`train/replay/page/why.js` makes the same sentence of a recording, by the same rules; tests compare them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, hypot, tau
+from typing import Final
+
+import numpy as np
+
+from clean_swarm_env.tasks.cleaning.garbage import LYING
+from clean_swarm_env.world.explaining import Movements, RobotStep
+from clean_swarm_env.world.worlds import Worlds
+from selforg.gradients.store import columns as c
+from selforg.space import Torus
+
+STRAIGHT: Final = 0.17
+"""Angle up to which a robot goes straight on, ten degrees [rad]."""
+SLOW: Final = 0.05
+"""What a difference of speeds must have to count [m/s]."""
+NAMED_FROM: Final = 0.25
+"""Share from which a second neighbour is named."""
+DOING: Final = {"PickGarbage": "picks an item", "Recycle": "recycles its item", "Dump": "dumps its leftovers"}
+PATROLS: Final = {"Patrol", "ExplorationPatrol"}
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What the sentence is made of."""
+
+    state: str
+    """As in `RobotStep`."""
+    stands: float
+    """How long a collision still stops it [s]."""
+    running: tuple[str, ...]
+    """Behaviours of its network."""
+    wish: tuple[float, float]
+    """What it wanted to drive [m/s]."""
+    command: tuple[float, float]
+    """What it was told to drive [m/s]."""
+    heading: float
+    """[rad]"""
+    causes: tuple[tuple[int, float], ...]
+    """Robots because of whom these differ, and how far away they are [m]; the one that counts most first."""
+    share: float
+    """How much the second one counts."""
+    target: tuple[str, float] | None
+    """Where it wants to go, and how far that is [m], -1 if it is not known."""
+    unseen: float
+    """Time since it last saw garbage [s]."""
+
+
+def facts_of(worlds: Worlds, step: RobotStep, unseen: float) -> Facts:
+    """Return the facts about the robot of a step, in the first world, after the tick of the step."""
+    movements, row, poses = Movements(worlds), step.robot, worlds.minds.poses
+    movements.note()
+    places, space = poses.positions, Torus(*worlds.extent)
+    near = [
+        (int(who), float(np.hypot(*space.offsets(places[row], places[who])))) for who in movements.who[row] if who >= 0
+    ]
+    return Facts(
+        state=step.state,
+        stands=step.stopped_s,
+        running=tuple(account.name for account in step.network.behaviours if account.running),
+        wish=(float(movements.wishes[row, 0]), float(movements.wishes[row, 1])),
+        command=(float(movements.commands[row, 0]), float(movements.commands[row, 1])),
+        heading=atan2(*poses.own[row, 0, [c.POSE_HEADING + 1, c.POSE_HEADING]]),
+        causes=tuple(near),
+        share=round(float(movements.shares[row, 1]), 3),  # as recordings hold it
+        target=_target(worlds, step, space),
+        unseen=unseen,
+    )
+
+
+def _target(worlds: Worlds, step: RobotStep, space: Torus) -> tuple[str, float] | None:
+    """Return where a robot wants to go by what it carries and sees, and how far the nearest such place is."""
+    items, read = worlds.task.item_arrays(), step.network.readings
+    if "garbage_seen" not in read:
+        return None
+    if read["carrying"]:
+        word, places = (
+            ("a dump" if read["recycled"] else "recycling"),
+            items.stations[0][items.station_kinds == bool(read["recycled"])],
+        )
+    else:
+        word, places = "an item", items.positions[0][(items.stage[0] == LYING) & (read["garbage_seen"] > 0)]
+    if not len(places):
+        return None
+    if read["carrying"] and len(places) > 1 and "Transport" in step.options:
+        return word, -1.0
+    return word, float(np.linalg.norm(space.offsets(worlds.minds.poses.positions[step.robot], places), axis=1).min())
+
+
+def sentence(facts: Facts) -> str:
+    """Return one sentence about what a robot does and because of whom."""
+    if facts.state != "at work":
+        return "does nothing: it has failed" if facts.state == "failed" else "is not there"
+    if facts.stands > 0.0:
+        return f"stands after a collision, for {facts.stands:.1f} s more"
+    to = ""
+    if facts.target is not None:
+        to = facts.target[0] + (f", {facts.target[1]:.1f} m" if facts.target[1] >= 0.0 else "")
+    (wx, wy), (x, y) = facts.wish, facts.command
+    if facts.causes and hypot(x - wx, y - wy) > SLOW:
+        (first, away), *others = facts.causes
+        who = f"robot {first}, {away:.1f} m away" + (
+            f", and robot {others[0][0]}" if others and facts.share >= NAMED_FROM else ""
+        )
+        return f"{_avoiding(facts)} because of {who}; would {f'go to {to}' if to else 'patrol'}"
+    done = [DOING[name] for name in facts.running if name in DOING]
+    if done or to:
+        return done[0] if done else f"goes to {to}"
+    if PATROLS & set(facts.running):
+        return f"patrols: nothing seen for {facts.unseen:.0f} s"
+    return f"runs {' and '.join(facts.running)}" if facts.running else "does nothing: no behaviour runs"
+
+
+def _avoiding(facts: Facts) -> str:
+    """Return what a robot does in place of what it wanted."""
+    (wx, wy), (x, y) = facts.wish, facts.command
+    wanted, told = hypot(wx, wy), hypot(x, y)
+    before = atan2(wy, wx) if wanted > SLOW else facts.heading
+    turn = atan2(y, x) - before
+    turn -= tau * round(turn / tau)
+    if told < SLOW:
+        return "stops"
+    if abs(turn) > STRAIGHT:
+        return "turns left" if turn > 0.0 else "turns right"
+    return "slows down" if told < wanted - SLOW else "keeps away"

@@ -1,0 +1,65 @@
+"""The one table of a comparison: strategies by what is compared, the lowest first, with points and intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from train.analysis.intervals import Interval
+from train.analysis.verdict import LOG_FROM, Ranking, amount, interval_words
+from train.reports.text_table import EMPTY_CELL, POINT, Grid
+
+LETTERS = 20
+"""Width of a drawn cell."""
+
+
+def ranking_table(
+    title: str, ranking: Ranking, what: str, columns: Mapping[str, Mapping[str, str]], notes: Sequence[str] = ()
+) -> Grid:
+    """Return the table of a ranking.
+
+    Args:
+        title: its title.
+        ranking: what is compared.
+        what: head of the column of means, with the unit.
+        columns: head of a further column -> label -> cell.
+        notes: lines below the table.
+
+    """
+    best = ranking.labels[0]
+    known = [end for mean in ranking.means.values() for end in (mean.value, *(mean.ci95 or ()))]
+    least, most = min(mean.value for mean in ranking.means.values()), max(known)
+    logarithmic = least > 0.0 and most > LOG_FROM * least
+    low = min((end for end in known if end > 0.0), default=0.0) if logarithmic else min(0.0, *known)
+    rows = []
+    for label, mean in ranking.means.items():
+        ratio, ends = ranking.ratio(label, best).ratio, None if label == best else ranking.interval(label, best)
+        again = EMPTY_CELL if ratio is None else f"{ratio:.2f}{interval_words(ends, '{:.2f}'.format)}"
+        drawn = strip(mean.value, mean.ci95, (low, most), logarithmic)
+        cells = (f"{amount(mean.value)}{interval_words(mean.ci95, amount)}", drawn, again)
+        rows.append((label, *cells, *(column.get(label, "") for column in columns.values())))
+    scale = f"{amount(low)} to {amount(most)}{', logarithmic' * logarithmic}"
+    heads = ("strategy", f"{what} [95 %]", scale, "times the first [95 %]", *columns)
+    alone = ranking.scenarios == 1 or len(rows) == 1
+    line = "times the first: ratio of means; its intervals contain the truth for all pairs at once in 95 of 100 tables"
+    return Grid(title, heads, rows, notes=(*([] if alone else [line]), *notes))
+
+
+def strip(value: float, ends: Interval | None, axis: Interval, logarithmic: bool) -> str:
+    """Return a point and its interval on an axis, in letters.
+
+    >>> strip(5.0, (2.5, 7.5), (0.0, 10.0), False)
+    '·····├────●───┤·····'
+
+    """
+    low, high = axis
+    spread = np.array([value, *(ends or (value, value))]).clip(low, high)
+    if logarithmic:
+        spread, low, high = np.log(spread), np.log(low), np.log(high)
+    shares = (spread - low) / (high - low) if high > low else np.zeros(3)
+    point, first, last = (int(place) for place in (shares * (LETTERS - 1)).round())
+    letters = ["·"] * LETTERS
+    letters[first : last + 1] = ["├", *"─" * (last - first - 1), "┤"][: last - first + 1]
+    letters[point] = POINT
+    return "".join(letters)
