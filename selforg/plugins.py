@@ -137,7 +137,8 @@ def told_in_a_line(place: str) -> Iterator[None]:
             frames.append((error.filename or "", error.lineno))
         own = tuple(map(str, _own_files(place)))
         where = [f"{file}:{line}" for file, line in frames if own and file.startswith(own)]
-        raise PluginError(f"{[place, *where][-1]}: {type(error).__name__}: {' '.join(str(error).split())}") from error
+        kind = "" if isinstance(error, ModuleNotFoundError) else f"{type(error).__name__}: "
+        raise PluginError(f"{[place, *where][-1]}: {kind}{' '.join(str(error).split())}") from error
 
 
 @contextmanager

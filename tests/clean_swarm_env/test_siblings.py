@@ -66,9 +66,10 @@ def test_the_users_own_modules_stay_importable(folder):
 
 
 def test_the_command_line_as_a_module_and_as_the_installed_script(folder):
-    script = "import sys; sys.argv[1:] = ['list']; from clean_swarm_env.__main__ import command_line; command_line()"
-    for words in (("-m", "clean_swarm_env", "list"), ("-c", script)):
-        assert "\npatrol:" in python(folder, *words)
+    named = "import sys; sys.argv[1:] = ['list', 'experiments']"
+    script = f"{named}; from clean_swarm_env.__main__ import command_line; command_line()"
+    for words in (("-m", "clean_swarm_env", "list", "experiments"), ("-c", script)):
+        assert "\npatrol " in python(folder, *words)
 
 
 def test_worker_processes_of_a_script(folder):
@@ -81,7 +82,7 @@ def test_the_installed_wheel(folder, wheel, tmp_path_factory):
     site = tmp_path_factory.mktemp("site")
     zipfile.ZipFile(wheel).extractall(site)
     assert python(folder, "-c", IMPORT, packages=site) == "agents 5\n"
-    assert "\npatrol:" in python(folder, "-m", "clean_swarm_env", "list", packages=site)
+    assert "\npatrol " in python(folder, "-m", "clean_swarm_env", "list", "experiments", packages=site)
 
 
 def test_a_module_of_the_users_that_was_imported_before_is_named(folder):

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from clean_swarm_env.config.tasks import task_stories
 from clean_swarm_env.config.types import ConfigurationError
@@ -67,10 +66,10 @@ def list_command(
     directories = tuple(configs or ())
     shown = {name: names_of(name, directories) for name in ((kind,) if kind else LINES)}
     rows = list(shown[kind].items()) if kind else [(name, (str(len(own)), LINES[name])) for name, own in shown.items()]
-    table = Table.grid(padding=(0, 2))
+    widths = [max(map(len, column)) for column in zip(*((name, *cells) for name, cells in rows), strict=True)]
     for name, cells in rows:
-        table.add_row(plain(name), *(plain(cell) for cell in cells))
-    wide_console().print(table)
+        padded = [plain(cell).ljust(width) for cell, width in zip((name, *cells), widths, strict=True)]
+        wide_console().print("  ".join(padded).rstrip(), soft_wrap=True)
     wide_console().print(f"\n{LINES[kind]}" if kind else "\nclean-swarm list KIND shows the names of one kind")
 
 

@@ -57,7 +57,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
 
     """
 
-    story = "robots find garbage, carry it to the recycling station and the leftovers to the dump, and keep clear"
+    story = "robots find garbage, carry it to the station and leftovers to the dump, and keep clear of each other"
     baseline = ""
     changes = priced = True
     best_score = 1.0  # the share of the time limit that is left

@@ -219,7 +219,7 @@ def test_a_task_of_a_users_own_runs_and_is_evaluated_recorded_and_replayed(tmp_p
     done = own("--import", EXAMPLE, "replay", "r", "--html", "page.html", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "page.html").stat().st_size > 10_000
-    assert "Shepherding  12 robots" in own("list", "tasks", "--import", EXAMPLE, cwd=tmp_path).stdout
+    assert re.search("(?m)^Shepherding +12 robots", own("list", "tasks", "--import", EXAMPLE, cwd=tmp_path).stdout)
 
 
 def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_path):

@@ -1,5 +1,7 @@
 """Learners and deciders choose for the goal that is named, wherever it stands in the robot's document."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError
 from train.deciders.decided_goal import DecidedGoal, named_goal, option_named
 from train.deciders.named import decider_named
@@ -83,6 +86,8 @@ def test_what_is_thought_of_combinations_is_recorded_for_each_goal(batch, monkey
     thought = {}
 
     class Recorder:
+        settings = RecordSettings(Path("recordings"))
+
         def think(self, goal, values):
             thought[goal] = values
 

@@ -61,8 +61,9 @@ def test_an_option_that_costs_much_is_not_taken(tmp_path):
     assert excess["look-ahead"] < 0.5 * excess["fixed:Far"]
     assert excess["look-ahead"] < 1.5 * excess["fixed:PredictiveSteering"]
     assert [row[1] for row in grid.rows] == ["0%"] * len(grid.rows)  # unfinished
-    note, few = grid.notes
+    note, excess_note, few = grid.notes
     assert "no statement" in few
+    assert excess_note.startswith("excess: ")
     assert note.startswith("taken by the look-ahead: PredictiveSteering")
 
 

@@ -227,7 +227,7 @@ def test_mistakes_are_one_line_and_nothing_is_written(run, tmp_path, words, line
 def test_an_experiment_begins_with_the_store_but_for_the_scores_of_its_conditions(run, fake_missions, tmp_path):
     tell("s.sqlite", {FAR: [0.1] * ENOUGH, GRADIENT: [0.2] * ENOUGH, NEAR: [0.9] * ENOUGH}, "mission hall")
     words = ("evaluate", "chosen", "--workers", 1, "--store", "s.sqlite")
-    code, out, _ = run(*words, "--condition", "by score", "--output", "only")
+    code, out, _ = run(*words, "--condition", "by score", "--output", "only", "--all")
     assert code == 0
     assert "known at the beginning in the context 'mission hall'" in out
     assert "0.9000 [0.9000, 0.9000]" in (tmp_path / "only/table.md").read_text()

@@ -43,7 +43,7 @@ def test_gathered_shares_are_one_run(run, tmp_path, count):
         assert code == 0, err
         assert "clean-swarm gather shares" in out
     for _ in range(2):  # gathering twice changes nothing
-        code, out, err = run("gather", "shares")
+        code, out, err = run("gather", "shares", "--all")
         assert code == 0, err
         assert "ratios of means" in out
         assert results(tmp_path / "shares") == results(tmp_path / "whole")
@@ -164,7 +164,7 @@ def test_shares_that_begin_with_what_a_store_knows_are_one_run(run, tmp_path):
         assert run(*given, "shares", "--share", f"{number}/2")[0] == 0
     assert run(*given, "whole")[0] == 0
     (tmp_path / "s.sqlite").unlink()
-    code, out, err = run("gather", "shares")
+    code, out, err = run("gather", "shares", "--all")
     assert code == 0, err
     assert "known at the beginning" in out
     assert results(tmp_path / "shares") == results(tmp_path / "whole")
