@@ -1,6 +1,7 @@
-"""How often robots of the claimed learner take each option, by family and by what they are not told.
+"""How often robots of the claimed learner take each option, by family and by the state of the world.
 
-A fixed choice with one switch would show as two rows of single options. Only decisions count whose behaviour then ran.
+No robot sees that state: where garbage falls, and whether collisions are harmless. A fixed choice with one switch would
+show as two rows of single options. Only decisions count whose behaviour then ran.
 """
 
 from collections import Counter, defaultdict
@@ -60,7 +61,7 @@ def _count(evaluation: FamilyEvaluation, scenario: Scenario, found: dict[tuple[s
 
 
 def _case(batch: Batch) -> str:
-    """Return what robots of the first world are not told."""
+    """Return the state of the first world: where garbage falls, and whether collisions are harmless."""
     cleaning = cleaning_of(batch.worlds.task)
     where = "at spots" if cleaning.agendas.at_spots[0] else "anywhere"
     return where + (", harmless" if cleaning.consequences.harmless[0] else "")

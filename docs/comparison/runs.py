@@ -1,10 +1,11 @@
 """The races, trainings and evaluations of a comparison. What its directory holds already is kept."""
 
 import json
+import os
 import re
-import resource
 import subprocess
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,8 @@ from train.learning.config import TrainingConfig
 from train.request import Request
 
 CPU_TIMES = "cpu_s.json"
+AT_ONCE = 2
+"""Trainings that run at the same time, each in a process of its own."""
 SHUFFLED = "shuffled"
 TOLD = "told"
 """Label of a machine that sees what no robot can know."""
@@ -49,7 +52,7 @@ def make(manifest: Manifest, folder: Path) -> None:
     for family in manifest.families:
         _race(folder, manifest, family)
     learners = {**manifest.learners, **_ablated(folder, manifest)}
-    words = {label: _trained(folder, label, learner) for label, learner in learners.items()}
+    words = _trained(folder, learners)
     for family in manifest.families:
         best = raced(manifest, folder, family)
         others = [f"{FIXED}:{options}" for options in dict.fromkeys((best.best, *best.told.values()))]
@@ -85,10 +88,13 @@ def raced(manifest: Manifest, folder: Path, family: str) -> Raced:
 
 def run(*words: object) -> float:
     """Run `clean-swarm` with `words`; return its CPU time [s]."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([*CLEAN_SWARM, *map(str, words)], cwd=ROOT, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    command = [*CLEAN_SWARM, *map(str, words)]
+    process = subprocess.Popen(command, cwd=ROOT)
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise subprocess.CalledProcessError(process.returncode, command)
+    return used.ru_utime + used.ru_stime
 
 
 def _race_folder(folder: Path, family: str) -> Path:
@@ -113,20 +119,37 @@ def _race(folder: Path, manifest: Manifest, family: str) -> None:
         run("study", "headroom", family, "--kinds", *goal, *sizes, "--output", output, "--resume")
 
 
-def _trained(folder: Path, label: str, learner: Learner) -> str:
-    """Do the trainings; return the strategy with all of them as members."""
-    kind = load_file("training", learner.training, TrainingConfig).learner
-    prefix, made = (MACHINE, "machine.yaml") if kind == "design" else (POLICY, "policy")
+def _trained(folder: Path, learners: Mapping[str, Learner]) -> dict[str, str]:
+    """Do the trainings; return label -> strategy with all of its trainings as members."""
+    kinds = {label: load_file("training", one.training, TrainingConfig).learner for label, one in learners.items()}
+    made = {label: "machine.yaml" if kind == "design" else "policy" for label, kind in kinds.items()}
+    outputs = {label: [folder / f"{label}-{seed}" for seed in one.seeds] for label, one in learners.items()}
     times = folder / CPU_TIMES
-    members = []
-    for seed in learner.seeds:
-        output = folder / f"{label}-{seed}"
-        if not (output / made).exists():
-            took = run("train", kind, "--config", learner.training, "--seed", seed, "--output", output, "--resume")
-            known = json.loads(times.read_text(encoding="utf-8")) if times.exists() else {}
-            write_whole(times, json.dumps({**known, output.name: took}, indent=2).encode())
-        members.append(str(output / made))
-    return f"{prefix}:{'+'.join(members)}"
+
+    def train(label: str, seed: int, output: Path) -> tuple[str, float]:
+        words = ("--config", learners[label].training, "--seed", seed, "--output", output, "--resume")
+        return output.name, run("train", kinds[label], *words)
+
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        tasks = [
+            pool.submit(train, label, seed, output)
+            for label, one in learners.items()
+            for seed, output in zip(one.seeds, outputs[label], strict=True)
+            if not (output / made[label]).exists()
+        ]
+        try:
+            for task in as_completed(tasks):
+                name, took = task.result()
+                known = json.loads(times.read_text(encoding="utf-8")) if times.exists() else {}
+                write_whole(times, json.dumps({**known, name: took}, indent=2).encode())
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    prefixes = {label: MACHINE if kind == "design" else POLICY for label, kind in kinds.items()}
+    return {
+        label: f"{prefixes[label]}:{'+'.join(str(output / made[label]) for output in own)}"
+        for label, own in outputs.items()
+    }
 
 
 def _ablated(folder: Path, manifest: Manifest) -> dict[str, Learner]:

@@ -87,7 +87,7 @@ class Results:
         ]
         ways = [self._way(family) for family in gaining]
         if ways and np.mean(ways) < WAY:
-            lost.append(f"{np.mean(ways):.0%} of the way to a team that is told in the mean, {WAY:.0%} wanted")
+            lost.append(f"{np.mean(ways):.0%} of the way from the best options to a told team, {WAY:.0%} wanted (mean)")
         for rule in self._manifest.rules:
             better = [f for f in gaining if _ends(self.ratio(f, claimed, rule))[1] < 1.0]
             if 2 * len(better) < len(gaining):

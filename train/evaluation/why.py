@@ -76,7 +76,7 @@ def facts_of(worlds: Worlds, step: RobotStep, unseen: float) -> Facts:
 
 
 def _target(worlds: Worlds, step: RobotStep, space: Torus) -> tuple[str, float] | None:
-    """Return where a robot wants to go by what it carries and sees, and how far the nearest such place is."""
+    """Return the kind of place that a robot wants to go to, and its distance to the nearest; None without one."""
     items, read = worlds.task.item_arrays(), step.network.readings
     if "garbage_seen" not in read:
         return None

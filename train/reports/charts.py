@@ -88,12 +88,19 @@ def label_of(name: str) -> str:
     return name if len(name) <= LONGEST_LABEL else f"{name[: LONGEST_LABEL - 3]}..."
 
 
+class _PlainNumbers(LogFormatter):
+    """Names the same ticks as its base class, in numbers without an exponent."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return f"{x:g}" if super().__call__(x, pos) else ""
+
+
 def log_scale(axes: Axes, name: str) -> None:
     """Make the axis x or y logarithmic, with plain numbers."""
     axes.set(**{f"{name}scale": "log"})
     axis: Axis = {"x": axes.xaxis, "y": axes.yaxis}[name]
     for choose in (axis.set_major_formatter, axis.set_minor_formatter):
-        choose(LogFormatter(minor_thresholds=(2.0, 0.8), labelOnlyBase=False))
+        choose(_PlainNumbers(minor_thresholds=(2.0, 0.8), labelOnlyBase=False))
 
 
 def fit_axis(axes: Axes, values: Floats, name: str = "x") -> None:

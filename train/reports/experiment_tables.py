@@ -24,6 +24,7 @@ TITLES = {
 }
 SHOWN = {"duration_s": "time s", "collision_samples_per_s": "coll/s"}
 """Metric of Table 1 -> head of its column."""
+POPULATION = "std: of the population."
 SUMMARIES: dict[str, Callable[[Floats], float]] = {
     "mean": lambda values: float(np.mean(values)),
     "median": lambda values: float(np.median(values)),
@@ -95,7 +96,7 @@ def table_1(report: Report) -> Grid:
     for completed, group in zip(report.figures.completed, groups, strict=True):
         done += [f"{completed.sum()}/{completed.size}", *[""] * (len(group) - 1)]
     title = f"{report.experiment.name}, seed {report.seed}"
-    return Grid(title, tuple(heads), rows, (*summary, done), _notes(report))
+    return Grid(title, tuple(heads), rows, (*summary, done), (*_notes(report), POPULATION))
 
 
 def ratios(report: Report) -> Grid:
@@ -172,7 +173,7 @@ def _notes(report: Report) -> tuple[str, ...]:
         return (f"cost: {mission.time_limit:g} s times the measure that is worst by its target.",)
     notes = [
         f"coll/s: pairs closer than {mission.collision_distances[0]:g} m, counted {mission.world.physics_rate:g} times"
-        " per second; std is that of the population."
+        " per second."
     ]
     if not report.figures.completed.all():
         notes.append(f"Missions that were not completed count with the time limit, {mission.time_limit:g} s.")

@@ -25,7 +25,7 @@ LOG, LOG_EVERY = "progress.log", 30.0
 
 
 class _TimeLeft(ProgressColumn):
-    """The time left by what was done since the command began, from the first result on."""
+    """The time that is left, estimated from the results of this command."""
 
     def render(self, task: Task) -> Text:
         return Text(time_left(task))

@@ -54,6 +54,11 @@ def study_tables(conclusion: Conclusion, space: StudySpace, importance: Importan
     return [_costs(conclusion), _comparison(conclusion), _values(conclusion, space, importance)]
 
 
+def ranking_of(conclusion: Conclusion) -> Ranking:
+    """Return the results and their yardsticks by cost."""
+    return Ranking.of({one.label: one.figures[COST] for one in (*conclusion.results, *conclusion.yardsticks)})
+
+
 def study_summary(
     conclusion: Conclusion, space: StudySpace, arms: Sequence[Arm], importance: Importances
 ) -> dict[str, Any]:
@@ -83,8 +88,7 @@ def trials_csv(arms: Sequence[Arm], space: StudySpace) -> str:
 def verdict_of(conclusion: Conclusion) -> list[str]:
     """Return what came out, in one to three sentences."""
     there = (*conclusion.results, *conclusion.yardsticks)
-    ranking = Ranking.of({one.label: one.figures[COST] for one in there})
-    left = {one.label: one.figures[UNFINISHED][None, :, None] for one in there}
+    ranking, left = ranking_of(conclusion), {one.label: one.figures[UNFINISHED][None, :, None] for one in there}
     beaten = {one.label: conclusion.marks(one) for one in conclusion.results}
     lost = [f"{label} is not shown to beat {' and '.join(marks)}" for label, marks in beaten.items() if marks]
     shown = f"{'; '.join(lost)}." if lost else f"{', '.join(beaten)}: shown to beat {' and '.join(TO_BEAT)}."
@@ -98,14 +102,13 @@ def _stated(stated: Stated, space: StudySpace) -> dict[str, Any]:
 
 
 def _costs(conclusion: Conclusion) -> Grid:
-    there = {stated.label: stated for stated in (*conclusion.results, *conclusion.yardsticks)}
     columns: dict[str, dict[str, str]] = {}
-    for label, stated in there.items():
+    for stated in (*conclusion.results, *conclusion.yardsticks):
         _, duration, events, avoiding, left = (stated.summaries[name].mean for name in FIGURES)
         cells = (share_cell(left), amount(duration), amount(events), share_cell(avoiding))
         for head, cell in zip(("unfinished", "duration s", "events", "avoiding"), cells, strict=True):
-            columns.setdefault(head, {})[label] = cell
-    ranking = Ranking.of({label: stated.figures[COST] for label, stated in there.items()})
+            columns.setdefault(head, {})[stated.label] = cell
+    ranking = ranking_of(conclusion)
     title = f"means over {ranking.scenarios} training scenarios that decided nothing"
     return ranking_table(title, ranking, "cost s", columns, ("avoiding: share of the time",))
 
