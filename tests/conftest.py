@@ -4,11 +4,17 @@ Hypothesis sets no limit of time for an example, because a loaded machine is not
 
 A suite started with Ctrl-C or hangups ignored (`nohup`, a background job of a shell) goes on ignoring them. The
 commands that its tests start do not: a signal with a handler here has its default in a program started from here.
+
+Plug-ins that a test names are forgotten after it: commands that later tests start would import them, too.
 """
 
+import os
 import signal
 
+import pytest
 from hypothesis import settings
+
+from selforg.plugins import NAMED
 
 settings.register_profile("no deadline", deadline=None)
 settings.load_profile("no deadline")
@@ -22,3 +28,9 @@ for name in ("SIGINT", "SIGHUP"):
     number = getattr(signal, name, None)  # not every system has all
     if number is not None and signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, ignore)
+
+
+@pytest.fixture(autouse=True)
+def no_plugins_of_other_tests():
+    """Name no plug-in when a test begins."""
+    os.environ.pop(NAMED, None)

@@ -123,7 +123,7 @@ def video_command(
 def report_command(
     directories: Annotated[
         list[Path],
-        typer.Argument(help="Directories of evaluations or of trainings: one, or two.", metavar="DIR [DIR2]"),
+        typer.Argument(help="One or two evaluations, or trainings: those of one name are seeds.", metavar="DIR ..."),
     ],
     output: Annotated[
         Path | None, typer.Option(help="Page to write, one that exists is replaced; DIR/report.html unless given.")
@@ -132,16 +132,21 @@ def report_command(
         bool,
         typer.Option("--replays", help="Write a page for each recorded run of an evaluation, and link it."),
     ] = False,
+    figure: Annotated[
+        Path | None, typer.Option(help="Write the learning curves of trainings to this file, .svg, .png or .pdf, too.")
+    ] = None,
 ) -> None:
     """Write results as one page without network: tables, distributions, differences, curves, selection, scenarios."""
     from selector.documents.writing import write_whole
     from train.replay.page_file import write_page
-    from train.report_page.page import report_of_results  # imports SciPy
+    from train.report_page.page import curves_of, report_of_results  # imports SciPy
     from train.report_page.results import results_in
+    from train.reports.charts import picture_of
 
-    if len(directories) > 2:
-        raise ConfigurationError(f"report: expected one or two directories, got {len(directories)}")
+    check_figure("--figure", figure)
     results = [results_in(directory) for directory in directories]
+    if figure is not None and results[0].records:
+        raise ConfigurationError("--figure: expected trainings, got an evaluation; `evaluate --figure` draws it")
     if replays and not results[0].records:
         raise ConfigurationError("--replays: expected an evaluation, got a training; `replay` shows one recording")
     page = output or directories[0] / "report.html"
@@ -156,6 +161,9 @@ def report_command(
             links[f"{about.get('scenario')}-{label}{about.get('condition')}"] = quote(f"{folder.name}/{path.name}")
     write_whole(page, report_of_results(results, links).encode())
     typer.echo(f"{page}: open it in a browser")
+    if figure is not None and (curves := curves_of(results)) is not None:
+        write_whole(figure, picture_of(curves, figure.suffix))
+        typer.echo(f"{figure}: the learning curves")
 
 
 RobotOrConfiguration = Annotated[

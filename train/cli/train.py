@@ -20,11 +20,12 @@ from train.cli.options import (
 
 if TYPE_CHECKING:
     from train.learning.training import Training, TrainingJob
+    from train.request import Request
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
 Config = Annotated[str, typer.Option(help="Name of a training, or path to its YAML file.", metavar="NAME|FILE")]
-ALONE = ("seed", "output", "resume", "record", "force", "configs")
+ALONE = ("seed", "output", "resume", "record", "figure", "force", "configs")
 """Options of trainings in one process."""
 
 
@@ -52,7 +53,7 @@ def bandit(config: Config, *, given: GivenOptions) -> None:
 
 
 @app.command()
-@asking("seed", "record", *KEEPING)
+@asking("seed", "record", "figure", *KEEPING)
 def es(config: Config = "es", *, given: GivenOptions) -> None:
     """Train a linear policy by evolution strategies on the costs of whole missions, and export it."""
     check_named(given.directories, training=config)
@@ -62,7 +63,7 @@ def es(config: Config = "es", *, given: GivenOptions) -> None:
 
 
 @app.command()
-@asking("seed", "record", *KEEPING)
+@asking("seed", "record", "figure", *KEEPING)
 def design(config: Config = "design", *, given: GivenOptions) -> None:
     """Design a finite state machine by iterated races on the costs of whole missions, and export it."""
     check_named(given.directories, training=config)
@@ -76,10 +77,22 @@ def _train(learner: str, config: str, given: GivenOptions, made: "Callable[[Trai
     from train.learning.session import run_training
 
     try:
-        code = run_training(learner, given.request(config), made, Console(highlight=False))
+        console, request = Console(highlight=False), given.request(config)
+        code = run_training(learner, request, made, console, lambda training: _conclude(training, request, console))
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
     raise typer.Exit(code)
+
+
+def _conclude(training: "Training", request: "Request", console: Console) -> None:
+    """Print what the training gained on its validation missions, and draw its curves where the user wants them."""
+    from train.reports.curves import Trained, draw_curves, verdict_of
+    from train.reports.text_table import write_figure
+
+    for line in verdict_of(training.validation) if training.validation is not None else ():
+        console.print(line, soft_wrap=True)
+    curves = Trained(training.config.name, training.history.entries, training.validation)
+    write_figure(draw_curves([curves]) if request.figure is not None else None, request, console)
 
 
 @asking("seed", "configs")

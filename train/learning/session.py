@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
 from train.learning.config import LEARNERS, TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
+from train.learning.yardstick import beside_yardstick
 from train.memory import Memory, as_plain
 from train.request import Request
 from train.running.commands import FINISHED, progress
@@ -29,7 +30,13 @@ TASKS_ELSEWHERE = 16
 """Tasks that missions of members are cut into if workers elsewhere do them."""
 
 
-def run_training(learner: str, request: Request, made: Callable[[TrainingJob], Training], console: Console) -> int:
+def run_training(
+    learner: str,
+    request: Request,
+    made: Callable[[TrainingJob], Training],
+    console: Console,
+    ended: Callable[[Training], None] = lambda _: None,
+) -> int:
     """Do or continue a training; return the exit code.
 
     Args:
@@ -37,6 +44,7 @@ def run_training(learner: str, request: Request, made: Callable[[TrainingJob], T
         request: the request of the user, whose name is that of a training.
         made: function that makes the training.
         console: prints the figures of each checkpoint.
+        ended: called with the training when it is finished.
 
     """
     config = load_training(request.name, learner, request.directories)
@@ -71,7 +79,7 @@ def run_training(learner: str, request: Request, made: Callable[[TrainingJob], T
                 while not training.finished:
                     training.advance()
                     _print(console, training.history.entries[-1])
-                    update(more=validated_cost(training.history.entries))
+                    update(more=beside_yardstick(training.validation) if training.validation else "")
         except ValueError:  # the configuration is wrong: nothing has been learned
             folder.discard()
             raise
@@ -81,15 +89,9 @@ def run_training(learner: str, request: Request, made: Callable[[TrainingJob], T
             if memory is not None:
                 memory.close()
         exported = training.export(shlex.join(folder.words))
+    ended(training)
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
     return FINISHED
-
-
-def validated_cost(entries: Sequence[Mapping[str, Any]]) -> str:
-    """Return in words what validation missions cost at the best checkpoint so far; empty before one was measured."""
-    best = [entry for entry in entries if entry["best"]]
-    costs = [value for name, value in best[-1].items() if name.endswith("/cost_s")] if best else []
-    return f"best so far {sum(costs) / len(costs):,.0f} s a mission on validation" if costs else ""
 
 
 def _memory(request: Request, config: TrainingConfig) -> Memory | None:

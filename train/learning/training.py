@@ -21,7 +21,6 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult
@@ -32,10 +31,20 @@ from train.deciders.decided_goal import AskedGoal, DecidedGoal
 from train.deciders.decider import DeciderMaker
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
+from train.learning.yardstick import (
+    VALIDATION_FILE,
+    Excesses,
+    Results,
+    Validation,
+    best_fixed,
+    excesses,
+    results_on,
+    validation_in,
+)
 from train.memory import Memory
 from train.running.engine import Round, in_turn
 from train.running.run_folder import RunFolder
-from train.running.trials import TrialSettings, run_trials
+from train.running.trials import TrialSettings
 
 LEAST_EXCESS = 0.01
 """Excess [s] that counts for less: it has to have a logarithm."""
@@ -46,16 +55,12 @@ def judged(result: MissionResult) -> float:
     return max(result.excess_s, LEAST_EXCESS)
 
 
-def measured(
-    scenarios: Mapping[str, Sequence[Scenario]], maker: DeciderMaker, settings: TrialSettings
-) -> dict[str, float]:
+def figures_of(results: Results) -> dict[str, float]:
     """Return means for each family: cost, excess, share of completed missions, duration [s], collision events [1/s]."""
     names = ("cost_s", "excess_s", "completed", "duration_s", "events_per_s")
     figures = {}
-    for family, some in scenarios.items():
-        record = settings.record and replace(settings.record, directory=settings.record.directory / family)
-        results = run_trials(some, maker, replace(settings, record=record))
-        rows = [(r.cost_s, judged(r), r.completed, r.duration_s, r.collision_events_per_s[0]) for r in results]
+    for family, own in results.items():
+        rows = [(r.cost_s, judged(r), r.completed, r.duration_s, r.collision_events_per_s[0]) for r in own]
         for name, values in zip(names, zip(*rows, strict=True), strict=True):
             figures[f"{family}/{name}"] = float(np.mean(values))
     return figures
@@ -182,6 +187,8 @@ class Training(ABC):
             action=job.config.action,
         )
         self.history = CheckpointHistory()
+        self.validation = validation_in(job.folder.path)
+        self._validated: Excesses = {}
 
     @property
     def decides(self) -> AskedGoal:
@@ -212,6 +219,7 @@ class Training(ABC):
         entry = {"checkpoint": number, "decisions": self.decisions, **learned}
         if self.history.note(entry, figures):
             self._keep_best()
+            self._keep_validation()
         self._save({**entry, **figures})
         self.write_history()
 
@@ -263,4 +271,17 @@ class Training(ABC):
         if record is not None:
             about = {"experiment": self.config.name, "condition": name}
             record = replace(record, directory=self.job.folder.path / record.directory / name, about=about)
-        return measured(self.curriculum.validation, self._decider_maker(), replace(self.trials, record=record))
+        results = results_on(self.curriculum.validation, self._decider_maker(), replace(self.trials, record=record))
+        self._validated = excesses(results)
+        return figures_of(results)
+
+    def _keep_validation(self) -> None:
+        """Write what the best checkpoint loses on validation beside the best fixed options."""
+        if self.validation is None:
+            start = self.config.ppo.start.values() if self.config.ppo is not None else ()
+            settings = TrialSettings(self.trials.goal, directories=self.job.directories)
+            held, beside = best_fixed(self.curriculum.validation, self.goal.problem, tuple(start), settings)
+        else:
+            held, beside = self.validation.held, self.validation.yardstick
+        self.validation = Validation(learned=self._validated, yardstick=beside, held=held)
+        self.job.folder.write(VALIDATION_FILE, self.validation.model_dump_json(indent=2) + "\n")

@@ -4,7 +4,7 @@ Shapes: C conditions, K scenarios, O options. A figure of a run that is missing 
 """
 
 from collections.abc import Sequence, Sized
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +14,6 @@ from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Flags, Floats, Ints
 from train.reports.charts import colour_of, draw_rows, fit_axis, label_of, log_scale, panels, svg
 
-COST = "/cost_s"
 WIDTH: Final = 9.2
 """Width of a chart [inch]."""
 FARTHEST_RATIO: Final = 1000.0
@@ -64,28 +63,6 @@ def profile(values: Floats, labels: Sequence[str]) -> str:
         log_scale(axes, "x")
         axes.set(xlim=(1.0, end), ylim=(0.0, 1.02), xlabel="cost as a factor of the lowest on that scenario")
         _add_key(axes, labels)
-        return svg(figure)
-
-
-def learning_curves(histories: Sequence[tuple[str, Sequence[dict[str, Any]]]]) -> str:
-    """Return the cost on validation scenarios over decisions, for each training and family; diamonds: best so far."""
-    curves: dict[str, list[tuple[float, float, bool]]] = {}
-    for name, history in histories:
-        for entry in history:
-            for key, value in entry.items():
-                if key.endswith(COST) and isinstance(value, int | float):
-                    label = f"{name}: {key.removesuffix(COST)}" if len(histories) > 1 else key.removesuffix(COST)
-                    at = float(entry.get("decisions", entry.get("checkpoint", 0)))
-                    curves.setdefault(label, []).append((at, float(value), bool(entry.get("best"))))
-    if not curves:
-        return ""
-    with panels(1, 1, (WIDTH, _height(3.4, curves))) as (figure, ((axes,),)):
-        for c, curve in enumerate(curves.values()):
-            places, costs, best = zip(*curve, strict=True)
-            axes.plot(places, costs, color=colour_of(c), marker="D", markevery=np.flatnonzero(best).tolist())
-        axes.set(xlabel="decisions", ylabel="cost on validation scenarios [s]")
-        axes.set_xlim(left=0.0)
-        _add_key(axes, list(curves))
         return svg(figure)
 
 

@@ -1,4 +1,4 @@
-"""The page of one or two directories of results, as HTML without scripts; a policy in it forbids every request."""
+"""The page of directories of results, as HTML without scripts; a policy in it forbids every request."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 from markdown_it import MarkdownIt
+from matplotlib.figure import Figure
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
@@ -20,12 +21,14 @@ from train.analysis.statistics import share_cell
 from train.report_page.charts import (
     differences,
     distributions,
-    learning_curves,
     profile,
     selection_by_situation,
     selection_over_time,
 )
 from train.report_page.results import SELECTION_CHANNELS, HeldResults
+from train.reports.charts import svg
+from train.reports.curves import EXPLAINED as EXPLAINED_CURVES
+from train.reports.curves import Trained, draw_curves, verdict_of
 from train.reports.text_table import markdown_table
 from train.running.runs import RunRecord
 
@@ -62,10 +65,12 @@ def report_of_results(results: Sequence[HeldResults], links: Mapping[str, str]) 
 
     """
     names = list(dict.fromkeys(held.name for held in results))
+    if len(results) > 2 and results[0].records:
+        raise ConfigurationError(f"report: expected one or two evaluations, got {len(results)}")
     if len(results) > 1 and all(held.records for held in results) and len(names) > 1:
         raise ConfigurationError(f"{results[1].path}: expected results of {names[0]} to compare, got {names[1]}")
     if len({bool(held.records) for held in results}) > 1:
-        raise ConfigurationError(f"{results[1].path}: expected two evaluations or two trainings, got one of each")
+        raise ConfigurationError(f"{results[1].path}: expected evaluations or trainings, got both")
     body = list(_evaluation(results, links) if results[0].records else _training(results))
     for held in results:
         content = escape(json.dumps(held.manifest, indent=2))
@@ -125,6 +130,11 @@ def _together(results: Sequence[HeldResults]) -> list[RunRecord]:
     ]
 
 
+def curves_of(results: Sequence[HeldResults]) -> Figure | None:
+    """Return the learning curves of trainings; None if nothing was measured."""
+    return draw_curves([Trained(held.name, held.history, held.validation) for held in results])
+
+
 def _selection(results: Sequence[HeldResults], command: str) -> Iterator[str]:
     yield "<h2>Selection</h2>"
     groups: dict[tuple[str, str, tuple[str, ...]], list[RecordedMission]] = {}
@@ -144,9 +154,13 @@ def _selection(results: Sequence[HeldResults], command: str) -> Iterator[str]:
 
 def _training(results: Sequence[HeldResults]) -> Iterator[str]:
     labels = [held.path.name if len(results) > 1 else held.name for held in results]
+    for label, held in zip(labels, results, strict=True):
+        said = verdict_of(held.validation) if held.validation is not None else []
+        before = f"{label}: " if len(results) > 1 and said else ""
+        yield f"<blockquote>{escape(before + ' '.join(said))}</blockquote>" if said else ""
     yield "<h2>Learning curves</h2>"
-    yield learning_curves([(label, held.history) for label, held in zip(labels, results, strict=True)])
-    yield _note("Diamonds are checkpoints that were the best so far; the last of them was exported.")
+    figure = curves_of(results)
+    yield svg(figure) + _note(EXPLAINED_CURVES) if figure is not None else _note("Nothing was validated.")
     for label, held in zip(labels, results, strict=True):
         columns = list(dict.fromkeys(name for entry in held.history for name in entry))
         rows = [[_cell(entry.get(name)) for name in columns] for entry in held.history]

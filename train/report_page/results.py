@@ -12,6 +12,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission, recordings_in
 from selector.documents.errors import shown
 from selector.documents.reading import json_value, read_text
+from train.learning.yardstick import Validation, validation_in
 from train.running.finished_runs import JOURNAL, natural_order, runs_of
 from train.running.needs import most_numbers
 from train.running.run_folder import RECORDINGS, read_manifest
@@ -34,6 +35,8 @@ class HeldResults:
     """Checkpoints of a training."""
     tables: str
     """The tables of the evaluation, as Markdown."""
+    validation: Validation | None
+    """What the best checkpoint of a training lost beside the best fixed options."""
     recordings: Sequence[RecordedMission]
     """Those of an evaluation, or of the last recorded checkpoint of a training."""
 
@@ -67,7 +70,7 @@ def results_in(path: Path) -> HeldResults:
     checkpoints = sorted((path / RECORDINGS).glob("checkpoint-*"), key=lambda folder: natural_order(folder.name))
     folder = checkpoints[-1] if checkpoints else path / RECORDINGS
     recordings = list(recordings_in(folder, (*SELECTION_CHANNELS, "held/"), most_numbers()))
-    return HeldResults(path, manifest, records, history, tables, recordings)
+    return HeldResults(path, manifest, records, history, tables, validation_in(path), recordings)
 
 
 def _history(path: Path) -> list[dict[str, Any]]:

@@ -73,7 +73,8 @@ def svg(figure: Figure) -> str:
     """Return a figure as an element of a page, in the colours of its text and background; equal for equal figures."""
     image = StringIO()
     unsaid = dict.fromkeys(("Date", "Creator", "Format", "Type"))
-    figure.savefig(image, format="svg", transparent=True, metadata=unsaid)
+    with mpl.rc_context(STYLE):
+        figure.savefig(image, format="svg", transparent=True, metadata=unsaid)
     text = image.getvalue()
     return text[text.index("<svg") :].replace(TEXT_COLOUR, "currentColor")
 

@@ -110,7 +110,7 @@ def test_a_coordinator_may_have_conditions_and_a_priority_of_its_own(coordinator
         ),
         (
             behaviour("Rest", preconditions=[{"sensor": "at_dump", "activator": {"type": "Bolean"}}]),
-            "behaviours.Rest.preconditions.0.Condition.activator: ",
+            "behaviours.Rest.preconditions.0.Condition.activator.type: ",
         ),
         (changed("parameters", "idle", to=1.0), "parameters.idle: nothing in the configuration uses $idle"),
     ],

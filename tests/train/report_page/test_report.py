@@ -29,8 +29,8 @@ FAMILY = {
 }
 CONDITIONS = ("fixed:RepulsionGradient", "Random")
 HISTORY = [
-    {"checkpoint": 1, "decisions": 100, "crowded/cost_s": 50.0, "score": 4.0, "best": True},
-    {"checkpoint": 2, "decisions": 200, "crowded/cost_s": 40.5, "score": None, "best": True},
+    {"checkpoint": 1, "decisions": 100, "crowded/excess_s": 50.0, "score": 4.0, "best": True},
+    {"checkpoint": 2, "decisions": 200, "crowded/excess_s": 40.5, "score": None, "best": True},
 ]
 
 
@@ -126,7 +126,7 @@ def test_a_training_has_its_curves_and_checkpoints(results, tmp_path, capsys):
         (folder / "history.jsonl").write_text("".join(json.dumps(entry) + "\n" for entry in HISTORY))
     assert run("report", tmp_path / "first") == 0
     text = Text((tmp_path / "first" / "report.html").read_text())
-    assert {"crowded", "cost on validation scenarios [s]"} <= set(text.found["text"])
+    assert {"crowded", "excess on validation [s]"} <= set(text.found["text"])
     assert {"200", "40.5"} <= set(text.found["td"])
     assert "No run was recorded: train with --record, and make the report again." in text.found["p"]
     for number in (2, 10):
@@ -139,7 +139,34 @@ def test_a_training_has_its_curves_and_checkpoints(results, tmp_path, capsys):
     assert "--replays: expected an evaluation, got a training" in capsys.readouterr().err
     assert run("report", tmp_path / "first", tmp_path / "second", "--output", tmp_path / "both.html") == 0
     text = Text((tmp_path / "both.html").read_text())
-    assert {"first: crowded", "second: crowded"} <= set(text.found["text"])
+    assert "mine, 2 seeds" in text.found["text"]
+
+
+def test_trainings_stand_beside_the_best_fixed_options(tmp_path, capsys):
+    lost = {
+        "learned": {"crowded": [30.0 + k for k in range(31)]},
+        "yardstick": {"crowded": [60.0 + k for k in range(31)]},
+    }
+    for number in (1, 2, 3):
+        folder = tmp_path / f"seed{number}"
+        folder.mkdir()
+        (folder / "manifest.json").write_text(json.dumps({"identity": {"configuration": {"name": "mine"}}}))
+        entries = [entry | {"crowded/excess_s": entry["crowded/excess_s"] + number} for entry in HISTORY]
+        (folder / "history.jsonl").write_text("".join(json.dumps(entry) + "\n" for entry in entries))
+        (folder / "validation.json").write_text(json.dumps({**lost, "held": "ORCA"}))
+    folders = [tmp_path / f"seed{number}" for number in (1, 2, 3)]
+    assert run("report", *folders, "--figure", tmp_path / "curves.svg") == 0
+    page = (folders[0] / "report.html").read_text()
+    assert "seed2: Validation on 31 scenarios of crowded" in page
+    assert "the best checkpoint costs least: 45 s a mission" in page
+    curves = (tmp_path / "curves.svg").read_text()
+    assert "mine, 3 seeds" in curves
+    assert "fixed: ORCA" in curves
+    for damaged in ("{}", '{"learned": {"crowded": []}, "yardstick": {"crowded": [1]}, "held": "ORCA"}', "[" * 100_000):
+        (folders[1] / "validation.json").write_text(damaged)
+        assert run("report", *folders) == 2
+        (line,) = capsys.readouterr().err.strip().splitlines()
+        assert "validation.json: " in line
 
 
 @pytest.mark.parametrize(
@@ -173,7 +200,7 @@ def test_damaged_foreign_and_unlike_results_are_one_line(results, tmp_path, caps
         ((broken,), f"{recording}: expected a recording of version 1, got version 9"),
         ((results, other), f"{other}: expected results of small to compare, got large"),
         ((cut,), f"{cut / 'runs.jsonl'}: line 1: expected a finished run"),
-        ((results, results, results), "report: expected one or two directories, got 3"),
+        ((results, results, results), "report: expected one or two evaluations, got 3"),
     ):
         assert run("report", *words, "--output", tmp_path / "page.html") == 2
         error = capsys.readouterr().err

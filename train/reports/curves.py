@@ -1,0 +1,122 @@
+"""Learning curves: what the validation missions of trainings lose over decisions, beside the best fixed options.
+
+Shapes: S trainings that are alike but for their seeds, T checkpoints at which all of them were measured.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from selforg.arrays import Floats
+from train.analysis.statistics import summarise
+from train.analysis.verdict import Ranking
+from train.learning.yardstick import Validation
+from train.reports.charts import TEXT_COLOUR, colour_of, fit_axis, label_of, panels
+
+EXCESS = "/excess_s"
+COLUMNS, WIDTH, HEIGHT = 3, 3.6, 2.7
+"""Most panels side by side, and the size of each [inch]."""
+EXPLAINED = (
+    "Diamonds: the best checkpoint so far. Bands: 95 % intervals of the mean of several trainings, by Student. Dashed: "
+    "the fixed options that are best on the same missions."
+)
+
+
+@dataclass(frozen=True)
+class Trained:
+    """What is known of one training."""
+
+    name: str
+    """Name; trainings of one name differ in their seeds only."""
+    history: Sequence[Mapping[str, Any]]
+    """Figures of its checkpoints."""
+    validation: Validation | None = None
+    """Its validation beside the best fixed options."""
+
+
+def verdict_of(validation: Validation) -> list[str]:
+    """Return what a training gained on its validation missions, in a few sentences."""
+    families = list(validation.learned)
+    pooled = {
+        "the best checkpoint": np.concatenate([validation.learned[name] for name in families]),
+        validation.held: np.concatenate([validation.yardstick[name] for name in families]),
+    }
+    ranking = Ranking.of(pooled)
+    where = f"Validation on {ranking.scenarios} scenarios of {', '.join(families)}, beyond the time until items arrive:"
+    return [f"{where} {' '.join(ranking.sentences())}", "They chose the checkpoint: judge it on others, by `evaluate`."]
+
+
+def draw_curves(trainings: Sequence[Trained]) -> Figure | None:
+    """Return a panel for each family; None if nothing was measured."""
+    measured = [key for one in trainings for entry in one.history for key in entry if key.endswith(EXCESS)]
+    families = list(dict.fromkeys(key.removesuffix(EXCESS) for key in measured))
+    groups: dict[str, list[Trained]] = {}
+    for one in trainings:
+        groups.setdefault(one.name, []).append(one)
+    if not families:
+        return None
+    columns = min(COLUMNS, len(families))
+    rows = -(-len(families) // columns)
+    with panels(rows, columns, (max(WIDTH * columns, 2 * WIDTH), HEIGHT * rows + 0.5), heights=[1.0] * rows) as drawn:
+        figure, axes = drawn
+        for place, one in enumerate(axes.flat):
+            one.set_visible(place < len(families))
+        for family, one in zip(families, axes.flat, strict=False):
+            _draw_family(one, family, groups)
+        for row in axes:
+            row[0].set_ylabel("excess on validation [s]")
+        figure.legend(*_key(axes.flat), loc="outside lower center", ncols=3, frameon=False)
+        return figure
+
+
+def _draw_family(axes: Axes, family: str, groups: Mapping[str, Sequence[Trained]]) -> None:
+    """Draw the curves of all trainings on one family."""
+    seen = []
+    for place, (name, group) in enumerate(groups.items()):
+        curves = [curve for one in group if len(curve := _points(one, family)[0])]
+        for one, curve in zip(group, curves, strict=False):
+            best = np.flatnonzero(_points(one, family)[1]).tolist()
+            alone = {"lw": 1.5, "label": label_of(name)} if len(curves) == 1 else {"lw": 0.6, "alpha": 0.5}
+            axes.plot(*curve.T, color=colour_of(place), marker="D", markersize=4, markevery=best, **alone)
+            seen.append(curve[:, 1])
+        if len(curves) > 1:
+            _draw_mean(axes, np.stack([curve[: min(map(len, curves))] for curve in curves]), place, label_of(name))
+    held = {one.validation.held: one.validation for group in groups.values() for one in group if one.validation}
+    for label, validation in held.items():
+        if family in validation.yardstick:
+            level = float(np.mean(validation.yardstick[family]))
+            axes.axhline(level, color=TEXT_COLOUR, linestyle="--", linewidth=1.0, label=f"fixed: {label_of(label)}")
+            seen.append(np.array([level]))
+    axes.set(title=family, xlabel="decisions")
+    axes.set_xlim(left=0.0)
+    axes.ticklabel_format(axis="x", style="plain")
+    axes.locator_params(axis="x", nbins=4)
+    fit_axis(axes, np.concatenate(seen), "y")
+
+
+def _draw_mean(axes: Axes, curves: Floats, place: int, label: str) -> None:
+    """Draw the mean of `curves` (S, T, 2) and its interval."""
+    along = curves[:, :, 0].mean(axis=0)
+    means = [summarise(values) for values in curves[:, :, 1].T]
+    axes.plot(along, [one.mean for one in means], color=colour_of(place), lw=2.0, label=f"{label}, {len(curves)} seeds")
+    low, high = np.array([one.ci95 or (one.mean, one.mean) for one in means]).T
+    axes.fill_between(along, low, high, color=colour_of(place), alpha=0.2, linewidth=0.0)
+
+
+def _points(one: Trained, family: str) -> tuple[Floats, list[bool]]:
+    """Return decisions and excess (T, 2) of the measured checkpoints, and which were the best so far."""
+    entries = [entry for entry in one.history if isinstance(entry.get(family + EXCESS), int | float)]
+    points = [(float(entry.get("decisions", 0)), float(entry[family + EXCESS])) for entry in entries]
+    return np.array(points).reshape(-1, 2), [bool(entry.get("best")) for entry in entries]
+
+
+def _key(axes: Sequence[Axes]) -> tuple[list[Any], list[str]]:
+    """Return the lines of all panels and their labels, each label once."""
+    found = {label: line for one in axes for line, label in zip(*one.get_legend_handles_labels(), strict=True)}
+    return list(found.values()), list(found)
