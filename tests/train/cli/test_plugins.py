@@ -143,9 +143,7 @@ def test_a_file_of_a_plugin_has_a_name_of_its_own(installed):
 
 
 def test_words_that_are_no_plugin_are_one_line(site):
-    assert "no_swarm: No module named 'no_swarm'" in refused(
-        run(site, "list", "--import=no_swarm")
-    )
+    assert "no_swarm: No module named 'no_swarm'" in refused(run(site, "list", "--import=no_swarm"))
     assert "--import: expected a module, or a file of Python code" in refused(run(site, "list", "--import"))
 
 
