@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from clean_swarm_env.config.delivery import EVERYWHERE
 from clean_swarm_env.config.types import ArrivalRate, Index, Items, Point, Pose, Robots, Spots
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Positive, Share
+from selector.documents.fields import Closed, Name, Positive, Share
 
 
 class At(Closed):
@@ -28,6 +28,8 @@ class Join(At):
     """What happens."""
     robots: Robots = 1
     """Number of robots that join."""
+    model: Name | Literal[""] = ""
+    """Model of these robots, by its name; empty: the first of the mission."""
     places: tuple[Pose, ...] = ()
     """x [m], y [m] and heading [rad] of the first robots; the others begin at random free places."""
 

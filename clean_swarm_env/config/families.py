@@ -138,6 +138,9 @@ class FamilyConfig(Closed):
             counts = {len(getattr(start, name)) for start in self.starts}
             if counts and counts != set(getattr(self, name)):
                 raise impossible(name, f"the numbers of the given starts, {sorted(counts)}", list(getattr(self, name)))
+        if self.mission.robots.groups and (set(self.robots) != {self.mission.robots.count} or self._draws_joins):
+            expected = f"{self.mission.robots.count}, as in the groups of the mission, and no joins drawn"
+            raise impossible("robots", expected, list(self.robots))
         self._check_scenarios()
         return self
 
@@ -189,7 +192,8 @@ class FamilyConfig(Closed):
 
     def _largest_on(self, size: Point) -> MissionConfig:
         task, _ = find_task(self.mission.task.name).draw_scenario(self, size, self._rows, np.random.default_rng(0))
-        return self._made(size, self._rows, task, [])
+        joining = [event.model_dump() for event in self.mission.events if isinstance(event, Join)]
+        return self._made(size, self._rows, task, joining if self.mission.robots.groups else [])
 
     @property
     def tori(self) -> tuple[tuple[float, float], ...]:
@@ -208,7 +212,7 @@ class FamilyConfig(Closed):
         base = self.mission
         parts: dict[str, dict[str, Any]] = {
             "world": {"width": size[0], "height": size[1]},
-            "robots": {"count": robots, "capacity": self._rows},
+            "robots": {"capacity": self._rows} | ({} if base.robots.groups else {"count": robots}),
             "delivery": {"own_contents": base.own_contents or "deliver" in self.changes.kinds},
         }
         merged = {name: {**getattr(base, name).model_dump(), **change} for name, change in parts.items()}
@@ -217,8 +221,12 @@ class FamilyConfig(Closed):
         return validated(MissionConfig, whole, f"{robots} robots on {size[0]:g} m x {size[1]:g} m", own=True)
 
     @property
+    def _draws_joins(self) -> bool:
+        return "join" in self.changes.kinds
+
+    @property
     def _rows(self) -> int:
-        changes = self.changes.number[1] if "join" in self.changes.kinds else 0
+        changes = self.changes.number[1] if self._draws_joins else 0
         joining = sum(event.robots for event in self.mission.events if isinstance(event, Join))
         return max(self.robots[1] + changes + joining, self.mission.robots.capacity)
 

@@ -3,12 +3,13 @@
 Worlds of one batch share the task, the ground, the bodies, the network and the numbers of rows; events, delivery,
 prices, what the task says (`TaskKind.frame_settings`) and, on a torus, the time limit may differ. Rows that a
 mission does not use are absent, so that missions of different sizes share a frame when they state the same
-`robots.capacity` and, with cleaning, `task.garbage.capacity`.
+`robots.capacity` and, with cleaning, `task.garbage.capacity`. Groups of robots that differ are the same in all of them.
 """
 
 from collections.abc import Sequence
 
 from clean_swarm_env.config.delivery import EVERYWHERE
+from clean_swarm_env.config.events import Join
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import find_task
 
@@ -16,6 +17,7 @@ from clean_swarm_env.config.tasks import find_task
 def frame_of(mission: MissionConfig) -> MissionConfig:
     """Return the mission without the parts that may differ in a batch; missions with equal frames fit together."""
     robots = mission.robots.model_copy(update={"count": 1, "capacity": mission.rows})
+    joining = tuple(event for event in mission.events if isinstance(event, Join)) if robots.groups else ()
     ideal = {"reach": EVERYWHERE, "loss": 0.0, "own_contents": mission.own_contents}
     delivery = mission.delivery.model_copy(update=ideal)
     return mission.model_copy(
@@ -23,7 +25,7 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
             "name": "",
             "robots": robots,
             "task": find_task(mission.task.name).frame_settings(mission),
-            "events": (),
+            "events": joining,
             "time_limit": 1.0 if mission.world.ground == "torus" else mission.time_limit,
             "collision_cost": 0.0,
             "contact_cost": 0.0,

@@ -5,16 +5,16 @@ An impossible value raises an error with the key, the expected and the given val
 of the reference experiment (see `configs/missions`), with solid robots.
 """
 
-import math
 import sys
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_serializer, field_validator, model_validator
 
 from clean_swarm_env.config.delivery import DeliveryConfig
 from clean_swarm_env.config.events import Event, Join, SetDelivery, check_team
 from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.robots import RobotConfig, models_of_rows, of_each
 from clean_swarm_env.config.tasks import (
     CLEANING,
     ItemCounts,
@@ -23,48 +23,15 @@ from clean_swarm_env.config.tasks import (
     settings_from,
     with_task_defaults,
 )
-from clean_swarm_env.config.types import Index, Length, Point, Pose, Robots, Seconds
+from clean_swarm_env.config.types import Length, Point, Pose, Seconds
 from clean_swarm_env.config.world import WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, StoreName
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, StoreName
 from selector.knowledge import LearnedScores, learned_from
+from selforg.arrays import Floats, Ints
 
 SPARE = 2.0
 """Margin around the places that robots can reach on open land [m]."""
-
-
-class RobotConfig(Closed):
-    """Body, drive and pose gradient of each robot."""
-
-    count: Robots = 5
-    """Number of robots at the start."""
-    capacity: Index = 0
-    """Number of robots for which there is room in memory, over the whole mission; 0: as many as the events need."""
-    radius: Length = 0.25
-    """Radius of the disc [m]."""
-    drive: Literal["differential", "holonomic"] = "differential"
-    """Whether a robot turns into its direction, or moves in any direction at once."""
-    max_speed: Positive = 1.0
-    """Largest speed along the heading [m/s]."""
-    max_turn_rate: Positive = 2.0
-    """Largest turn rate [rad/s]."""
-    turn_gain: Positive = 2.0
-    """Turn rate commanded per radian of heading error [1/s]."""
-    turn_in_place_beyond: Annotated[float, Field(strict=True, gt=0.0, le=math.pi)] = 1.0471975511965976
-    """Heading error from which a robot turns without driving [rad]."""
-    command_timeout: Positive = 1.0
-    """Time without a drive command after which a robot stops [s]."""
-    pose_goal_radius: NonNegative = 0.5
-    """Goal radius of the repulsive gradient that each robot carries [m]."""
-    pose_diffusion: NonNegative = 1.0
-    """Diffusion of the repulsive gradient that each robot carries [m]."""
-    pose_noise: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=100.0)] = 0.0
-    """Standard deviation of each coordinate of where a robot takes itself to be, anew in each control period [m].
-
-    Its mechanisms begin at that place, and others see its pose there.
-    """
-    failed_pose: Literal["unseen", "seen"] = "unseen"
-    """Whether a robot that has failed still carries its gradient: others keep away from its body and its cargo."""
 
 
 class StartConfiguration(Closed):
@@ -110,7 +77,10 @@ class MissionConfig(Closed):
     contact_cost: NonNegative = 0.0
     """Price of each second in which a pair is closer than the first distance, in the cost of a mission [s/s]."""
     collision_distances: Annotated[tuple[Length, ...], Field(min_length=1, max_length=10)] = (0.55, 1.0)
-    """Centre distances below which a pair counts as colliding [m]; the first one is the one reported."""
+    """Centre distances below which a pair counts as colliding [m]; the first one is the one reported.
+
+    Of robots that differ in size they are those of the first model; others keep the same gap between bodies.
+    """
     decision_period: Seconds = 1.0
     """Time between two decisions of the selector [s]; a whole multiple of the control period."""
     knowledge: DocumentName = "cleaning"
@@ -161,12 +131,15 @@ class MissionConfig(Closed):
     def _check_room(self) -> None:
         """Raise an error if robots have no room."""
         world, robots = self.world, self.robots
-        fitting = robots_that_fit(world, robots.radius)
-        if world.contacts == "solid" and robots.count > fitting:
-            room = f"{world.width:g} m x {world.height:g} m"
-            expected = f"at most {fitting} solid robots of radius {robots.radius:g} m on {room}"
-            raise impossible("robots.count", expected, robots.count)
+        fitting = robots_that_fit(world, robots.mean_radius, robots.radius)
         room = f"on {world.width:g} m x {world.height:g} m"
+        if world.contacts == "solid" and robots.count > fitting:
+            expected = f"at most {fitting} solid robots of radius {robots.mean_radius:.3g} m {room}"
+            raise impossible("robots.count", expected, robots.count)
+        names = [model.model for model in robots.models]
+        for place, event in enumerate(self.events):
+            if isinstance(event, Join) and event.model and event.model not in names:
+                raise impossible(f"events.{place}.model", f"a model of the robots ({', '.join(names)})", event.model)
         check_team(self.events, robots.count, fitting if world.contacts == "solid" else sys.maxsize, room)
         if 0 < robots.capacity < self._robots_needed:
             expected = f"0 or at least {self._robots_needed}, the robots at the start and those that join"
@@ -191,6 +164,15 @@ class MissionConfig(Closed):
     def rows(self) -> int:
         """Number of robots of the whole mission for which a world has rows."""
         return self.robots.capacity or self._robots_needed
+
+    @property
+    def models(self) -> Ints:
+        """The number of the model of each robot (N,) of the whole mission, in `robots.models`."""
+        return models_of_rows(self.robots, self.events, self.rows)
+
+    def of_each(self, key: str) -> Floats:
+        """Return a setting of each robot (N,) of the whole mission; see `RobotModel`."""
+        return of_each(self.robots, self.models, key)
 
     @property
     def _robots_needed(self) -> int:

@@ -9,6 +9,7 @@ import zlib
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.robots import models_of_rows, of_each
 from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import validated
@@ -39,9 +40,9 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
         return StartConfiguration(id=name, robots=())
     for_robots, for_items = sequence.spawn(2)
     size = np.array([mission.world.width, mission.world.height])
-    apart = 2.0 * mission.robots.radius + START_GAP if mission.world.contacts == "solid" else 0.0
+    radii = mission.of_each("radius")[: mission.robots.count] if mission.world.contacts == "solid" else None
     rng = np.random.default_rng(for_robots)
-    positions = _positions_apart(mission.robots.count, size, apart, rng)
+    positions = _positions_apart(mission.robots.count, size, radii, rng)
     headings = rng.uniform(-np.pi, np.pi, size=(mission.robots.count, 1))
     items = kind.place_items(mission, np.random.default_rng(for_items))
     return StartConfiguration(
@@ -51,25 +52,39 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
     )
 
 
-def _positions_apart(count: int, size: Floats, apart: float, rng: np.random.Generator) -> Floats:
-    """Return (N, 2) uniform positions [m] on the torus `size` (2,) whose distances are at least `apart` [m]."""
+def _positions_apart(count: int, size: Floats, radii: Floats | None, rng: np.random.Generator) -> Floats:
+    """Return (N, 2) uniform positions [m] on the torus `size` (2,), with room for solid discs of `radii` (N,) [m]."""
     positions = np.empty((count, 2))
     for placed in range(count):
         for _ in range(START_TRIES):
             candidate = rng.uniform(size=2) * size
-            if nearest_distance(candidate, positions[:placed], size) >= apart:
+            if radii is None or has_room(candidate, radii[placed], positions[:placed], radii[:placed], size):
                 positions[placed] = candidate
                 break
         else:
-            expected = f"room for {count} robots {apart:g} m apart on {size[0]:g} m x {size[1]:g} m"
+            expected = f"room for {count} solid robots {START_GAP:g} m apart on {size[0]:g} m x {size[1]:g} m"
             raise ConfigurationError(f"robots.count: expected {expected}, got stuck after {placed} of them")
     return positions
 
 
+def has_room(point: Floats, radius: float, others: Floats, radii: Floats, size: Floats, gap: float = START_GAP) -> bool:
+    """Return whether a disc of a radius [m] at `point` (2,) is a `gap` [m] or more away from all others on the torus.
+
+    Their middles are `others` (K, 2) and their radii (K,) [m].
+    """
+    return bool((distances(point, others, size) >= radius + radii + gap).all())
+
+
+def distances(point: Floats, others: Floats, size: Floats) -> Floats:
+    """Return the distances (K,) [m] of `point` (2,) to `others` (K, 2) on the torus."""
+    offsets = Torus(float(size[0]), float(size[1])).offsets(point, others)
+    away: Floats = np.sqrt((offsets * offsets).sum(axis=1))
+    return away
+
+
 def nearest_distance(point: Floats, others: Floats, size: Floats) -> float:
     """Return the distance [m] of `point` (2,) to the nearest of `others` (N, 2) on the torus; infinite without any."""
-    offsets = Torus(float(size[0]), float(size[1])).offsets(point, others)
-    return float(np.sqrt((offsets * offsets).sum(axis=1)).min(initial=np.inf))
+    return float(distances(point, others, size).min(initial=np.inf))
 
 
 def run_seed(seed: int, scenario: str) -> int:
@@ -91,14 +106,24 @@ def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfi
             raise ConfigurationError(
                 f"scenario {start.id}: {what}.{row}: expected {expected}, got {points[row].tolist()}"
             )
+    if mission.robots.groups and len(robots) != mission.robots.count:
+        expected = f"{mission.robots.count}, as in the groups of the mission"
+        raise ConfigurationError(f"scenario {start.id}: robots: expected {expected}, got {len(robots)}")
     if mission.world.contacts == "solid":
-        for row in range(1, len(robots)):
-            distance = nearest_distance(robots[row, :2], robots[:row, :2], size)
-            if distance < 2.0 * mission.robots.radius:
-                expected = f"solid robots at least {2.0 * mission.robots.radius:g} m apart"
-                raise ConfigurationError(
-                    f"scenario {start.id}: robots.{row}: expected {expected}, got {distance:.3g} m"
-                )
+        _check_apart(mission, start.id, robots[:, :2], size)
     task = kind.with_items(mission, count=len(start.items))
-    parts = {"robots": {**mission.robots.model_dump(), "count": len(robots)}, "task": task.model_dump()}
+    count = {} if mission.robots.groups else {"count": len(robots)}
+    parts = {"robots": {**mission.robots.model_dump(), **count}, "task": task.model_dump()}
     return validated(MissionConfig, {**mission.model_dump(), **parts}, f"scenario {start.id}", own=True)
+
+
+def _check_apart(mission: MissionConfig, scenario: str, places: Floats, size: Floats) -> None:
+    """Raise ConfigurationError for the first of the solid robots at places (N, 2) [m] that lies in another."""
+    radii = of_each(mission.robots, models_of_rows(mission.robots, (), len(places)), "radius")
+    for row in range(1, len(places)):
+        others = places[:row]
+        if not has_room(places[row], radii[row], others, radii[:row], size, gap=0.0):
+            nearest = int((distances(places[row], others, size) - radii[:row]).argmin())
+            away = distances(places[row], others, size)[nearest]
+            expected = f"solid robots at least {radii[row] + radii[nearest]:g} m apart"
+            raise ConfigurationError(f"scenario {scenario}: robots.{row}: expected {expected}, got {away:.3g} m")

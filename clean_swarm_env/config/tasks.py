@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
+from clean_swarm_env.config.robots import RobotModel
 from clean_swarm_env.config.types import Point
 from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, Name
@@ -213,18 +214,28 @@ def with_task_defaults(content: Mapping[str, Any]) -> dict[str, Any]:
 def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return `base` with the values of `changes` in place of its own; mappings are merged.
 
-    Settings of a task are merged with those of the same task only.
+    Settings of a task are merged with those of the same task only; groups of robots replace what all robots were.
     """
     merged = dict(base)
     for key, value in changes.items():
         below = merged.get(key)
         if key == "task":
             merged[key] = _changed_task(below, value)
+        elif key == "robots":
+            merged[key] = _changed_robots(below, value)
         elif isinstance(below, Mapping) and isinstance(value, Mapping):
             merged[key] = with_changes(below, value)
         else:
             merged[key] = value
     return merged
+
+
+def _changed_robots(below: object, changes: object) -> object:
+    before = {"groups": below} if isinstance(below, list | tuple) else below
+    if not (isinstance(before, Mapping) and isinstance(changes, Mapping)):
+        return changes
+    replaced = RobotModel.model_fields.keys() if "groups" in changes else ()
+    return with_changes({key: value for key, value in before.items() if key not in replaced}, changes)
 
 
 def _changed_task(below: object, changes: object) -> object:

@@ -51,8 +51,11 @@ class WorldConfig(Closed):
         return round(self.physics_rate / self.control_rate)
 
 
-def robots_that_fit(world: WorldConfig, radius: float) -> int:
-    """Return the number of solid discs of `radius` [m] for which random placement finds room."""
-    if min(world.width, world.height) < 4.0 * radius:  # a disc would touch its own image across the seam
+def robots_that_fit(world: WorldConfig, radius: float, largest: float = 0.0) -> int:
+    """Return the number of solid discs of a mean `radius` [m] for which random placement finds room.
+
+    largest: radius of the largest of them [m], if they differ.
+    """
+    if min(world.width, world.height) < 4.0 * max(radius, largest):  # a disc would touch its own image across the seam
         return 0
     return int(MAX_COVERED_SHARE * world.width * world.height / (math.pi * radius**2))

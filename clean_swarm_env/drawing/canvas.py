@@ -52,7 +52,9 @@ class Canvas:
     height: float = 11.0  # [m]
     time: float = 0.0  # [s] since the start
     state: str = ""  # what there is to say of this moment
-    radius: float = 0.25  # [m] of a robot
+    radius: float | Floats = 0.25  # [m] of all robots, or (N,) of each
+    models: Ints | None = None  # (N,) numbers of the robots' models; None: all are alike
+    model_names: tuple[str, ...] = ()  # of these models
     cargo: Ints | None = None  # (N,) SEARCHING, GARBAGE or LEFTOVERS; None: all are searching
     numbers: Ints | None = None  # (N,) numbers of the robots; None: 0, 1 and so on
     working: Flags | None = None  # (N,) whether the robot is at work; None: all are

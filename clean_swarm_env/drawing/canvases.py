@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AliasPath, BaseModel, Field
+from pydantic import AliasChoices, AliasPath, BaseModel, Field
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
@@ -74,11 +74,30 @@ class DrawnThing(BaseModel):
     """Its number among the things that move; -1: it stays where it is."""
 
 
+class _Model(BaseModel):
+    """What a picture takes of a model of robots."""
+
+    model: str
+    radius: Positive
+    """[m]."""
+
+
 class _Shown(BaseModel):
     """What a picture takes from the head."""
 
-    radius: Annotated[Positive, Field(validation_alias=AliasPath("mission", "robots", "radius"))]
-    """Of the robots [m]."""
+    radius: Annotated[
+        Positive,
+        Field(
+            validation_alias=AliasChoices(
+                AliasPath("mission", "robots", "radius"), AliasPath("mission", "robots", "groups", 0, "radius")
+            )
+        ),
+    ]
+    """Of the robots, or of those of the first model [m]."""
+    groups: Annotated[tuple[_Model, ...], Field(validation_alias=AliasPath("mission", "robots", "groups"))] = ()
+    """The models of robots that differ."""
+    models: tuple[Annotated[int, Field(strict=True, ge=0)], ...] = ()
+    """(N,) number of each robot's model, if they differ."""
     stations: Annotated[StationsConfig, Field(validation_alias=AliasPath("mission", "task", "stations"))] = (
         StationsConfig()
     )
@@ -100,6 +119,11 @@ class RecordedCourse:
         head = recording.head
         self._recording = recording
         shown = self._shown = validated(_Shown, head, f"{recording.path}: head")
+        self._models = np.array(shown.models, dtype=np.int64)
+        self._radii = np.array([model.radius for model in shown.groups] or [shown.radius])
+        if shown.groups and (len(shown.models) != head["robots"] or self._models.max() >= len(shown.groups)):
+            expected = f"the model of each of {head['robots']} robots, below {len(shown.groups)}"
+            raise ConfigurationError(f"{recording.path}: head: models: expected {expected}, got {shown.models}")
         self._options = {goal: names for goal, names in head["options"].items() if f"{HELD}{goal}" in recording}
         self._things = shown.things or ()
         moving = 1 + max((thing.moves for thing in self._things), default=-1)
@@ -159,7 +183,9 @@ class RecordedCourse:
             height=self._extent[1],
             time=frame * self._recording.period,
             state=", ".join(filter(None, [str(head["about"].get("condition", "")), counted])),
-            radius=self._shown.radius,
+            radius=self._radii[self._models[there]] if len(self._models) else self._shown.radius,
+            models=self._models[there] if len(self._models) else None,
+            model_names=tuple(model.model for model in self._shown.groups),
             cargo=np.where(now["cargo"] == NOTHING, SEARCHING, loaded)[there],
             numbers=np.flatnonzero(there),
             working=now["working"][there] == 1,
@@ -194,6 +220,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
     corner, size = shown_part(worlds, worlds.physics.positions[rows])
     width, height = size.tolist()
     things = [DrawnThing.model_validate(thing) for thing in things_of(worlds, world)]
+    robots = worlds.mission.robots
     return Canvas(
         worlds.physics.positions[rows] - corner,
         worlds.physics.headings[rows].copy(),
@@ -201,7 +228,9 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
         height=height,
         time=float(worlds.ticks[world]) * worlds.period,
         state=worlds.task.headline(world),
-        radius=worlds.mission.robots.radius,
+        radius=worlds.world.of_each("radius")[rows] if robots.groups else robots.radius,
+        models=worlds.mission.models[rows - rows_of_world[0]] if robots.groups else None,
+        model_names=tuple(group.model for group in robots.groups),
         numbers=rows - rows_of_world[0],
         working=worlds.team.working[rows].astype(np.bool_),
         options=coordinator.model.options if coordinator else (),

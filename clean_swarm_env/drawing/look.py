@@ -51,6 +51,9 @@ class Appearance:
     """From the middle of a robot to that of its cargo."""
     cargo_half: float = 0.42
     """Half of the height of a carried item; leftovers are smaller by as much as on the floor."""
+    marks: tuple[str, ...] = ("", "square", "diamond", "disc")
+    """White shapes in the middle of robots by their model, where there are several; a fifth has none again."""
+    mark_half: float = 0.36
     letter_size: float = 11.0
     """Size of the robots' numbers and of the legend [pixels]."""
     most_numbered: int = 60
@@ -89,11 +92,14 @@ class Appearance:
 LOOK: Final = Appearance()
 
 
-def legend(options: Sequence[str], cleans: bool) -> list[Sign]:
-    """Return the entries of a legend: the options, and what else there is to see."""
+def legend(options: Sequence[str], cleans: bool, models: Sequence[str] = ()) -> list[Sign]:
+    """Return the entries of a legend: options, models of robots, and what else there is to see."""
     held = [Sign(name, OPTION_COLOURS[k % len(OPTION_COLOURS)]) for k, name in enumerate(options)]
+    marks = [LOOK.marks[k % len(LOOK.marks)] for k in range(len(models))]
+    marked = [Sign(name, LOOK.ink, mark or "disc", 0.2) for name, mark in zip(models, marks, strict=True) if mark]
     return [
         *held,
+        *marked,
         LOOK.failed,
         *((LOOK.item, LOOK.leftovers, *LOOK.stations) if cleans else LOOK.areas),
         LOOK.pheromones,

@@ -102,7 +102,7 @@ class _Picture:
         self._scale = (side - 2 * MARGIN) / max(canvas.width, canvas.height)
         self._across, self._up = (max(round(length * self._scale), 1) for length in (canvas.width, canvas.height))
         self.width = max(_even(self._across + 2 * MARGIN), _even(side / 2))
-        self._entries = legend(canvas.options, len(canvas.stations) > 0)
+        self._entries = legend(canvas.options, len(canvas.stations) > 0, canvas.model_names)
         self._column = max(_length(sign.word) for sign in self._entries) + 5 * KEY
         self._columns = max(int((self.width - 2 * MARGIN) // self._column), 1)
         self.height = _even(TITLE + self._up + ceil(len(self._entries) / self._columns) * ENTRY + MARGIN)
@@ -149,24 +149,29 @@ class _Picture:
     def _draw_robots(self) -> None:
         """Draw robots with fronts and cargo, and then their numbers, which nothing hides."""
         canvas = self._canvas
-        shown = list(self._places(canvas.positions, canvas.radius))
-        size = max(canvas.radius * self._scale, LEAST_ROBOT)
-        ahead = (size * np.stack([np.cos(canvas.headings), np.sin(canvas.headings)], axis=1)).tolist()
+        radii = np.broadcast_to(canvas.radius, len(canvas.positions))
+        shown = list(self._places(canvas.positions, float(radii.max(initial=0.0))))
+        sizes = np.maximum(radii * self._scale, LEAST_ROBOT)
+        ahead = (sizes[:, None] * np.stack([np.cos(canvas.headings), np.sin(canvas.headings)], axis=1)).tolist()
         for row, x, y in shown:
-            right, up = ahead[row]
+            (right, up), size = ahead[row], float(sizes[row])
             self._shape("disc", x, y, size, self._colour(row), LOOK.paper)
             front = LOOK.front_length * right, LOOK.front_length * up
             self._outline(OUTLINES["front"], Affine2D.from_values(front[0], front[1], -front[1], front[0], x, y), WHITE)
+            if canvas.models is not None and (mark := LOOK.marks[canvas.models[row] % len(LOOK.marks)]):
+                self._shape(mark, x, y, LOOK.mark_half * size, WHITE)
             if canvas.cargo is not None and canvas.cargo[row] != SEARCHING:
                 sign = LOOK.leftovers if canvas.cargo[row] == LEFTOVERS else LOOK.item
                 half = LOOK.cargo_half * size * sign.half / LOOK.item.half
                 self._sign(sign, x - LOOK.cargo_behind * right, y - LOOK.cargo_behind * up, half)
-        if self._numbers and len(canvas.positions) <= LOOK.most_numbered and size > LOOK.least_numbered:
+        large = sizes.min(initial=np.inf) > LOOK.least_numbered
+        if self._numbers and large and len(canvas.positions) <= LOOK.most_numbered:
             numbers = range(len(canvas.positions)) if canvas.numbers is None else canvas.numbers
             for row, x, y in shown:
-                number, place = _word(str(numbers[row])), Affine2D().translate(x + size + 1.0, y + size)
-                self._outline(number, place, LOOK.paper, LOOK.paper, HALO)
-                self._outline(number, place, LOOK.ink)
+                beside = Affine2D().translate(x + float(sizes[row]) + 1.0, y + float(sizes[row]))
+                number = _word(str(numbers[row]))
+                self._outline(number, beside, LOOK.paper, LOOK.paper, HALO)
+                self._outline(number, beside, LOOK.ink)
 
     def _colour(self, row: int) -> str:
         """Return the colour of a robot."""

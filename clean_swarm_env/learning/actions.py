@@ -113,7 +113,7 @@ class LearnerActions:
         if self._mode == "option":
             return
         given, turned = checked_vectors(vectors, worlds.rows), np.empty((worlds.rows, 2))
-        turn_to_world(given, worlds.physics.headings, worlds.mission.robots.max_speed, turned)
+        turn_to_world(given, worlds.physics.headings, worlds.floor.drive.max_speed, turned)
         if self._mode == "both":
             worlds.correct(turned if given.any() else None)  # -0.0 + 0.0 would be another bit
         else:
@@ -148,11 +148,14 @@ def first_wrong(options: Ints, limits: Ints) -> int:
 
 
 @kernel
-def turn_to_world(actions: Floats, headings: Floats, max_speed: float, vectors: Floats) -> None:
-    """Write the vectors (R, 2) [m/s] in the world's frame of `actions` (R, 2) in the robots' frames."""
+def turn_to_world(actions: Floats, headings: Floats, max_speed: Floats, vectors: Floats) -> None:
+    """Write the vectors (R, 2) [m/s] in the world's frame of `actions` (R, 2) in the robots' frames.
+
+    Actions are shares of `max_speed` (R,) [m/s].
+    """
     for row in range(actions.shape[0]):
-        ahead = max_speed * min(max(actions[row, 0], -1.0), 1.0)
-        left = max_speed * min(max(actions[row, 1], -1.0), 1.0)
+        ahead = max_speed[row] * min(max(actions[row, 0], -1.0), 1.0)
+        left = max_speed[row] * min(max(actions[row, 1], -1.0), 1.0)
         sine, cosine = sine_cosine(headings[row])
         vectors[row, 0] = cosine * ahead - sine * left
         vectors[row, 1] = sine * ahead + cosine * left

@@ -121,7 +121,7 @@ def make_space(world: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]
         row, disc = world * m.parts.shape[0] + index, call_for_pointer(c[BODY_NEW], (1.0, np.inf))
         call_c(c[SET_POSITION], (disc, m.bodies[row, 0], m.bodies[row, 1]))  # else all circles would be pairs
         m.parts[index, 0] = call_for_pointer(c[ADD_BODY], (space, disc))
-        circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radius, 0.0, 0.0))
+        circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radii[row], 0.0, 0.0))
         if not m.present[row]:
             call_c(c[SET_FILTER], (circle, 0, 0))
         m.parts[index, 1] = call_for_pointer(c[ADD_SHAPE], (space, circle))
@@ -145,7 +145,7 @@ def touch(world: int, space: int, last: bool, motion: Written[RobotMotion], chip
         for bit in range(4):
             if m.copies[row] & (1 << bit) and m.parts[index, 2 + bit] == 0:
                 x, y = COPY_OFFSETS[bit][0] * m.width, COPY_OFFSETS[bit][1] * m.height
-                circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radius, x, y))
+                circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radii[row], x, y))
                 call_c(c[SET_FILTER], (circle, 0, COPY_CATEGORY | COPY_MASK << 32))
                 m.parts[index, 2 + bit] = call_for_pointer(c[ADD_SHAPE], (space, circle))
     call_c(c[SPACE_STEP], (space, m.timestep))

@@ -28,8 +28,10 @@ class Counts(NamedTuple):
     in_contact: Annotated[Flags, "R", KEPT]  # another robot is closer than the first distance
     entered: Annotated[Ints, "R", KEPT]  # events of the first distance at the last count
     entered_in_tick: Annotated[Ints, "R", SCRATCH]  # the same, summed over a tick
+    distances: Annotated[Floats, "K", READ]  # [m]
     squares: Annotated[Floats, "K", READ]  # of the distances [m^2]
-    furthest: float  # square of the longest distance [m^2]
+    wider: Annotated[Floats, "R", READ]  # by how much the robot's radius exceeds that of the distances [m]
+    furthest: float  # square of the longest distance of any pair [m^2]
     width: float  # of the torus [m]
     height: float  # [m]
     extent: Annotated[Floats, "2", READ]  # both, as `physics.cells` takes them
@@ -49,6 +51,9 @@ open_counts = COLLISION_COUNTS.open
 class CollisionCounter:
     """Collision samples and events of W worlds of N robots, for K distances at once.
 
+    The distances are those of robots that are alike. Robots that are `wider` (R,) [m] than these count at the same gap
+    between bodies.
+
     samples: (W, K) int64, pairs closer than distance k, summed over all counts since the reset.
     events: (W, K) int64, pairs closer than distance k that were not closer at the count before, summed in the same way.
     in_contact: (R,) bool, of the last count: another robot is closer than the first distance.
@@ -65,7 +70,13 @@ class CollisionCounter:
     """
 
     def __init__(
-        self, worlds: int, robots: int, width: float, height: float, distances: tuple[float, ...] = (0.5, 1.0)
+        self,
+        worlds: int,
+        robots: int,
+        width: float,
+        height: float,
+        distances: tuple[float, ...] = (0.5, 1.0),
+        wider: float | Floats = 0.0,
     ) -> None:
         rows, extent = worlds * robots, np.array([width, height], dtype=np.float64)
         self.samples: Ints = np.zeros((worlds, len(distances)), np.int64)
@@ -76,9 +87,10 @@ class CollisionCounter:
         self._robots = robots
         # Cells are at least two reaches wide. So pairs up to two reaches apart are listed, and the list is valid until
         # a robot has moved by half a reach.
-        shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * max(distances), extent)
+        wider = np.full(rows, wider, dtype=np.float64)
+        furthest = max(distances) + 2.0 * float(wider.max(initial=0.0))
+        shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * furthest, extent)
         room = robots if shape[0] else 0
-        squares = np.square(np.array(distances, dtype=np.float64))
         self.packed: Packed[Counts] = COLLISION_COUNTS.pack(
             Counts(
                 samples=self.samples,
@@ -86,8 +98,10 @@ class CollisionCounter:
                 in_contact=self.in_contact,
                 entered=self.entered,
                 entered_in_tick=self.entered_in_tick,
-                squares=squares,
-                furthest=float(squares.max()),
+                distances=np.array(distances, dtype=np.float64),
+                squares=np.square(np.array(distances, dtype=np.float64)),
+                wider=wider,
+                furthest=furthest * furthest,
                 width=float(width),
                 height=float(height),
                 extent=extent,
@@ -165,13 +179,17 @@ def count_pair(world: int, row: int, other: int, positions: Floats, c: Counts) -
     if now >= c.furthest:
         return
     was = square_distance(c.before, row, other, c.width, c.height) if c.counted[row] and c.counted[other] else np.inf
+    wider = c.wider[row] + c.wider[other]
     for k in range(c.squares.shape[0]):
-        c.samples[world, k] += now < c.squares[k]
-        c.events[world, k] += now < c.squares[k] <= was
-    if now < c.squares[0]:
-        c.in_contact[row] = c.in_contact[other] = True
-        c.entered[row] += was >= c.squares[0]
-        c.entered[other] += was >= c.squares[0]
+        square = c.squares[k]
+        if wider != 0.0:
+            square = max(c.distances[k] + wider, 0.0) ** 2
+        c.samples[world, k] += now < square
+        c.events[world, k] += now < square <= was
+        if k == 0 and now < square:
+            c.in_contact[row] = c.in_contact[other] = True
+            c.entered[row] += was >= square
+            c.entered[other] += was >= square
 
 
 @lean_kernel

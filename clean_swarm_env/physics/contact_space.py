@@ -48,7 +48,7 @@ class ContactSpace:
         self._copied = [0] * len(motion.parts)  # copy bits that each disc has
         for row, disc in enumerate(self._discs, self._first):
             disc.position = tuple(motion.bodies[row, :2].tolist())
-            circle = pymunk.Circle(disc, motion.radius)
+            circle = pymunk.Circle(disc, float(motion.radii[row]))
             if not motion.present[row]:
                 circle.filter = UNTOUCHED
             self._space.add(disc, circle)
@@ -76,7 +76,7 @@ class ContactSpace:
         for bit, (right, up) in enumerate(COPY_OFFSETS):
             if needed & ~self._copied[index] & 1 << bit:
                 offset = (right * self._motion.width, up * self._motion.height)
-                circle = pymunk.Circle(disc, self._motion.radius, offset)
+                circle = pymunk.Circle(disc, float(self._motion.radii[self._first + index]), offset)
                 circle.filter = COPIES
                 self._space.add(circle)
         self._copied[index] |= needed

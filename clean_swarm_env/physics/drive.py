@@ -6,7 +6,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from clean_swarm_env.physics.motion import wrapped_angle
-from selforg.arrays import CLOCKED, KEPT, Flags, Floats, Ints
+from selforg.arrays import CLOCKED, KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed, Recording, Written
 from selforg.elementary import direction, length_of
@@ -20,11 +20,11 @@ class DriveState(NamedTuple):
     speed: Annotated[Floats, "R", KEPT]  # along the heading [m/s]
     turn_rate: Annotated[Floats, "R", KEPT]  # [rad/s]
     commanded_at: Annotated[Floats, "R", CLOCKED]  # time of the last command [s]; undefined for a robot at rest
-    max_speed: float  # [m/s]
-    max_turn_rate: float  # [rad/s]
-    turn_gain: float  # turn rate per heading error [1/s]
-    turn_in_place_beyond: float  # heading error from which on the robot only turns [rad]
-    command_timeout: float  # time without a command after which a robot stops [s]
+    max_speed: Annotated[Floats, "R", READ]  # [m/s]
+    max_turn_rate: Annotated[Floats, "R", READ]  # [rad/s]
+    turn_gain: Annotated[Floats, "R", READ]  # turn rate per heading error [1/s]
+    turn_in_place_beyond: Annotated[Floats, "R", READ]  # heading error from which on the robot only turns [rad]
+    command_timeout: Annotated[Floats, "R", READ]  # time without a command after which a robot stops [s]
 
 
 DRIVE = Recording(DriveState)
@@ -36,7 +36,8 @@ class DifferentialDrive:
 
     speed: (R,) float64 [m/s] along the heading; the same array all the time.
     turn_rate: (R,) float64 [rad/s]; the same array all the time.
-    packed: the record that compiled code takes; its settings are the arguments.
+    max_speed: (R,) float64 [m/s]; read only.
+    packed: the record that compiled code takes; its settings are the arguments, each a number or (R,).
 
     >>> drive = DifferentialDrive(rows=2)
     >>> vectors, commanded, in_place = np.array([[0.5, 0.0], [0.0, 2.0]]), np.ones(2, np.bool_), np.zeros(2, np.bool_)
@@ -45,20 +46,24 @@ class DifferentialDrive:
     ([0.5, 0.0], [0.0, 2.0])
     """
 
+    max_speed: Annotated[Floats, "R", READ]
+
     def __init__(
         self,
         rows: int,
         *,
-        max_speed: float = 1.0,
-        max_turn_rate: float = 2.0,
-        turn_gain: float = 2.0,
-        turn_in_place_beyond: float = pi / 3.0,
-        command_timeout: float = 1.0,
+        max_speed: float | Floats = 1.0,
+        max_turn_rate: float | Floats = 2.0,
+        turn_gain: float | Floats = 2.0,
+        turn_in_place_beyond: float | Floats = pi / 3.0,
+        command_timeout: float | Floats = 1.0,
     ) -> None:
         self.speed: Floats = np.zeros(rows)
         self.turn_rate: Floats = np.zeros(rows)
         self._commanded_at: Floats = np.zeros(rows)
-        limits = max_speed, max_turn_rate, turn_gain, turn_in_place_beyond, command_timeout
+        settings = max_speed, max_turn_rate, turn_gain, turn_in_place_beyond, command_timeout
+        limits = [np.full(rows, setting, dtype=np.float64) for setting in settings]
+        self.max_speed = limits[0]
         self.packed: Packed[DriveState] = DRIVE.pack(
             DriveState(self.speed, self.turn_rate, self._commanded_at, *limits)
         )
@@ -88,12 +93,13 @@ def update_drives(
             d.commanded_at[row] = now
             if length > 0.0:
                 error = wrapped_angle(direction(y, x) - headings[row])
-                d.turn_rate[row] = min(max(d.turn_gain * error, -d.max_turn_rate), d.max_turn_rate)
-                d.speed[row] = min(length, d.max_speed) if abs(error) < d.turn_in_place_beyond else 0.0
+                most = d.max_turn_rate[row]
+                d.turn_rate[row] = min(max(d.turn_gain[row] * error, -most), most)
+                d.speed[row] = min(length, d.max_speed[row]) if abs(error) < d.turn_in_place_beyond[row] else 0.0
             else:
                 d.speed[row] = 0.0
                 d.turn_rate[row] = 0.0
-        elif now - d.commanded_at[row] > d.command_timeout - TIMEOUT_TOLERANCE:
+        elif now - d.commanded_at[row] > d.command_timeout[row] - TIMEOUT_TOLERANCE:
             d.speed[row] = 0.0
             d.turn_rate[row] = 0.0
         if in_place[row]:

@@ -42,8 +42,8 @@ class RobotMotion(NamedTuple):
     search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
     width: float  # of the torus [m]
     height: float  # [m]
-    radius: float  # of a disc in Chipmunk [m]
-    reach: float  # distance of two centres below which robots touch [m]
+    radii: Annotated[Floats, "R", READ]  # of the discs in Chipmunk [m]
+    reach: float  # distance of two centres below which the largest robots touch [m]
     zone: float  # distance from a seam within which a body needs copies [m]
     timestep: float  # [s]
     settling: int  # substeps for which a world is in contact from a touch on, that of the touch included
@@ -75,7 +75,8 @@ def touching(first: int, end: int, m: RobotMotion) -> bool:
             dx = nearest_image(m.positions[i, 0] - m.positions[j, 0], m.width)
             if abs(dx) < m.reach:
                 dy = nearest_image(m.positions[i, 1] - m.positions[j, 1], m.height)
-                if dx * dx + dy * dy < m.reach * m.reach:
+                both = m.radii[i] + m.radii[j]
+                if dx * dx + dy * dy < both * both:
                     return True
     return False
 

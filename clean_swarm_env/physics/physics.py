@@ -33,7 +33,7 @@ from clean_swarm_env.physics.motion import (
     wrapped_angle,
 )
 from clean_swarm_env.physics.tick import begin_tick, land_and_go_on
-from selforg.arrays import KEPT, Flags, Floats
+from selforg.arrays import KEPT, READ, Flags, Floats
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
@@ -49,7 +49,7 @@ class PhysicsSettings:
     robots: int  # N, in each world
     width: float = 11.0  # [m]
     height: float = 11.0  # [m]
-    radius: float = 0.25  # [m] of a robot's disc
+    radius: Annotated[float | Floats, "R", READ] = 0.25  # [m] of all robots' discs, or (R,) of each
     contacts: Contacts = "solid"  # "pass_through": robots drive through each other
     timestep: float = 0.05  # [s] of a substep
 
@@ -87,8 +87,10 @@ class Physics:
 
     def __init__(self, settings: PhysicsSettings) -> None:
         self.settings = settings
-        worlds, robots, radius = settings.worlds, settings.robots, settings.radius
+        worlds, robots = settings.worlds, settings.robots
         rows = worlds * robots
+        radii = np.full(rows, settings.radius, dtype=np.float64)
+        largest = float(radii.max())
         self.positions: Floats = np.zeros((rows, 2))
         self.headings: Floats = np.zeros(rows)
         self.present = np.ones(rows, np.bool_)
@@ -111,9 +113,9 @@ class Physics:
                 search=search,
                 width=float(settings.width),
                 height=float(settings.height),
-                radius=radius * (1.0 + SKIN),
-                reach=2.0 * radius * (1.0 + SKIN),
-                zone=4.0 * radius,
+                radii=radii * (1.0 + SKIN),
+                reach=2.0 * largest * (1.0 + SKIN),
+                zone=4.0 * largest,
                 timestep=float(settings.timestep),
                 settling=PERSISTENCE + 1,
                 stiffness=1.0 / settings.timestep,

@@ -83,7 +83,7 @@ def put_robot(worlds: Worlds, robot: Index, x: Number, y: Number) -> None:
     _check_there(worlds, robot)
     place = _place(worlds, x, y)
     x, y = place.tolist()
-    if not worlds.team.is_free(WORLD, place, but=robot):
+    if not worlds.team.is_free(robot, place):
         raise ValueError(f"robot {robot}: another robot is at the place [{x:.2f}, {y:.2f}]")
     worlds.physics.remove(robot)
     worlds.physics.add(robot, x, y, float(worlds.physics.headings[robot]))

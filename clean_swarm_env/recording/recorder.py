@@ -119,6 +119,8 @@ class MissionRecorder:
             "mission": mission.model_dump(mode="json"),
             "option_words": {c.model.goal: [_first_sentence(one) for one in c.contents] for c in worlds.coordinators},
         }
+        if mission.robots.groups:
+            facts["models"] = mission.models.tolist()
         facts |= self._networks | ({"prices": cost_terms(mission)._asdict()} if worlds.task.priced else {})
         if not kept:
             facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)

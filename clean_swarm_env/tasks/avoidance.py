@@ -67,7 +67,7 @@ class Obstacles(Task[O, B]):
         """Count robots that have come to touch an obstacle; those that touch one at first do not count."""
         world, state = self.world, self.state
         away = world.ground.distances(world.positions[:, :, None], state.obstacles[:, None])
-        touching = away < OBSTACLE_RADIUS + world.mission.robots.radius
+        touching = away < OBSTACLE_RADIUS + world.by_world(world.of_each("radius"))[:, :, None]
         new = touching & ~world.by_world(state.touching)
         state.hits += np.where(world.ticks > 1, new.sum(axis=(1, 2)), 0)
         state.touching[:] = touching.reshape(state.touching.shape)
@@ -96,7 +96,7 @@ class Crossing(Task[S, E]):
         adding = ~self.world.steers
         moving = commands.commanded & adding
         commands.vectors[adding & ~moving] = 0.0
-        commands.vectors[adding] += self.world.max_speed * self.state.wanted[adding]
+        commands.vectors[adding] += (self.world.max_speed * self.state.wanted)[adding]
         commands.commanded[adding], commands.in_place[adding] = True, False
 
     def lead(self, commands: Commands) -> None:

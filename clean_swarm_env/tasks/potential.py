@@ -59,7 +59,7 @@ class FollowPotentialField(Task[TaskSettings, Hills]):
             np.array([HOLLOW] + [HILL] * HILLS),
             np.array([SOURCE_RADIUS] + [0.0] * HILLS),
         )
-        own = self.world.mission.robots.pose_goal_radius
+        own = self.world.mission.of_each("pose_goal_radius")[:, None]
         mean: Floats = height(field, positions, own, ground).mean(axis=1)
         return mean
 
@@ -111,16 +111,16 @@ class FollowMaxPotential(Task[TaskSettings, Sources]):
         offsets = self.world.ground.offsets(positions, self.state.nearest)
         away = np.linalg.norm(offsets, axis=1, keepdims=True)
         unit = offsets / np.maximum(away, 1e-12)
-        commands.vectors[:] = np.where(away > self._at_source, self.world.max_speed * unit, 0.0)
+        commands.vectors[:] = np.where(away > self._at_source[:, None], self.world.max_speed * unit, 0.0)
         commands.commanded[:] = True
 
     @property
-    def _at_source(self) -> float:
-        return SOURCE_RADIUS + self.world.mission.robots.pose_goal_radius
+    def _at_source(self) -> Floats:
+        return SOURCE_RADIUS + self.world.of_each("pose_goal_radius")
 
     def result(self) -> dict[str, Floats]:
         """Return the share of robots at the source that reaches farthest."""
         best = self.state.places[:, None, int(np.argmax(SOURCE_REACHES))]
         away = self.world.ground.distances(self.world.positions, best)
-        there = away <= self._at_source + self.world.mission.robots.radius
+        there = away <= self.world.by_world(self._at_source + self.world.of_each("radius"))
         return {"robots at the source of most reach": there.mean(axis=1)}

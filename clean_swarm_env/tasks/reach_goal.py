@@ -58,7 +58,7 @@ class ReachGoal(Obstacles[BetweenSettings, ObstacleState]):
 
     def result(self) -> dict[str, Floats]:
         """Return how far the robots are from the goal, and how many obstacles they have hit."""
-        world, own = self.world, self.world.mission.robots.pose_goal_radius
+        world, own = self.world, self.world.by_world(self.world.of_each("pose_goal_radius"))
         away = world.ground.distances(world.positions, world.ground.centre)
         return {
             "distance to the goal area": np.maximum(away - own - GOAL_AREA_RADIUS, 0.0).mean(axis=1),

@@ -14,7 +14,7 @@ from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
 from clean_swarm_env.world.ground import Ground
-from selforg.arrays import READ, Floats, Ints
+from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.elementary import directions
@@ -34,11 +34,16 @@ class Floor:
     """
 
     extent: Annotated[Floats, "2", READ]
+    _holonomic: Annotated[Flags, "R", READ]
 
     def __init__(self, mission: MissionConfig, worlds: int) -> None:
-        world, robots = mission.world, mission.robots
+        world = mission.world
         self.worlds, self.robots = worlds, mission.rows
         self.ground = Ground.of(mission)
+
+        def each(key: str) -> Floats:
+            return np.tile(mission.of_each(key), worlds)
+
         self.extent = self.ground.extent
         width, height = self.extent.tolist()
         self.physics = Physics(
@@ -47,21 +52,24 @@ class Floor:
                 robots=mission.rows,
                 width=width,
                 height=height,
-                radius=robots.radius,
+                radius=each("radius"),
                 contacts=world.contacts,
                 timestep=1.0 / world.physics_rate,
             )
         )
         self.drive = DifferentialDrive(
             worlds * mission.rows,
-            max_speed=robots.max_speed,
-            max_turn_rate=robots.max_turn_rate,
-            turn_gain=robots.turn_gain,
-            turn_in_place_beyond=robots.turn_in_place_beyond,
-            command_timeout=robots.command_timeout,
+            max_speed=each("max_speed"),
+            max_turn_rate=each("max_turn_rate"),
+            turn_gain=each("turn_gain"),
+            turn_in_place_beyond=each("turn_in_place_beyond"),
+            command_timeout=each("command_timeout"),
         )
-        self.collisions = CollisionCounter(worlds, mission.rows, width, height, mission.collision_distances)
-        self._holonomic = robots.drive == "holonomic"
+        wider = each("radius") - mission.robots.models[0].radius
+        self.collisions = CollisionCounter(worlds, mission.rows, width, height, mission.collision_distances, wider)
+        holonomic = np.array([model.drive == "holonomic" for model in mission.robots.models])
+        self._holonomic = np.tile(holonomic[mission.models], worlds)
+        self._turns_at_once = bool(self._holonomic.any())
         self._substeps = mission.world.physics_steps_per_tick
 
     def rows_of(self, world: int) -> Ints:
@@ -70,8 +78,8 @@ class Floor:
 
     def move(self, commands: Packed[Commanded], now: float) -> None:
         """Move the robots by their commands for one control period, and count collisions meanwhile."""
-        if self._holonomic:
+        if self._turns_at_once:
             given = commands.record
-            turned = given.commanded & ~given.in_place & (given.vectors != 0.0).any(axis=1)
+            turned = self._holonomic & given.commanded & ~given.in_place & (given.vectors != 0.0).any(axis=1)
             self.physics.headings[turned] = directions(given.vectors[turned])
         self.physics.tick(now, self._substeps, commands, self.drive, self.collisions)

@@ -87,8 +87,8 @@ class Minds:
             space,
             self.rows,
             np.repeat(np.arange(worlds), mission.rows),
-            diffusion=mission.robots.pose_diffusion,
-            goal_radius=mission.robots.pose_goal_radius,
+            diffusion=np.tile(mission.of_each("pose_diffusion"), worlds),
+            goal_radius=np.tile(mission.of_each("pose_goal_radius"), worlds),
             history=pose_history(mission),
             hearing=mission.own_contents,
         )

@@ -16,7 +16,7 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from selforg.arrays import KEPT, SCRATCH, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints
 from selforg.gradients.delivery import Delivery, PoseDelivery
 from selforg.gradients.poses import OwnPoses
 
@@ -87,20 +87,22 @@ class Localisation:
 
     _generators: Annotated[list[np.random.Generator], "R", KEPT]
     _errors: Annotated[Floats, "R 2", SCRATCH]
+    _deviation: Annotated[Floats, "R 1", READ]  # [m]
 
     def __init__(self, mission: MissionConfig, rows: int) -> None:
-        self._deviation = mission.robots.pose_noise
+        self._deviation = np.tile(mission.of_each("pose_noise"), rows // mission.rows)[:, None]
+        self._exact = not self._deviation.any()
         self._generators = [np.random.default_rng(0)] * rows
         self._errors = np.zeros((rows, 2))
 
     def reset(self, rows: Ints, seed: np.random.SeedSequence) -> None:
         """Restart the draws of `rows` (N,)."""
-        if self._deviation > 0.0:
+        if not self._exact:
             self._generators[rows[0] : rows[-1] + 1] = generators_of(seed, ERRORS, len(rows))
 
     def believed(self, positions: Floats) -> Floats:
         """Return where robots that are at `positions` (R, 2) [m] take themselves to be, not wrapped."""
-        if self._deviation == 0.0:
+        if self._exact:
             return positions
         for row, generator in enumerate(self._generators):
             generator.standard_normal(out=self._errors[row])

@@ -174,7 +174,7 @@ class Task(ShownTask, ABC, Generic[S, T]):
         """Write the commands of the baseline in place of those of behaviours: a random walk unless you do."""
         rows = np.flatnonzero(self.world.ticks[self.world.of_row] % round(WALK / self.world.period) == 0)
         if len(rows):
-            self._walk[rows] = self.world.max_speed * self.world.directions(rows)
+            self._walk[rows] = self.world.max_speed[rows] * self.world.directions(rows)
         commands.vectors[:] = self._walk
         commands.commanded[:] = True
 

@@ -12,10 +12,10 @@ from typing import Annotated, Final, Protocol
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import START_GAP, nearest_distance
+from clean_swarm_env.config.starts import has_room
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
-from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints, derived
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.declared import make_arrays
 from selforg.registry import unknown
 
@@ -47,11 +47,13 @@ class Team:
     working: Annotated[Flags, "R", KEPT]
     joined: Annotated[Ints, "W", KEPT]
     task: Following
+    _radii: Annotated[Floats, "R", READ]  # [m]
     _listed: Annotated[Flags, "1", derived(False)]  # whether `_at_work` is what follows from `working`
     _at_work: Annotated[Ints | None, "K", SCRATCH]
 
     def __init__(self, mission: MissionConfig, floor: Floor, minds: Minds) -> None:
         self._mission, self._floor, self._minds = mission, floor, minds
+        self._radii = np.tile(mission.of_each("radius"), floor.worlds)
         make_arrays(self, R=minds.rows, W=floor.worlds)
         self._at_work = None
 
@@ -85,15 +87,19 @@ class Team:
         floor, number = self._floor, int(self.joined[world])
         if number == floor.robots:
             raise ValueError(f"world {world}: expected at most {number} robots over the mission (robots.capacity)")
-        if not self.is_free(world, np.array(place[:2])):
+        row = self.next_row(world)
+        if not self.is_free(row, np.array(place[:2])):
             raise ValueError(f"world {world}: another robot is at the place [{place[0]:g}, {place[1]:g}]")
-        row = world * floor.robots + number
         floor.physics.add(row, *place)
         self._minds.poses.silence([row], False)
         self.joined[world] += 1
         self.working[row] = True
         self._begin_anew(np.array([row]))
         return row
+
+    def next_row(self, world: int) -> int:
+        """Return the row of the robot of a world that joins next, or the last row if no more can."""
+        return world * self._floor.robots + min(int(self.joined[world]), self._floor.robots - 1)
 
     def remove(self, rows: Ints) -> None:
         """Take away the robots in `rows` (K,), which are at work; their cargo lies where they were."""
@@ -110,25 +116,26 @@ class Team:
             self._minds.poses.silence(rows)
         self._stop_working(rows)
 
-    def is_free(self, world: int, point: Floats, but: int = -1) -> bool:
-        """Return whether there is room for a robot at `point` (2,) [m], that of row `but` for one.
+    def is_free(self, row: int, point: Floats) -> bool:
+        """Return whether there is room for the robot of `row` at `point` (2,) [m].
 
         Robots that pass through others need none.
         """
         if self._mission.world.contacts != "solid":
             return True
         floor = self._floor
-        rows = floor.rows_of(world)
-        bodies = floor.physics.positions[rows[floor.physics.present[rows] & (rows != but)]]
-        apart = 2.0 * self._mission.robots.radius + START_GAP
-        return nearest_distance(point % floor.extent, bodies, floor.extent) >= apart
+        rows = floor.rows_of(row // floor.robots)
+        bodies = rows[floor.physics.present[rows] & (rows != row)]
+        places = floor.physics.positions[bodies]
+        return has_room(point % floor.extent, self._radii[row], places, self._radii[bodies], floor.extent)
 
     def free_place(self, world: int, rng: np.random.Generator) -> Place | None:
-        """Return a random free place (x [m], y [m], heading [rad]), or None if none was found."""
+        """Return a random place (x [m], y [m], heading [rad]) free for the next robot, or None if none was found."""
+        row = self.next_row(world)
         heading = float(rng.uniform(-np.pi, np.pi))
         for _ in range(MOST_DRAWS):
             point = rng.uniform(size=2) * self._floor.extent
-            if self.is_free(world, point):
+            if self.is_free(row, point):
                 return float(point[0]), float(point[1]), heading
         return None
 

@@ -39,7 +39,7 @@ class World:
         worlds, robots, rows: W, N and R.
         ground: the ground, with its metric.
         period: length of a control period [s].
-        max_speed: of the robots [m/s].
+        max_speed: (R, 1) of the robots [m/s].
         of_row: (R,) the world of each row.
         missions: (W,) those of the worlds until their next resets.
         limits: (W,) control periods after which these missions end.
@@ -48,6 +48,7 @@ class World:
 
     """
 
+    max_speed: Annotated[Floats, "R 1", READ]
     of_row: Annotated[Ints, "R", READ]
     limits: Annotated[Ints, "W", KEPT]
 
@@ -57,7 +58,7 @@ class World:
         self.worlds, self.robots, self.rows = floor.worlds, floor.robots, floor.worlds * floor.robots
         self.ground: Ground = floor.ground
         self.period = clock.period
-        self.max_speed = self.mission.robots.max_speed
+        self.max_speed = self.of_each("max_speed")[:, None]
         self.of_row = np.repeat(np.arange(self.worlds), self.robots)
         self.limits = np.full(self.worlds, tick_limit(self.mission))
         self.led = False
@@ -65,6 +66,10 @@ class World:
     def by_world(self, values: NDArray[V]) -> NDArray[V]:
         """Return values (R, ...) as (W, N, ...)."""
         return values.reshape(self.worlds, self.robots, *values.shape[1:])
+
+    def of_each(self, key: str) -> Floats:
+        """Return a setting of each robot (R,) by its model; see `RobotModel`."""
+        return np.tile(self.mission.of_each(key), self.worlds)
 
     @property
     def positions(self) -> Floats:

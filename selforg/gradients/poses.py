@@ -48,8 +48,8 @@ class OwnPoses:
         rows: int,
         teams: npt.ArrayLike | None = None,
         *,
-        diffusion: float = 1.0,
-        goal_radius: float = 0.5,
+        diffusion: float | Floats = 1.0,
+        goal_radius: float | Floats = 0.5,
         attraction: int = -1,
         channel: str = "robot",
         history: int = 2,
@@ -58,7 +58,8 @@ class OwnPoses:
     ) -> None:
         if rows < 1:
             raise ValueError(f"OwnPoses: rows must be at least 1, got {rows!r}")
-        if not (diffusion >= 0 and goal_radius >= 0 and np.isfinite(goal_radius)):
+        radii = np.stack(np.broadcast_arrays(*np.atleast_1d(diffusion, goal_radius)), axis=-1)
+        if not ((radii >= 0).all() and np.isfinite(radii[..., 1]).all()):
             raise ValueError(
                 f"OwnPoses: diffusion and goal_radius must be at least 0 [m], got {diffusion!r}, {goal_radius!r}"
             )
@@ -84,7 +85,7 @@ class OwnPoses:
         self.row_table[:, c.ROW_COLUMNS :] = -1
         self.teams = codes.copy()
         self._no_headings = np.zeros(rows)
-        self.radii = np.tile([diffusion, goal_radius], (rows, 1))
+        self.radii = np.array(np.broadcast_to(radii, (rows, 2)), dtype=np.float64, order="C")
         self.packed = POSES.pack(
             Poses(
                 own=self.own,
@@ -94,7 +95,7 @@ class OwnPoses:
                 members=np.argsort(codes, kind="stable").astype(np.int64),
                 reach=np.zeros(self.team_count),
                 extent=space.padded_extent,
-                cells=make_pose_cells(space, diffusion + goal_radius, sizes),
+                cells=make_pose_cells(space, float(radii.sum(axis=-1).max()), sizes),
                 buckets=np.full(1 << int(2 * rows - 1).bit_length(), -1, dtype=np.int32),
                 links=np.full((rows, 2), -1, dtype=np.int32),
                 radii=self.radii,

@@ -54,8 +54,9 @@ class Around(NamedTuple):
     full_crowd: float  # number of robots in range that counts as 1
     patience: float  # time without progress that counts as 1 [ticks]
     reach: float  # of a robot's pose [m]
-    max_speed: float  # [m/s]
-    max_turn_rate: float  # [rad/s]
+    max_speed: Annotated[Floats, "R", READ]  # [m/s]
+    max_turn_rate: Annotated[Floats, "R", READ]  # [rad/s]
+    fastest: float  # largest speed of any robot [m/s]
     area: float  # share of the torus within 1 m of a robot
     avoidance: int  # column of the sensor of the avoidance vector's length, -1 without one
     avoiding: int  # number of the behaviour that avoids others, -1 without one

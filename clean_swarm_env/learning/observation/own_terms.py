@@ -27,8 +27,8 @@ def see_avoidance(around: Around, row: int, out: Floats) -> None:
 @compiled_term("movement", "speed", "turn_rate")
 def see_movement(around: Around, row: int, out: Floats) -> None:
     """Speed and turn rate of the drive, by the largest ones."""
-    out[0] = min(around.speed[row] / around.max_speed, 1.0)
-    out[1] = min(max(around.turn_rate[row] / around.max_turn_rate, -1.0), 1.0)
+    out[0] = min(around.speed[row] / around.max_speed[row], 1.0)
+    out[1] = min(max(around.turn_rate[row] / around.max_turn_rate[row], -1.0), 1.0)
 
 
 @compiled_term("time", "time_left")

@@ -35,7 +35,7 @@ def see_encounter(around: Around, row: int, out: Floats) -> None:
     length = np.sqrt(other[OTHER_X] * other[OTHER_X] + other[OTHER_Y] * other[OTHER_Y])
     if length > 0.0:
         closing = -(other[OTHER_VX] * (other[OTHER_X] / length) + other[OTHER_VY] * (other[OTHER_Y] / length))
-        out[2] = min(max(closing / (2.0 * around.max_speed), -1.0), 1.0)
+        out[2] = min(max(closing / (2.0 * around.fastest), -1.0), 1.0)
 
 
 @TERMS.register

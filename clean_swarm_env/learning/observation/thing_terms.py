@@ -46,7 +46,8 @@ class ThingsTerm(Term):
 
     def write(self, rows: Ints, out: Floats) -> None:
         worlds = self.observed.worlds
-        own, world = worlds.mission.robots.pose_goal_radius, worlds.world
+        world = worlds.world
+        own = world.of_each("pose_goal_radius")[:, None]
         for number, thing in enumerate(worlds.task.around):
             offsets = world.ground.offsets(world.positions[:, :, None], thing.places[:, None])
             offsets = offsets.reshape(worlds.rows, -1, 2)

@@ -49,7 +49,7 @@ def see_true_encounter(around: Around, row: int, out: Floats) -> None:
     if length > 0.0:
         vx, vy = around.bodies[row, 2] - around.bodies[other, 2], around.bodies[row, 3] - around.bodies[other, 3]
         closing = vx * (dx / length) + vy * (dy / length)
-        out[2] = min(max(closing / (2.0 * around.max_speed), -1.0), 1.0)
+        out[2] = min(max(closing / (2.0 * around.fastest), -1.0), 1.0)
 
 
 @TERMS.register

@@ -80,7 +80,7 @@ class Agenda:
         """Add the robots that wait to the team; return whether none has to wait longer."""
         while self._joining:
             place = self._joining[0] or team.free_place(world, self._places)
-            if place is None or not team.is_free(world, np.array(place[:2])):
+            if place is None or not team.is_free(team.next_row(world), np.array(place[:2])):
                 return False
             self._joining.pop(0)
             team.add(world, place)

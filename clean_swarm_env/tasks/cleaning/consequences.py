@@ -33,10 +33,10 @@ class Consequence(NamedTuple):
     lost: Annotated[Ints, "R", SCRATCH]  # rows whose cargo was lost in this tick, the first ones
     stop: int  # ticks for which a robot that collides stands
     back_off: int  # ticks for which it then drives off, the last ones of `standing`
-    back_speed: float  # its speed then [m/s]
+    back_speed: Annotated[Floats, "R", READ]  # its speed then [m/s]
     drop: int  # 1 where it loses its cargo
     damage_after: int  # collisions after which a robot is damaged, 0: never
-    damaged_speed: float  # largest speed of a damaged robot [m/s]
+    damaged_speed: Annotated[Floats, "R", READ]  # largest speed of a damaged robot [m/s]
     mending: int  # ticks for which a damaged robot stands at a station
 
 
@@ -65,6 +65,7 @@ class Consequences:
         self.collisions: Ints = np.zeros(rows, dtype=np.int64)
         self.harmless: Ints = np.zeros(worlds, dtype=np.int64)
         self._away: Floats = np.zeros((rows, 2))
+        speeds = np.tile(mission.of_each("max_speed"), worlds)
         self._packed: Packed[Consequence] = CONSEQUENCE.pack(
             Consequence(
                 standing=self.standing,
@@ -74,10 +75,10 @@ class Consequences:
                 lost=np.zeros(rows, dtype=np.int64),
                 stop=round(config.stop * rate),
                 back_off=round(config.back_off * rate),
-                back_speed=0.5 * mission.robots.max_speed,
+                back_speed=0.5 * speeds,
                 drop=int(config.drop),
                 damage_after=config.damage_after,
-                damaged_speed=config.damaged_speed * mission.robots.max_speed,
+                damaged_speed=config.damaged_speed * speeds,
                 mending=round(config.mending * rate),
             )
         )
@@ -138,9 +139,9 @@ def hold_back(commands: Words[Commanded], consequence: Words[Consequence]) -> No
         elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:
             x, y = given.vectors[row, 0], given.vectors[row, 1]
             length = np.sqrt(x * x + y * y)
-            if length > c.damaged_speed:
-                given.vectors[row, 0] = x * c.damaged_speed / length
-                given.vectors[row, 1] = y * c.damaged_speed / length
+            if length > c.damaged_speed[row]:
+                given.vectors[row, 0] = x * c.damaged_speed[row] / length
+                given.vectors[row, 1] = y * c.damaged_speed[row] / length
 
 
 @inlined
@@ -155,7 +156,8 @@ def turn_away(row: int, present: Flags, f: FloorRecord, c: Consequence) -> None:
             length = np.sqrt(x * x + y * y)
             if length < nearest and length > 0.0:
                 nearest = length
-                c.away[row, 0], c.away[row, 1] = c.back_speed * x / length, c.back_speed * y / length
+                speed = c.back_speed[row]
+                c.away[row, 0], c.away[row, 1] = speed * x / length, speed * y / length
 
 
 @lean_kernel

@@ -30,10 +30,11 @@ class Field:
     goal_radius: Floats
 
 
-def height(field: Field, positions: Floats, own_goal: float, ground: Ground) -> Floats:
+def height(field: Field, positions: Floats, own_goal: float | Floats, ground: Ground) -> Floats:
     """Return how high robots at positions (W, N, 2) [m] stand (W, N) [m]: 0 is the top of an attractive gradient.
 
-    own_goal: goal radius of a robot [m]. Beyond the diffusion of an attractive gradient the slope is 1.
+    own_goal: goal radius of all robots, or (N, 1) of each [m]. Beyond the diffusion of an attractive gradient the slope
+    is 1.
     """
     distances = ground.distances(positions[:, :, None], field.places[:, None])
     clearance = np.maximum(distances - own_goal - field.goal_radius, 0.0)

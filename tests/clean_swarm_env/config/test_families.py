@@ -67,7 +67,8 @@ def test_scenarios_are_the_same_again_and_all_different(name):
 def test_scenarios_are_those_of_the_time_before_spots_of_garbage(name, digest):
     family, found = load_family(name), 0
     for scenario in [family.scenario(3, k, split) for split in ("train", "test") for k in range(20)]:
-        task, start, events = scenario.mission.task, scenario.start, [event.model_dump() for event in scenario.events]
+        task, start = scenario.mission.task, scenario.start
+        events = [event.model_dump(exclude={"model"}) for event in scenario.events]
         drawn = scenario.seed, start.robots, start.items, events, task.garbage.respawn, task.stations.recycling
         found = zlib.crc32(repr(drawn).encode(), found)
     assert found == digest

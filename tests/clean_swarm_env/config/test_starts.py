@@ -94,7 +94,7 @@ def test_the_limit_of_solid_robots_can_be_placed_and_the_ones_that_pass_through_
 def test_a_placement_that_cannot_succeed_ends_with_an_error(monkeypatch):
     monkeypatch.setattr("clean_swarm_env.config.starts.START_TRIES", 20)
     crowded = _mission().model_copy(update={"robots": _mission().robots.model_copy(update={"count": 500})})
-    with pytest.raises(ConfigurationError, match=r"robots\.count: expected room for 500 robots 0\.51 m apart"):
+    with pytest.raises(ConfigurationError, match=r"robots\.count: expected room for 500 solid robots 0\.01 m apart"):
         random_start(crowded, 0, 0)
 
 

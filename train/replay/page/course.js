@@ -1,6 +1,6 @@
 // @ts-check
 /** What follows from a recording: events, counts, who sees whom, and what robots have left behind. */
-import { valueAt } from "./recording.js";
+import { settingOf, valueAt } from "./recording.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{frame: number, kind: string, robot: number}} RunEvent */
 
@@ -82,11 +82,11 @@ export const shorter = (d, extent) => d - extent * Math.round(d / extent);
  * @returns {number[]}
  */
 export function seenPairs(run, frame, x, y, rows) {
-  const { width, height, mission } = run.head;
+  const { width, height } = run.head;
   const goal = Object.keys(run.head.options)[0];
   const views = run.head.views[goal] ?? [0];
-  const radius = mission.robots.pose_goal_radius;
-  const most = Math.max(...views) + radius;
+  const radii = Array.from(x, (_, i) => settingOf(run, i, "pose_goal_radius"));
+  const most = Math.max(...views) + Math.max(...radii);
   const nx = Math.max(1, Math.min(256, Math.floor(width / most))), ny = Math.max(1, Math.min(256, Math.floor(height / most)));
   const heads = new Int32Array(nx * ny).fill(-1), next = new Int32Array(x.length).fill(-1);
   /** @param {number} i @returns {[number, number]} */
@@ -99,13 +99,13 @@ export function seenPairs(run, frame, x, y, rows) {
   /** @type {number[]} */
   const pairs = [];
   for (const i of rows) {
-    const reach = (views[valueAt(run, `held/${goal}`, frame, i)] ?? 0) + radius;
+    const view = views[valueAt(run, `held/${goal}`, frame, i)] ?? 0;
     const [cx, cy] = cellOf(i);
     for (let ax = nx < 3 ? 0 : cx - 1; ax <= (nx < 3 ? nx - 1 : cx + 1); ax++)
       for (let ay = ny < 3 ? 0 : cy - 1; ay <= (ny < 3 ? ny - 1 : cy + 1); ay++)
         for (let j = heads[((ay + ny) % ny) * nx + ((ax + nx) % nx)]; j >= 0; j = next[j]) {
           if (j === i) continue;
-          const dx = shorter(x[j] - x[i], width), dy = shorter(y[j] - y[i], height);
+          const reach = view + radii[j], dx = shorter(x[j] - x[i], width), dy = shorter(y[j] - y[i], height);
           if (dx * dx + dy * dy <= reach * reach) pairs.push(i, j);
         }
   }

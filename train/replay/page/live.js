@@ -1,6 +1,6 @@
 // @ts-check
 /** The page of a session that runs now, which takes frames from its server and gives it orders; and the beginning of all pages. */
-import { addBlock, blocksIn, bytesOf, checksums, readRecording, showPresent } from "./recording.js";
+import { addBlock, blocksIn, bytesOf, checksums, readRecording, settingOf, showPresent } from "./recording.js";
 import { countsOf, eventsOf } from "./course.js";
 import { LOOK, plain } from "./world.js";
 import { verdictOf } from "./score.js";
@@ -228,7 +228,7 @@ class LivePage extends Page {
     c.lineWidth = 2;
     c.setLineDash([4, 3]);
     c.beginPath();
-    c.arc(x, y, Math.max(6, (this.held.kind === "robot" ? this.run.head.mission.robots.radius : LOOK.item.half) * view.scale), 0, 7);
+    c.arc(x, y, Math.max(6, (this.held.kind === "robot" ? settingOf(this.run, this.held.number, "radius") : LOOK.item.half) * view.scale), 0, 7);
     c.stroke();
     c.setLineDash([]);
   }

@@ -100,6 +100,11 @@ export class Page {
     for (const { head } of runs)
       for (const [goal, options] of Object.entries(head.options).slice(0, 1))
         options.forEach((word, k) => entries.set(word, [keyOf({ ...LOOK.failed, colour: colourOf(k) }), optionWord(head, goal, word)]));
+    for (const { head } of runs)
+      (head.mission.robots.groups ?? []).forEach((/** @type {{model: string}} */ { model }, /** @type {number} */ k) => {
+        const shape = LOOK.marks[k % LOOK.marks.length];
+        if (shape) entries.set(model, [keyOf({ ...LOOK.failed, colour: LOOK.ink, shape, half: LOOK.item.half }), `Robots of the model ${model} have this mark.`]);
+      });
     for (const sign of LOOK.legends[cleans ? 1 : 0]) entries.set(sign.word, [keyOf(sign), WORDS[sign.word] ?? sign.word]);
     for (const [name, sign] of LOOK.layers) entries.set(sign.word, [keyOf(sign), WORDS[name]]);
     element("legend").innerHTML = [...entries].map(([word, [key, told]]) => `<span title="${plain(told)}">${key}${plain(word)}</span>`).join(" ");

@@ -9,9 +9,9 @@
  * @typedef {{about: Record<string, any>, period: number, width: number, height: number, robots: number, items: number,
  *   minds: boolean, options: Record<string, string[]>, views: Record<string, number[]>, mission: any,
  *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
- *   networks?: Record<string, NetworkNames>, field?: number, things?: Thing[], option_words?: Record<string, string[]>, inputs?: string[],
+ *   networks?: Record<string, NetworkNames>, models?: number[], field?: number, things?: Thing[], option_words?: Record<string, string[]>, inputs?: string[],
  *   policies?: Record<string, import("./policy.js").Policy>,
- *   prices?: {event: number, sample: number, limit: number, left: number, items: number}}} Head; of tasks other than cleaning: field, the longer
+ *   prices?: {event: number, sample: number, limit: number, left: number, items: number}}} Head; models: number of each robot's model, if they differ; of tasks other than cleaning: field, the longer
  *   side of the ground, or of the rectangle of open land in which robots start [m], and the things
  * @typedef {{channel: string, attraction: number, x: number, y: number, radius: number, moves?: number}} Thing at the start; moves: its
  *   number in the channels of things that move
@@ -193,6 +193,12 @@ export function checksums(run) {
 export function valueAt(run, name, frame, k = 0) {
   const track = run.tracks.get(name);
   return track ? track.room[frame * track.columns + k] / track.channel.scale : 0;
+}
+
+/** Return a setting of a robot, by its model where they differ. @param {Run} run @param {number} robot @param {string} key */
+export function settingOf(run, robot, key) {
+  const { robots } = run.head.mission;
+  return (robots.groups ? robots.groups[run.head.models?.[robot] ?? 0] : robots)[key];
 }
 
 /** Return the title of a run at a frame, with the strategy at that time. @param {Run} run @param {number} frame */

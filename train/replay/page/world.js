@@ -1,6 +1,6 @@
 // @ts-check
 /** The world of a run on a canvas. */
-import { valueAt } from "./recording.js";
+import { settingOf, valueAt } from "./recording.js";
 import { Field, seenPairs, shorter } from "./course.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {Record<string, boolean>} Layers by their names: whether each is shown */
@@ -10,7 +10,7 @@ import { Field, seenPairs, shorter } from "./course.js";
 /**
  * How things look, as `clean_swarm_env/drawing/look.py` defines it; legends: of other tasks, and of cleaning.
  * @type {{options: string[], ink: string, paper: string, edge: string, attracts: string, repels: string, contact: string, area_opacity: number,
- *   least_area: number, front_angle: number, front_length: number, cargo_behind: number, cargo_half: number, letter_size: number,
+ *   least_area: number, front_angle: number, front_length: number, cargo_behind: number, cargo_half: number, marks: string[], mark_half: number, letter_size: number,
  *   most_numbered: number, least_numbered: number, failed: Sign, item: Sign, leftovers: Sign, stations: Sign[], pheromones: Sign,
  *   layers: [string, Sign][], legends: [Sign[], Sign[]]}}
  */
@@ -118,7 +118,7 @@ export class WorldView {
       const [x, y] = this.place(mx, my), d = Math.hypot(x - px * this.wide, y - py * this.high);
       if (d < least && d <= Math.max(NEAR, size * this.scale)) [best, least] = [{ kind, number }, d];
     };
-    for (const i of this.rows) take("robot", i, this.x[i], this.y[i], run.head.mission.robots.radius);
+    for (const i of this.rows) take("robot", i, this.x[i], this.y[i], settingOf(run, i, "radius"));
     for (let k = 0; k < run.head.items; k++)
       if (valueAt(run, "item_stage", frame, k) === 0) take("item", k, valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k), LOOK.item.half);
     return best;
@@ -346,11 +346,11 @@ export class WorldView {
 
   /** @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Layers} layers */
   drawReach(c, frame, chosen, layers) {
-    const { run } = this, { pose_goal_radius: goal, pose_diffusion: diffusion } = run.head.mission.robots;
+    const { run } = this;
     const name = Object.keys(run.head.options)[0], s = this.scale;
     const rows = run.head.robots > MOST_PATHS ? this.rows.filter((i) => i === chosen) : this.rows;
     for (const i of rows) {
-      const own = i === chosen;
+      const own = i === chosen, goal = settingOf(run, i, "pose_goal_radius"), diffusion = settingOf(run, i, "pose_diffusion");
       const view = run.head.views[name]?.[valueAt(run, `held/${name}`, frame, i)] ?? 0;
       this.images(this.x[i], this.y[i], goal + Math.max(diffusion, view), (x, y) => {
         if (layers.reach) {
@@ -377,23 +377,24 @@ export class WorldView {
 
   /** @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Layers} layers @param {Colours} colours */
   drawRobots(c, frame, chosen, layers, colours) {
-    const { run } = this, { mission, options } = run.head, s = this.scale;
-    const radius = mission.robots.radius, size = Math.max(2, radius * s), goal = Object.keys(options)[0];
+    const { run } = this, { options, models } = run.head, s = this.scale;
+    const goal = Object.keys(options)[0], radii = Array.from(this.x, (_, i) => settingOf(run, i, "radius"));
+    const sizes = radii.map((radius) => Math.max(2, radius * s)), largest = Math.max(...sizes);
     /** @type {Map<string, [number, number, number][]>} */
     const groups = new Map();
     for (const i of this.rows) {
       const colour = valueAt(run, "working", frame, i) ? colourOf(valueAt(run, `held/${goal}`, frame, i)) : LOOK.failed.colour;
       const group = groups.get(colour) ?? [];
       groups.set(colour, group);
-      this.images(this.x[i], this.y[i], radius, (x, y) => group.push([x, y, i]));
+      this.images(this.x[i], this.y[i], radii[i], (x, y) => group.push([x, y, i]));
     }
-    if (size < SMALL) return this.drawSquares(c, frame, chosen, layers, colours, groups);
+    if (largest < SMALL) return this.drawSquares(c, frame, chosen, layers, colours, groups);
     c.strokeStyle = colours.paper;
     c.lineWidth = 1;
     for (const [colour, group] of groups) {
       c.fillStyle = colour;
       c.beginPath();
-      for (const [x, y] of group) { c.moveTo(x + size, y); c.arc(x, y, size, 0, 7); }
+      for (const [x, y, i] of group) { c.moveTo(x + sizes[i], y); c.arc(x, y, sizes[i], 0, 7); }
       c.fill();
       c.stroke();
     }
@@ -403,15 +404,16 @@ export class WorldView {
     for (const [x, y, i] of all) {
       const turn = -this.turn[i];
       c.moveTo(x, y);
-      c.arc(x, y, LOOK.front_length * size, turn - LOOK.front_angle, turn + LOOK.front_angle);
+      c.arc(x, y, LOOK.front_length * sizes[i], turn - LOOK.front_angle, turn + LOOK.front_angle);
       c.closePath();
     }
+    if (models) for (const [x, y, i] of all) this.mark(c, LOOK.marks[models[i] % LOOK.marks.length], x, y, LOOK.mark_half * sizes[i]);
     c.fill();
     c.beginPath();
     for (const [x, y, i] of all)
       if (run.tracks.has("cargo") && valueAt(run, "cargo", frame, i) >= 0)
-        this.diamond(c, x - Math.cos(this.turn[i]) * LOOK.cargo_behind * size, y + Math.sin(this.turn[i]) * LOOK.cargo_behind * size,
-          LOOK.cargo_half * size * (valueAt(run, "recycled", frame, i) ? LEFT : 1));
+        this.diamond(c, x - Math.cos(this.turn[i]) * LOOK.cargo_behind * sizes[i], y + Math.sin(this.turn[i]) * LOOK.cargo_behind * sizes[i],
+          LOOK.cargo_half * sizes[i] * (valueAt(run, "recycled", frame, i) ? LEFT : 1));
     c.fillStyle = LOOK.item.colour;
     c.strokeStyle = LOOK.ink;
     c.fill();
@@ -420,7 +422,7 @@ export class WorldView {
       c.strokeStyle = LOOK.contact;
       c.lineWidth = 3;
       c.beginPath();
-      for (const [x, y, i] of all) if (valueAt(run, "contact", frame, i) > 0) { c.moveTo(x + size + 3, y); c.arc(x, y, size + 3, 0, 7); }
+      for (const [x, y, i] of all) if (valueAt(run, "contact", frame, i) > 0) { c.moveTo(x + sizes[i] + 3, y); c.arc(x, y, sizes[i] + 3, 0, 7); }
       c.stroke();
     }
     c.strokeStyle = colours.ink;
@@ -428,10 +430,10 @@ export class WorldView {
     for (const [x, y, i] of all)
       if (i === chosen) {
         c.beginPath();
-        c.arc(x, y, size + 2, 0, 7);
+        c.arc(x, y, sizes[i] + 2, 0, 7);
         c.stroke();
       }
-    if (layers.numbers && (this.rows.length <= LOOK.most_numbered || this.zoom > 2) && size > LOOK.least_numbered) {
+    if (layers.numbers && (this.rows.length <= LOOK.most_numbered || this.zoom > 2) && Math.min(...sizes) > LOOK.least_numbered) {
       c.fillStyle = colours.ink;
       c.strokeStyle = colours.paper;
       c.lineWidth = 2;
@@ -440,10 +442,17 @@ export class WorldView {
       c.textAlign = "left";
       c.textBaseline = "alphabetic";
       for (const [x, y, i] of all) {
-        c.strokeText(String(i), x + size + 1, y - size);
-        c.fillText(String(i), x + size + 1, y - size);
+        c.strokeText(String(i), x + sizes[i] + 1, y - sizes[i]);
+        c.fillText(String(i), x + sizes[i] + 1, y - sizes[i]);
       }
     }
+  }
+
+  /** Add the mark of a model to the path. @param {CanvasRenderingContext2D} c @param {string} shape @param {number} x @param {number} y @param {number} half */
+  mark(c, shape, x, y, half) {
+    if (shape === "square") c.rect(x - half, y - half, 2 * half, 2 * half);
+    if (shape === "diamond") this.diamond(c, x, y, half);
+    if (shape === "disc") { c.moveTo(x + half, y); c.arc(x, y, half, 0, 7); }
   }
 
   /**

@@ -1,0 +1,138 @@
+"""Robots that differ: bodies and drives by model, the same bits alone and in a batch, and groups that cannot be."""
+
+import numpy as np
+import pytest
+from pettingzoo.test import parallel_api_test
+
+from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.load import load_family, load_mission, random_starts
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.robots import RobotConfig, RobotModel
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
+from clean_swarm_env.drawing.picture import pixels_of
+from clean_swarm_env.physics.collisions import CollisionCounter
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
+from selector.documents.errors import validated
+from tests.clean_swarm_env.courses import CROWD, course, difference, mission, worlds_at_start
+from tests.clean_swarm_env.physics.substeps import count
+
+CARRIER = {"model": "carrier", "count": 3, "radius": 0.3, "max_speed": 0.5, "turn_gain": 4.0}
+SCOUT = {"model": "scout", "count": 2, "radius": 0.15, "max_speed": 1.5, "drive": "holonomic", "pose_noise": 0.02}
+JOINING = [{"at": 4.0, "do": "join", "robots": 2, "model": "scout"}, {"at": 6.0, "do": "join"}]
+
+
+def team(**changes):
+    size = {"width": 5.0, "height": 5.0}
+    stations = {"recycling": [1.0, 1.0], "dump": [3.0, 3.0]}
+    return mission(robots=[CARRIER, SCOUT], world=size, stations=stations, garbage={"count": 3}, **changes)
+
+
+def test_groups_of_equal_robots_have_the_bits_of_a_team():
+    groups = [{"model": "left", "count": 5}, {"model": "right", "count": 3}]
+    alike = mission(**CROWD.model_dump(include={"world"}), robots=groups, garbage={"count": 2},
+                    stations=CROWD.task.stations.model_dump(include={"recycling", "dump"}))  # fmt: skip
+    courses = [course(worlds_at_start(config, [5]), 0, 120) for config in (CROWD, alike)]
+    assert not difference(*courses)
+
+
+def test_bodies_and_drives_are_those_of_the_models():
+    worlds = worlds_at_start(team(events=JOINING), [3, 4])
+    assert worlds.mission.models.tolist() == [0, 0, 0, 1, 1, 1, 1, 0]
+    radii, speeds = (worlds.world.of_each(key) for key in ("radius", "max_speed"))
+    nearest, fastest = np.inf, np.zeros(worlds.rows)
+    for _ in range(150):
+        worlds.tick()
+        fastest = np.maximum(fastest, np.abs(worlds.floor.drive.speed))
+        for world in range(2):
+            rows = worlds.rows_of(world)
+            rows = rows[worlds.physics.present[rows]]
+            offsets = worlds.physics.positions[rows][:, None] - worlds.physics.positions[rows]
+            away = np.linalg.norm((offsets + 2.5) % 5.0 - 2.5, axis=2) - radii[rows][:, None] - radii[rows]
+            nearest = min(nearest, away[~np.eye(len(rows), dtype=bool)].min())
+    assert worlds.physics.present.all()
+    assert (fastest <= speeds).all()
+    assert fastest[np.tile(worlds.mission.models == 1, 2)].min() > 0.5
+    assert -0.08 < nearest < 0.01  # they touch, and sink in by a substep at most
+
+
+def test_a_world_of_different_robots_has_the_same_bits_in_a_batch_and_from_a_state():
+    config = team(events=JOINING)
+    alone, batch, other = (worlds_at_start(config, seeds) for seeds in ([7], [6, 7], [9, 9]))
+    assert not difference(course(alone, 0, 60), course(batch, 1, 60))
+    other.set_state(batch.get_state(1), 0)
+    assert not difference(course(batch, 1, 40), course(other, 0, 40))
+
+
+def test_a_collision_is_the_same_gap_between_bodies_of_any_size():
+    counter = CollisionCounter(1, 3, 11.0, 11.0, distances=(0.55,), wider=np.array([0.0, 0.2, -0.1]))
+    places = np.array([[1.0, 1.0], [1.74, 1.0], [1.0, 1.44]])  # gaps: 0.04 m; 0.04 m; more
+    count(counter, places)
+    assert counter.samples[0, 0] == 2
+    count(counter, places * [1.01, 1.01])
+    assert counter.samples[0, 0] == 4
+    count(counter, places * [1.02, 1.05])
+    assert counter.samples[0, 0] == 4
+
+
+def test_a_recording_and_a_picture_show_the_models(tmp_path):
+    worlds = worlds_at_start(team(), [3])
+    recorder = MissionRecorder(worlds, RecordSettings(tmp_path))
+    path = recorder.open(0, {"scenario": "1"})
+    for _ in range(5):
+        worlds.tick()
+        recorder.record()
+    recorder.close()
+    recording = RecordedMission(path)
+    assert recording.head["models"] == [0, 0, 0, 1, 1]
+    assert validated(MissionConfig, recording.head["mission"], "head") == worlds.mission
+    live, recorded = canvas_of(worlds, 0), RecordedCourse(recording).at(0.0)
+    for canvas in (live, recorded):
+        assert canvas.radius.tolist() == [0.3] * 3 + [0.15] * 2
+        assert canvas.models.tolist() == [0, 0, 0, 1, 1]
+        assert canvas.model_names == ("carrier", "scout")
+    assert pixels_of(live).std() > 0.0
+
+
+def test_groups_are_agents_of_an_environment_and_a_family_of_random_starts():
+    config = team(time_limit=20.0)
+    parallel_api_test(clean_swarm_v0.parallel_env(config, action={"mode": "velocity"}), num_cycles=5)
+    family = random_starts(config)
+    assert family.robots == (5, 5)
+    assert family.scenario(0, 0, "test").mission.robots == config.robots.model_copy(update={"capacity": 5})
+
+
+def test_one_group_is_a_team_and_a_mapping_is_one_model():
+    assert RobotConfig.model_validate([{"count": 5}]).models == (RobotModel(count=5),)
+    assert [model.model for model in RobotConfig(count=7).models] == ["robot"]
+    assert mission(robots={"count": 7}).model_dump()["robots"]["count"] == 7
+
+
+BAD = {
+    "robots: []": "robots.groups: expected at least one group of robots, got none",
+    "robots: [{model: a, count: 0}]": "robots.groups.0.count: expected greater than or equal to 1, got 0",
+    "robots: [{model: a}, {model: a}]": "robots.groups.1.model: expected another name for each group, got 'a' twice",
+    "robots: {max_speed: 2.0, groups: [{model: a}]}": "robots.max_speed: expected it in each group, where there are "
+    "groups, got 2.0",
+    "robots: [{model: a, size: 3}]": "robots.groups.0.size: unknown key 'size'",
+    "robots: [{model: a}, {model: b, radius: 3.0}]": "robots.count: expected at most",
+    "robots: [{model: a}]\nevents: [{at: 1.0, do: join, model: b}]": "events.0.model: expected a model of the robots "
+    r"\(a\), got b",
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_groups_that_cannot_be_are_one_line(text, tmp_path):
+    path = tmp_path / "bad.yaml"
+    path.write_text(f"name: bad\n{text}\n")
+    with pytest.raises(ConfigurationError, match=BAD[text]) as caught:
+        load_mission(str(path))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_family_draws_no_number_of_robots_that_groups_do_not_have():
+    family = load_family("crowded").model_dump()
+    with pytest.raises(ConfigurationError, match="robots: expected 5, as in the groups of the mission, and no joins"):
+        validated(FamilyConfig, {**family, "mission": team().model_dump()}, "family")
