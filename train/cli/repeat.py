@@ -1,6 +1,6 @@
 """`clean-swarm explain`, `record` and `replay`: repeat a run of an evaluation to see its decisions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,6 +18,9 @@ RunDirectory = Annotated[
 ]
 ScenarioOption = Annotated[str | None, typer.Option(help="Scenario of the run; the first one unless given.")]
 ConditionOption = Annotated[str | None, typer.Option(help="Condition of the run; the first one unless given.")]
+
+MOST_OFTEN = 1.0
+"""Least time between two moments of which something is foretold [s]."""
 
 
 def explain_command(
@@ -73,22 +76,34 @@ def replay_command(
     condition: Annotated[
         list[str] | None, typer.Option(help="Condition of a run in a directory; twice for two runs, in their order.")
     ] = None,
+    what_if: Annotated[
+        float | None,
+        typer.Option(
+            "--what-if",
+            help="Foretell each robot's next 5 s under each option every so many seconds, of a family's run.",
+        ),
+    ] = None,
 ) -> None:
     """Write a page that plays a run, or two side by side; runs without a recording are repeated."""
     from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
-    from train.evaluation.repeat import recording_of
+    from train.evaluation.foretelling import foretold_along
+    from train.evaluation.repeat import recording_of, task_of
     from train.replay.page_file import write_page
 
     conditions: list[str | None] = [*condition] if condition else [None]
     chosen = runs * 2 if len(runs) == 1 and len(conditions) == 2 else runs
     if len(chosen) > 2 or len(conditions) not in (1, len(chosen)):
         raise ConfigurationError("replay: expected one or two runs, and a condition for each or for all")
-    recordings = []
+    if what_if is not None:
+        check_what_if(what_if, chosen)
+    recordings, foretold = [], []
     with TemporaryDirectory() as folder:
         for run, name in zip(chosen, conditions * (len(chosen) // len(conditions)), strict=True):
             with repeating(run) if run.is_dir() else nullcontext():
                 recordings.append(RecordedMission(recording_of(run, scenario, name, Path(folder)), ()))
-        write_page(recordings, html)
+                if what_if is not None:
+                    foretold.append(foretold_along(task_of(run, scenario, name), what_if))
+        write_page(recordings, html, foretold)
     typer.echo(f"{html}: open it in a browser")
 
 
@@ -105,6 +120,15 @@ def export_command(
     held, parts = RecordedMission(recording, ()), RecordedParts(blocks_of(recording), str(recording))
     stretches = track(parts, "writing", held.frames / MOST_FRAMES, console=error_console(), transient=True)
     typer.echo(f"{export(held, stretches, output)} tables in {output}")
+
+
+def check_what_if(every: float, runs: Sequence[Path]) -> None:
+    """Raise ConfigurationError for a time that is none, or a run that cannot be repeated."""
+    if not MOST_OFTEN <= every <= 1e6:
+        raise ConfigurationError(f"--what-if: expected seconds from {MOST_OFTEN:g} on, got {every:g}")
+    for run in runs:
+        if not run.is_dir():
+            raise ConfigurationError(f"--what-if: {run}: expected a directory of results, whose run is repeated")
 
 
 @contextmanager

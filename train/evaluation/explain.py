@@ -19,9 +19,8 @@ from selforg.arrays import Flags
 from selforg.network.explanation import TERM_TITLES, BehaviourAccount, Explanation, condition_tree, header
 from selforg.space import Torus
 from train.deciders.strategies import PolicyDecider
-from train.deciders.what_if import WhatIf
+from train.evaluation.foretelling import asking
 from train.evaluation.repeat import Deciding, Repeated, steps_until
-from train.evaluation.trial_task import TrialTask
 from train.evaluation.why import facts_of, sentence
 
 HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
@@ -77,13 +76,8 @@ def explained(
     for one in latest:
         told["policy"] = one.decider.moves(robot) if isinstance(one.decider, PolicyDecider) else {}
     if ahead:
-        if not latest or not isinstance(task, TrialTask):
-            raise ConfigurationError(
-                "--what-if: expected a run of a family, or of a decider that decides in each period"
-            )
-        (one,), nobody = latest, np.full(count, -1)
-        what_if = WhatIf(one.batch, one.decided, task.settings.observation, task.directories)
-        told["what_if"] = what_if.options(robot, one.decider, one.observations, nobody)
+        what_if, (one,) = asking(task, latest), latest
+        told["what_if"] = what_if.options(robot, one.decider, one.observations, np.full(count, -1))
     return names, step, {"stayed_s": round(stayed * period, 9), "running_s": ran, **told}
 
 

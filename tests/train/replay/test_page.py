@@ -378,3 +378,35 @@ def test_worlds_side_by_side_are_on_one_line_and_fit(watched, results):
         assert one["y"] + one["height"] <= height
         assert other["x"] + other["width"] <= width
         assert said == []
+
+
+def test_what_if_is_foretold_on_the_page_as_by_the_command(watched, results, tmp_path, capsys):
+    words = ("--condition", CONDITIONS[1])
+    assert run("replay", results / "run", *words, "--what-if", 30, "--html", tmp_path / "ahead.html") == 0
+    page, said, _ = watched()
+    page.goto((tmp_path / "ahead.html").as_uri() + "#t=31&robot=3")
+    page.wait_for_selector("body[data-ready]")
+    capsys.readouterr()
+    assert run("explain", results / "run", *words, "--robot", 3, "--time", 29.8, "--what-if", "--json") == 0
+    expected = {one["option"]: f"{one['cost_s']:.1f} s" for one in json.loads(capsys.readouterr().out)["what_if"]}
+    cell = "row => [row.dataset.foretold, row.lastElementChild.innerText]"
+    cells = f"[...document.querySelectorAll('[data-foretold]')].map({cell})"
+    assert dict(page.evaluate(cells)) == expected
+    assert "robot 3 took another option at 30.0 s" in page.inner_text("#panel")
+    assert said == []
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("run", "--what-if", "0.5"), "--what-if: expected seconds from 1 on, got 0.5"),
+        (("run", "--what-if", "nan"), "--what-if: expected seconds from 1 on, got nan"),
+        (("recording", "--what-if", "5"), "expected a directory of results, whose run is repeated"),
+    ],
+)
+def test_a_wrong_what_if_is_one_line(results, recordings, tmp_path, capsys, words, line):
+    places = {"run": results / "run", "recording": recordings[0].path}
+    assert run("replay", places[words[0]], *words[1:], "--html", tmp_path / "page.html") == 2
+    (said,) = capsys.readouterr().err.strip().splitlines()
+    assert line in said
+    assert not (tmp_path / "page.html").exists()

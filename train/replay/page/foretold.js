@@ -7,12 +7,12 @@ import { colourOf, plain } from "./world.js";
 
 /** Return the table of what is foretold as HTML. @param {Answer} answer */
 export function foretoldOf({ robot, time, options }) {
-  const least = Math.min(...options.map((one) => one.cost_s));
-  const rows = options.map((one, k) => `<tr class="${one.cost_s === least ? "run" : ""}" data-foretold="${plain(one.option)}">
+  const costs = options.map((one) => one.cost_s), least = Math.min(...costs), most = Math.max(...costs);
+  const rows = options.map((one, k) => `<tr class="${one.cost_s === least && least < most ? "run" : ""}" data-foretold="${plain(one.option)}">
     <td><span class="key" style="background:${colourOf(k)}"></span>${plain(one.option)}</td><td class="n">${one.own_collisions}</td><td class="n">${one.collisions}</td>
     <td class="n">${one.items}</td><td class="n">${one.cost_s.toFixed(1)} s</td></tr>`);
   return `<h3 title="A copy of the world ran on for each option; nothing else was done by hand in it.">What if robot ${robot} took another option at ${time.toFixed(1)} s: the next ${options[0]?.seconds ?? 0} s</h3>
-    <table><tr class="small"><td>option</td><td class="n" title="Collisions of this robot.">own</td><td class="n" title="Collisions of all robots.">all</td>
+    <table class="foretold"><tr class="small"><td>option</td><td class="n" title="Collisions of this robot.">own</td><td class="n" title="Collisions of all robots.">all</td>
     <td class="n" title="Items dumped by all robots.">items</td><td class="n" title="Seconds and the price of the collisions of all robots.">cost</td></tr>${rows.join("")}</table>`;
 }
 

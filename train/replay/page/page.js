@@ -7,6 +7,7 @@ import { CHART_WORDS, WORDS, explainWords, optionWord } from "./words.js";
 import { drawCurves, drawEvents, drawHeld, opinionCurves } from "./charts.js";
 import { panelOf } from "./mind.js";
 import { scoreOf } from "./score.js";
+import { drawForetold, foretoldOf } from "./foretold.js";
 import { listenTo } from "./pointer.js";
 import { drawWhy } from "./why.js";
 /** @typedef {import("./recording.js").Run} Run */
@@ -52,6 +53,12 @@ export class Page {
     this.offerLayers(runs);
     /** @type {Shown[]} */
     this.shown = runs.map((run, k) => this.build(run, k));
+    /** What was foretold of the robots of each run, in the order of times. @type {import("./foretold.js").Answer[][]} */
+    this.answers = [...document.querySelectorAll("script.foretold")].map((held) => JSON.parse(held.textContent ?? "[]"));
+    this.shown.forEach(({ view }, k) => view.over.push(() => {
+      const answer = this.answerOf(k);
+      if (answer && this.time <= answer.time + (answer.options[0]?.seconds ?? 0)) drawForetold(view, answer);
+    }));
     /** Lines over the charts at the present time. @type {HTMLElement[]} */
     this.lines = [...document.querySelectorAll(".over")].map((over) => {
       if (this.parting > 0) this.lineOver(over, "parting").style.left = `${(100 * this.parting) / this.frames}%`;
@@ -176,9 +183,15 @@ export class Page {
     if (kind === "robot") this.choose(k, number);
   }
 
-  /** Return what is shown above the panel of the robot, as HTML: nothing, in a recording. */
+  /** Return what is shown above the panel of the robot, as HTML: what was foretold of it. */
   beside() {
-    return "";
+    const answer = this.answerOf(this.chosen);
+    return answer ? foretoldOf(answer) : "";
+  }
+
+  /** Return what was last foretold of the chosen robot in a run. @param {number} k */
+  answerOf(k) {
+    return this.answers[k]?.findLast(({ robot, time }) => robot === this.robot && time <= this.time + this.period + 1e-6);
   }
 
   /** Return what a press would do. @param {WorldView} view @param {number} px @param {number} py @returns {import("./pointer.js").Hint} */
