@@ -13,28 +13,38 @@ import typer
 from clean_swarm_env.config.tasks import task_stories
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
-from selector.documents.find import KINDS, SHIPPED, files_of
+from selector.documents.find import KINDS, SHIPPED, files_of, plugin_names
 from selector.documents.plain import plain
 from selector.documents.reading import read_mapping
+from selforg.plugins import installed, named_plugins
 from selforg.registry import unknown
 from train.cli.options import Configs, wide_console
 
 DECLARED = {
     "strategy-classes": (
         "selector/strategies",
-        r"(?s)@STRATEGIES\.register\nclass (\w+).*?\"\"\"(.*?)(?:\n|\"\"\")",
+        r"(?s)@STRATEGIES\.register\nclass (?P<name>\w+).*?\"\"\"(?P<line>.*?)(?:\n|\"\"\")",
     ),
     "mechanism-classes": (
         "selforg/mechanisms",
-        r"(?sm)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(\w+)"
-        r"(?:\"|[^\n]*:\n    \"\"\"(.*?)(?:\n|\"\"\"))",
+        r"(?sm)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(?P<name>\w+)"
+        r"(?:\"|[^\n]*:\n    \"\"\"(?P<line>.*?)(?:\n|\"\"\"))",
     ),
     "terms": (
         "clean_swarm_env/learning/observation",
-        r"(?m)^(?:    name = |@compiled_term\(\s*)\"(\w+)\"()",
+        r"(?sm)@compiled_term\(\s*\"(?P<name>\w+)\"(?:(?!\ndef ).)*\ndef [^\n]*:\n    \"\"\"(?P<line>.*?)(?:\n|\"\"\")",
+        r"(?sm)^class \w+\([^\n]*\):\n    \"\"\"(?P<line>[^\n]*?)(?:\n|\"\"\")(?:(?!^class ).)*?"
+        r"^    name = \"(?P<name>\w+)\"",
     ),
 }
-"""Kind -> folder and pattern of the sources that declare it, with a name and a line."""
+"""Kind -> folder and patterns of the sources that declare it, with a name and a line."""
+REGISTERED = {
+    "strategy-classes": "strategy",
+    "mechanism-classes": "mechanism",
+    "terms": "observation term",
+    "tasks": "task",
+}
+"""Kind -> what the registry of it calls a class."""
 LINES = {
     "experiments": "one mission under several conditions: evaluate NAME",
     "families": "scenarios drawn at random, to compare strategies on: evaluate --family NAME",
@@ -74,15 +84,31 @@ def list_command(
 
 
 def names_of(kind: str, directories: Sequence[Path]) -> dict[str, tuple[str, ...]]:
-    """Return name -> a line on it, of everything of a kind."""
+    """Return name -> a line on it, of everything of a kind; that of a plug-in ends with where it comes from."""
+    found = _names_of_ours(kind, directories)
+    for name, origin in _names_of_plugins(kind).items():
+        found[name] = (f"{found.get(name, ('',))[0]} (from {origin})".strip(),)
+    return dict(sorted(found.items()))
+
+
+def _names_of_ours(kind: str, directories: Sequence[Path]) -> dict[str, tuple[str, ...]]:
+    """Return the names in our sources, those of all files, and of tasks also those of plug-ins that are imported."""
     if kind == "tasks":
         return {name: (story,) for name, story in task_stories().items()}
     if kind in KINDS:
         line = _conditions if kind == "experiments" else _line
         return {name: (line(path),) for name, path in files_of(kind, directories).items()}
-    folder, pattern = DECLARED[kind]
+    folder, *patterns = DECLARED[kind]
     texts = [path.read_text(encoding="utf-8") for path in (SHIPPED.parent / folder).rglob("*.py")]
-    return {name: (line,) for name, line in sorted(found for text in texts for found in re.findall(pattern, text))}
+    found = (match for text in texts for pattern in patterns for match in re.finditer(pattern, text))
+    return {match["name"]: (match["line"] or "",) for match in found}
+
+
+def _names_of_plugins(kind: str) -> dict[str, str]:
+    """Return name -> origin of everything of a kind that plug-ins have brought; their code runs, if there are any."""
+    if not named_plugins() and not installed():
+        return {}
+    return plugin_names().get(REGISTERED.get(kind, kind), {})
 
 
 def _line(path: Path) -> str:
@@ -90,13 +116,20 @@ def _line(path: Path) -> str:
     if path.suffix not in (".yaml", ".yml", ".json"):
         return ""
     try:
-        told = str(read_mapping(path).get("description", ""))
+        content = read_mapping(path)
     except DocumentError as error:
         return f"cannot be read: {error}"
+    told = str(content.get("description") or _trained_for(content.get("training")))
     if not told:
         comment = re.match(r"(?:#.*\n)+", path.read_text(encoding="utf-8"))
         told = re.sub(r"\n?# ?", " ", comment[0]) if comment else ""
     return re.split(r"(?<=[a-z0-9)])[.:] ", " ".join(told.split()))[0]
+
+
+def _trained_for(training: object) -> str:
+    """Return what the training of a policy was for, by its description."""
+    configuration = training.get("configuration") if isinstance(training, dict) else None
+    return str(configuration.get("description", "")) if isinstance(configuration, dict) else ""
 
 
 def _conditions(path: Path) -> str:

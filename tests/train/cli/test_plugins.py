@@ -64,6 +64,12 @@ def test_an_installed_plugin_is_known_to_commands_and_their_workers(installed):
     assert "KeepDistance" in table
 
 
+def test_the_list_says_where_names_come_from(installed):
+    for kind, name in {"mechanism-classes": "KeepDistance", "families": "parting", "tasks": "KeepApart"}.items():
+        (line,) = [line for line in run(installed, "list", kind).stdout.splitlines() if line.startswith(f"{name} ")]
+        assert line.endswith("(from my-swarm 0.1.0)")
+
+
 def test_ppo_learns_on_the_family_of_an_installed_plugin(installed):
     pytest.importorskip("stable_baselines3")
     (installed.parent / "training").mkdir()
