@@ -86,7 +86,7 @@ def report_of_results(results: Sequence[HeldResults], links: Mapping[str, str]) 
 
 def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Iterator[str]:
     records = _together(results)
-    conditions = list(dict.fromkeys(record.condition for record in records))
+    conditions = sorted(dict.fromkeys(record.condition for record in records), key=lambda one: _mean_cost(records, one))
     scenarios = list(dict.fromkeys(scenario for held in results for scenario in held.scenarios))
     for held in results:
         yield f"<h2>{escape(str(held.path))}</h2>" if len(results) > 1 else ""
@@ -117,6 +117,11 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
     yield _note("Cost [s] of every run; the darker, the further above the lowest of its scenario (darkest: ten times).")
     yield scenario_map(costs, conditions, scenarios, links)
     yield from _selection(results, "evaluate")
+
+
+def _mean_cost(records: Sequence[RunRecord], condition: str) -> float:
+    """Return what the missions under a condition cost [s]."""
+    return float(np.mean([record.result.cost_s for record in records if record.condition == condition]))
 
 
 def _together(results: Sequence[HeldResults]) -> list[RunRecord]:

@@ -114,6 +114,16 @@ def fit_axis(axes: Axes, values: Floats, name: str = "x") -> None:
         axes.set(**{f"{name}lim": (0.0, BEYOND * known.max() or 1.0)})
 
 
+def figure_of(value: float) -> str:
+    """Return a number with four digits at least, and all of those before the point.
+
+    >>> figure_of(19260.4), figure_of(55.913), figure_of(600.0)
+    ('19,260', '55.91', '600')
+
+    """
+    return f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.4g}"
+
+
 def error_bar(value: float, ci95: Interval | None) -> list[list[float]]:
     """Return the lengths of an error bar below and above a value, as Matplotlib asks for them."""
     low, high = ci95 or (value, value)
@@ -155,9 +165,9 @@ def draw_rows(
         found = summarise(by_scenario(values[row], scenarios))
         spread = error_bar(found.mean, found.ci95)
         axes.errorbar(found.mean, row, xerr=spread, fmt="D", color=colour, mec="white", ms=7, lw=2, zorder=4)
-        interval = "" if found.ci95 is None else "\n[{:.4g}, {:.4g}]".format(*found.ci95)
+        interval = "" if found.ci95 is None else f"\n[{', '.join(map(figure_of, found.ci95))}]"
         beside = axes.get_yaxis_transform()
-        axes.text(1.02, row, f"mean {found.mean:.4g}{interval}", transform=beside, va="center", fontsize=7)
+        axes.text(1.02, row, f"mean {figure_of(found.mean)}{interval}", transform=beside, va="center", fontsize=7)
     axes.set_yticks(range(len(values)), [label_of(label) for label in labels])
     axes.set_ylim(len(values) - 0.5, -0.5)
     axes.grid(axis="x")

@@ -18,6 +18,7 @@ from train.analysis.statistics import by_scenario, summarise
 from train.report_page.charts import differences, distributions, profile
 from train.report_page.page import html_of_markdown, scenario_map, with_unfinished
 from train.report_page.results import SELECTION_CHANNELS, results_in
+from train.reports.charts import figure_of
 from train.running import needs
 
 FAMILY = {
@@ -89,7 +90,7 @@ def test_the_figures_are_those_of_the_runs_and_links_lead_to_replays(results, tm
     for name in conditions:
         found = summarise(np.array([value for (_, condition), value in costs.items() if condition == name]))
         low, high = found.ci95
-        assert {f"mean {found.mean:.4g}", f"[{low:.4g}, {high:.4g}]"} <= set(text.found["text"])
+        assert {f"mean {figure_of(found.mean)}", f"[{figure_of(low)}, {figure_of(high)}]"} <= set(text.found["text"])
     assert len(text.links) == len(set(text.links)) == len(costs) == 9
     assert all((tmp_path / unquote(link)).read_text().lower().startswith("<!doctype html>") for link in text.links)
     headings = [*text.found["h2"], *text.found["h3"]]
