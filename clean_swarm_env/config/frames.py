@@ -1,7 +1,7 @@
 """Frames: the parts of a mission that all worlds of one batch share.
 
 Worlds of one batch share the task, the ground, the bodies, the network and the numbers of rows; events, delivery,
-prices, what the task says (`TaskKind.frame_settings`) and, on a torus, the time limit may differ. Rows that a
+prices, what the task says (`TaskKind.frame_settings`) and, except on open land, the time limit may differ. Rows that a
 mission does not use are absent, so that missions of different sizes share a frame when they state the same
 `robots.capacity` and, with cleaning, `task.garbage.capacity`. Groups of robots that differ are the same in all of them.
 """
@@ -26,7 +26,7 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
             "robots": robots,
             "task": find_task(mission.task.name).frame_settings(mission),
             "events": joining,
-            "time_limit": 1.0 if mission.world.ground == "torus" else mission.time_limit,
+            "time_limit": mission.time_limit if mission.world.ground == "open" else 1.0,
             "collision_cost": 0.0,
             "contact_cost": 0.0,
             "delivery": delivery,

@@ -9,10 +9,12 @@ import sys
 from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
+import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_serializer, field_validator, model_validator
 
 from clean_swarm_env.config.delivery import DeliveryConfig
 from clean_swarm_env.config.events import Event, Join, SetDelivery, check_team
+from clean_swarm_env.config.free_places import check_place, check_walls, free_ground, robots_that_fit
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.robots import RobotConfig, models_of_rows, of_each
 from clean_swarm_env.config.tasks import (
@@ -24,7 +26,7 @@ from clean_swarm_env.config.tasks import (
     with_task_defaults,
 )
 from clean_swarm_env.config.types import Length, Point, Pose, Seconds
-from clean_swarm_env.config.world import WorldConfig, robots_that_fit
+from clean_swarm_env.config.world import WorldConfig
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, StoreName
 from selector.knowledge import LearnedScores, learned_from
@@ -108,6 +110,7 @@ class MissionConfig(Closed):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
+        check_walls(self.world, self.robots.radius)
         find_task(self.task.name).check(self)
         self._check_times()
         self._check_room()
@@ -140,6 +143,8 @@ class MissionConfig(Closed):
         for place, event in enumerate(self.events):
             if isinstance(event, Join) and event.model and event.model not in names:
                 raise impossible(f"events.{place}.model", f"a model of the robots ({', '.join(names)})", event.model)
+            for n, (x, y, _) in enumerate(event.places if isinstance(event, Join) else ()):
+                check_place(f"events.{place}.places.{n}", (x, y), world, robots.radius)
         check_team(self.events, robots.count, fitting if world.contacts == "solid" else sys.maxsize, room)
         if 0 < robots.capacity < self._robots_needed:
             expected = f"0 or at least {self._robots_needed}, the robots at the start and those that join"
@@ -154,11 +159,26 @@ class MissionConfig(Closed):
     def extent(self) -> tuple[float, float]:
         """Width and height of the torus of the physics [m].
 
-        Open land is so wide that no robot can get round it within the mission.
+        Open land is so wide that no robot can get round it within the mission. A walled field is a quarter of its
+        torus, so that the way to any place in it is shorter inside than across a seam.
         """
         world = self.world
+        if world.ground == "walled":
+            return 2.0 * world.width, 2.0 * world.height
         beyond = 0.0 if world.ground == "torus" else self.time_limit * self.robots.max_speed + SPARE
         return world.width + 2.0 * beyond, world.height + 2.0 * beyond
+
+    def is_free(self, point: Floats) -> bool:
+        """Return whether a robot has room at a point (2,) [m], and can drive from there to the rest of the ground."""
+        if not self.world.has_walls:
+            return True
+        corner = 0.5 * (np.array(self.extent) - self.size) if self.world.ground == "open" else 0.0
+        return bool(free_ground(self.world, self.robots.radius).has((point - corner)[None])[0])
+
+    @property
+    def size(self) -> Floats:
+        """Width and height (2,) of the torus or field, or of the part of open land in which robots start [m]."""
+        return np.array([self.world.width, self.world.height])
 
     @property
     def rows(self) -> int:

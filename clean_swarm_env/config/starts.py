@@ -42,7 +42,7 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
     size = np.array([mission.world.width, mission.world.height])
     radii = mission.of_each("radius")[: mission.robots.count] if mission.world.contacts == "solid" else None
     rng = np.random.default_rng(for_robots)
-    positions = _positions_apart(mission.robots.count, size, radii, rng)
+    positions = _positions_apart(mission, size, radii, rng)
     headings = rng.uniform(-np.pi, np.pi, size=(mission.robots.count, 1))
     items = kind.place_items(mission, np.random.default_rng(for_items))
     return StartConfiguration(
@@ -52,13 +52,15 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
     )
 
 
-def _positions_apart(count: int, size: Floats, radii: Floats | None, rng: np.random.Generator) -> Floats:
-    """Return (N, 2) uniform positions [m] on the torus `size` (2,), with room for solid discs of `radii` (N,) [m]."""
+def _positions_apart(mission: MissionConfig, size: Floats, radii: Floats | None, rng: np.random.Generator) -> Floats:
+    """Return (N, 2) uniform free positions [m] on the ground `size` (2,), with room for discs of `radii` (N,) [m]."""
+    count, extent = mission.robots.count, np.array(mission.extent)
     positions = np.empty((count, 2))
     for placed in range(count):
         for _ in range(START_TRIES):
             candidate = rng.uniform(size=2) * size
-            if radii is None or has_room(candidate, radii[placed], positions[:placed], radii[:placed], size):
+            room = radii is None or has_room(candidate, radii[placed], positions[:placed], radii[:placed], extent)
+            if room and mission.is_free(candidate):
                 positions[placed] = candidate
                 break
         else:
@@ -111,6 +113,13 @@ def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfi
         raise ConfigurationError(f"scenario {start.id}: robots: expected {expected}, got {len(robots)}")
     if mission.world.contacts == "solid":
         _check_apart(mission, start.id, robots[:, :2], size)
+    for what, points in (("robots", robots[:, :2]), ("items", np.array(start.items).reshape(-1, 2))):
+        for row, point in enumerate(points if mission.world.has_walls else ()):
+            if not mission.is_free(point):
+                expected = "a place that robots can reach among the walls"
+                raise ConfigurationError(
+                    f"scenario {start.id}: {what}.{row}: expected {expected}, got {point.tolist()}"
+                )
     task = kind.with_items(mission, count=len(start.items))
     count = {} if mission.robots.groups else {"count": len(robots)}
     parts = {"robots": {**mission.robots.model_dump(), **count}, "task": task.model_dump()}

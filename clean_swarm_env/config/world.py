@@ -1,33 +1,54 @@
 """Typed configuration of the ground and its physics."""
 
-import math
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import model_validator
+import numpy as np
+from pydantic import Field, model_validator
 
-from clean_swarm_env.config.types import Length, Rate
+from clean_swarm_env.config.types import Length, Point, Rate
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed
-
-MAX_COVERED_SHARE = 0.45
-"""Largest share of the torus that solid discs may cover [-]; random sequential placement ends at 0.547."""
+from selector.documents.fields import Closed, Flag
+from selforg.arrays import Floats
 
 MOST_STEPS = 1000
 """Physics steps of a control period, between which a mission cannot be interrupted."""
 
 
-GroundKind = Literal["torus", "open"]
+GroundKind = Literal["torus", "open", "walled"]
+
+
+class WallConfig(Closed):
+    """A wall along straight lines from corner to corner, which bodies cannot cross; it has no thickness."""
+
+    corners: Annotated[tuple[Point, ...], Field(min_length=2, max_length=1000)]
+    """Where the wall begins, bends and ends [m]."""
+    closed: Flag = False
+    """Whether it returns to its first corner; nothing is inside then."""
+
+    @property
+    def segments(self) -> Floats:
+        """Its pieces (K, 4), x and y of either end [m]."""
+        corners = np.array(self.corners)
+        pieces = np.concatenate([corners, np.roll(corners, -1, axis=0)], axis=1)
+        return pieces if self.closed else pieces[:-1]
+
+
+def wall_around(width: float, height: float) -> WallConfig:
+    """Return the wall around a field [m]."""
+    return WallConfig(corners=((0.0, 0.0), (width, 0.0), (width, height), (0.0, height)), closed=True)
 
 
 class WorldConfig(Closed):
     """The ground and its physics."""
 
     ground: GroundKind = "torus"
-    """Whether the world is a torus, or open land that has no edge; cleaning is for a torus."""
+    """Whether the world is a torus, a field with a wall around it, or open land that has no edge; no cleaning there."""
     width: Length = 11.0
-    """Length of the torus along x, or of the part of open land in which robots start [m]."""
+    """Length of the torus or the field along x, or of the part of open land in which robots start [m]."""
     height: Length = 11.0
     """Length along y [m]."""
+    walls: Annotated[tuple[WallConfig, ...], Field(max_length=1000)] = ()
+    """Walls inside of the torus, the field, or the part of open land in which robots start."""
     contacts: Literal["solid", "pass_through"] = "solid"
     """Whether robots are solid, or drive through each other as in the paper's simulator."""
     physics_rate: Rate = 20.0
@@ -46,16 +67,11 @@ class WorldConfig(Closed):
         return self
 
     @property
+    def has_walls(self) -> bool:
+        """Whether there are walls, that around a field included."""
+        return self.ground == "walled" or len(self.walls) > 0
+
+    @property
     def physics_steps_per_tick(self) -> int:
         """Number of physics steps in one control period."""
         return round(self.physics_rate / self.control_rate)
-
-
-def robots_that_fit(world: WorldConfig, radius: float, largest: float = 0.0) -> int:
-    """Return the number of solid discs of a mean `radius` [m] for which random placement finds room.
-
-    largest: radius of the largest of them [m], if they differ.
-    """
-    if min(world.width, world.height) < 4.0 * max(radius, largest):  # a disc would touch its own image across the seam
-        return 0
-    return int(MAX_COVERED_SHARE * world.width * world.height / (math.pi * radius**2))

@@ -50,6 +50,7 @@ class Canvas:
     headings: Floats  # (N,) [rad]
     width: float = 11.0  # [m]
     height: float = 11.0  # [m]
+    closed: bool = True  # whether opposite sides are one
     time: float = 0.0  # [s] since the start
     state: str = ""  # what there is to say of this moment
     radius: float | Floats = 0.25  # [m] of all robots, or (N,) of each
@@ -66,6 +67,7 @@ class Canvas:
     station_kinds: tuple[int, ...] = (0, 1)  # (S,) numbers of `LOOK.stations`
     station_radius: float = 0.5  # [m] within which a robot is at a station
     areas: tuple[Area, ...] = ()  # what else lies in the world
+    walls: Floats = field(default_factory=lambda: np.zeros((0, 4)))  # (K, 4) x, y of either end [m]
     pheromones: Floats = field(default_factory=no_places)  # (M, 2) [m]
     pheromone_diffusions: Floats = field(default_factory=lambda: np.zeros(0))  # (M,) [m]
 
@@ -98,6 +100,8 @@ def appearances(canvas: Canvas, places: Floats, extent: float) -> tuple[Ints, Fl
     size = np.array([canvas.width, canvas.height])
     moved = places[:, None] + size * np.array(list(product((-1, 0, 1), repeat=2)))
     shown = ((moved > -extent) & (moved < size + extent)).all(axis=2)
+    if not canvas.closed:
+        shown &= (moved == places[:, None]).all(axis=2)
     return np.nonzero(shown)[0], moved[shown]
 
 
@@ -113,14 +117,14 @@ def trail_strength(canvas: Canvas) -> Floats:
     strength = np.zeros((lines, columns))
     places = np.ascontiguousarray(canvas.pheromones, dtype=np.float64)
     diffusions = np.ascontiguousarray(canvas.pheromone_diffusions, dtype=np.float64)
-    lay_trail(places, diffusions, canvas.width, canvas.height, strength)
+    lay_trail(places, diffusions, canvas.width, canvas.height, canvas.closed, strength)
     strength /= diffusions.max(initial=LEAST_DIFFUSION)
     return strength
 
 
 @kernel
-def lay_trail(places: Floats, diffusions: Floats, width: float, height: float, strength: Floats) -> None:
-    """Raise cells (rows, columns) of a torus to how far [m] each is inside a pheromone: `places` (M, 2) [m]."""
+def lay_trail(places: Floats, diffusions: Floats, width: float, height: float, closed: bool, strength: Floats) -> None:
+    """Raise cells (rows, columns) to how far [m] each is inside a pheromone: `places` (M, 2) [m]; `closed`: a torus."""
     lines, columns = strength.shape
     across, up = width / columns, height / lines
     for k in range(len(diffusions)):
@@ -130,9 +134,13 @@ def lay_trail(places: Floats, diffusions: Floats, width: float, height: float, s
         above = min(int(np.ceil(diffusions[k] / up)), lines // 2)
         column, line = int(np.floor(places[k, 0] / across)), int(np.floor(places[k, 1] / up))
         for i in range(line - above, line + above + 1):
+            if not closed and not 0 <= i < lines:
+                continue
             dy = (i + 0.5) * up - places[k, 1]
             row = strength[i % lines]
             for j in range(column - right, column + right + 1):
+                if not closed and not 0 <= j < columns:
+                    continue
                 dx = (j + 0.5) * across - places[k, 0]
                 felt = diffusions[k] - np.sqrt(dx * dx + dy * dy)
                 cell = j - columns if j >= columns else (j + columns if j < 0 else j)

@@ -14,7 +14,7 @@ from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, 
 from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.sampled import things_of
+from clean_swarm_env.recording.sampled import things_of, walls_shown
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.movers import PHEROMONES
 from clean_swarm_env.tasks.cleaning.settings import StationsConfig
@@ -103,8 +103,12 @@ class _Shown(BaseModel):
     )
     things: tuple[DrawnThing, ...] | None = None
     """Those of a task other than cleaning, which has no items and no stations."""
-    ground: Literal["torus", "open"] = "torus"
+    ground: Literal["torus", "walled", "open"] = "torus"
     """Of open land the square is shown in which the robots have been."""
+    shown: Annotated[tuple[Positive, ...], Field(max_length=2)] = ()
+    """Width and height of the part that is shown of a walled field's torus [m]."""
+    walls: tuple[tuple[Number, Number, Number, Number], ...] = ()
+    """x, y of either end of each wall [m]."""
 
 
 class RecordedCourse:
@@ -140,6 +144,9 @@ class RecordedCourse:
                 raise ConfigurationError(f"{recording.path}: expected {expected}, got shape {shape}")
         self._empty = {name: np.full(counts.get(kinds[name], 0), NOTHING) for name in lacking}
         self._corner, self._extent = np.zeros(2), (head["width"], head["height"])
+        if len(shown.shown) == 2:
+            self._extent = shown.shown[0], shown.shown[1]
+        self._walls = np.array(shown.walls).reshape(-1, 4)
         if shown.ground == "open":
             places = np.stack([recording["x"], recording["y"]], axis=-1)
             low, high = places.min(axis=(0, 1)) - EDGE_OF_LAND, places.max(axis=(0, 1)) + EDGE_OF_LAND
@@ -181,6 +188,7 @@ class RecordedCourse:
             now["heading"][there],
             width=self._extent[0],
             height=self._extent[1],
+            closed=self._shown.ground != "walled",
             time=frame * self._recording.period,
             state=", ".join(filter(None, [str(head["about"].get("condition", "")), counted])),
             radius=self._radii[self._models[there]] if len(self._models) else self._shown.radius,
@@ -197,6 +205,7 @@ class RecordedCourse:
             station_kinds=self._shown.stations.kinds,
             station_radius=self._shown.stations.reach,
             areas=areas_of(self._things, self._corner, np.stack([now["thing_x"], now["thing_y"]], axis=1)),
+            walls=self._walls - np.tile(self._corner, 2),
             pheromones=traces.positions[trail] - self._corner,
             pheromone_diffusions=traces.diffusion[trail],
         )
@@ -226,6 +235,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
         worlds.physics.headings[rows].copy(),
         width=width,
         height=height,
+        closed=worlds.floor.ground.kind != "walled",
         time=float(worlds.ticks[world]) * worlds.period,
         state=worlds.task.headline(world),
         radius=worlds.world.of_each("radius")[rows] if robots.groups else robots.radius,
@@ -236,6 +246,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
         options=coordinator.model.options if coordinator else (),
         held=coordinator.held[rows].copy() if coordinator else None,
         areas=areas_of(things, corner, no_places()),
+        walls=walls_shown(worlds) - np.tile(corner, 2),
         pheromones=trail - corner,
         pheromone_diffusions=diffusions,
         **worlds.task.drawn(world, rows),
@@ -248,7 +259,7 @@ def shown_part(worlds: Worlds, places: Floats) -> tuple[Floats, Floats]:
     Of open land it is a square around the middle: where robots start, and in steps what they have reached.
     """
     ground = worlds.floor.ground
-    if ground.kind == "torus":
+    if ground.kind != "open":
         return np.zeros(2), ground.size
     side = float(ground.size.max())
     beyond = float(np.abs(places - ground.centre).max(initial=0.0)) + EDGE_OF_LAND - 0.5 * side

@@ -70,6 +70,9 @@ class Appearance:
     """By their kinds."""
     pheromones: Sign = Sign("pheromones", "#56B4E9", opacity=0.66)
     """In their middle, where they have just been left."""
+    wall: Sign = Sign("wall", "#2b2b2b", "stroke")
+    wall_width: float = 3.0
+    """Width of walls [pixels]."""
     areas: tuple[Sign, ...] = (
         Sign("attracts robots", "#009E73", opacity=0.2),
         Sign("repels robots", "#D55E00", opacity=0.2),
@@ -92,7 +95,7 @@ class Appearance:
 LOOK: Final = Appearance()
 
 
-def legend(options: Sequence[str], cleans: bool, models: Sequence[str] = ()) -> list[Sign]:
+def legend(options: Sequence[str], cleans: bool, models: Sequence[str] = (), walled: bool = False) -> list[Sign]:
     """Return the entries of a legend: options, models of robots, and what else there is to see."""
     held = [Sign(name, OPTION_COLOURS[k % len(OPTION_COLOURS)]) for k, name in enumerate(options)]
     marks = [LOOK.marks[k % len(LOOK.marks)] for k in range(len(models))]
@@ -103,4 +106,5 @@ def legend(options: Sequence[str], cleans: bool, models: Sequence[str] = ()) -> 
         LOOK.failed,
         *((LOOK.item, LOOK.leftovers, *LOOK.stations) if cleans else LOOK.areas),
         LOOK.pheromones,
+        *((LOOK.wall,) if walled else ()),
     ]

@@ -51,6 +51,7 @@ OUTLINES: Final = {
     "disc": Outline.unit_circle(),
     "diamond": Outline([(-1, 0), (0, 1), (1, 0), (0, -1), (-1, 0)]),
     "front": Outline.wedge(-degrees(LOOK.front_angle), degrees(LOOK.front_angle)),
+    "stroke": Outline([(-1, 0), (1, 0)]),
     "square": Outline([(-1, -1), (-1, 1), (1, 1), (1, -1), (-1, -1)]),
 }
 """Shapes of signs whose half is 1."""
@@ -102,7 +103,8 @@ class _Picture:
         self._scale = (side - 2 * MARGIN) / max(canvas.width, canvas.height)
         self._across, self._up = (max(round(length * self._scale), 1) for length in (canvas.width, canvas.height))
         self.width = max(_even(self._across + 2 * MARGIN), _even(side / 2))
-        self._entries = legend(canvas.options, len(canvas.stations) > 0, canvas.model_names)
+        walled = len(canvas.walls) > 0
+        self._entries = legend(canvas.options, len(canvas.stations) > 0, canvas.model_names, walled)
         self._column = max(_length(sign.word) for sign in self._entries) + 5 * KEY
         self._columns = max(int((self.width - 2 * MARGIN) // self._column), 1)
         self.height = _even(TITLE + self._up + ceil(len(self._entries) / self._columns) * ENTRY + MARGIN)
@@ -116,6 +118,7 @@ class _Picture:
         self._pen.set_clip_rectangle(Bbox.from_bounds(self._left, self._bottom, self._across, self._up))
         renderer.draw_image(self._pen, self._left, self._bottom, _trail(self._canvas, self._across, self._up))
         self._draw_things()
+        self._draw_walls()
         self._draw_robots()
         self._pen.set_clip_rectangle(None)
         middle = Affine2D.from_values(across, 0.0, 0.0, up, self._left + across, self._bottom + up)
@@ -145,6 +148,12 @@ class _Picture:
         for row, x, y in self._places(canvas.garbage, LOOK.item.half):
             sign = LOOK.leftovers if canvas.leftover is not None and canvas.leftover[row] else LOOK.item
             self._sign(sign, x, y, sign.half * self._scale)
+
+    def _draw_walls(self) -> None:
+        """Draw walls."""
+        place = Affine2D.from_values(self._scale, 0.0, 0.0, self._scale, self._left, self._bottom)
+        for wall in self._canvas.walls:
+            self._outline(Outline(wall.reshape(2, 2)), place, NO_COLOUR, LOOK.wall.colour, LOOK.wall_width)
 
     def _draw_robots(self) -> None:
         """Draw robots with fronts and cargo, and then their numbers, which nothing hides."""
@@ -191,9 +200,12 @@ class _Picture:
         self._shape("disc", x, y, radius * self._scale, NO_COLOUR, colour)
 
     def _sign(self, sign: Sign, x: float, y: float, half: float) -> None:
-        self._shape(
-            sign.shape, x, y, half, (sign.colour, sign.opacity), LOOK.ink if sign.shape == "diamond" else NO_COLOUR
-        )
+        if sign.shape == "stroke":
+            place = Affine2D.from_values(half, 0.0, 0.0, half, x, y)
+            self._outline(OUTLINES["stroke"], place, NO_COLOUR, sign.colour, LOOK.wall_width)
+        else:
+            edge = LOOK.ink if sign.shape == "diamond" else NO_COLOUR
+            self._shape(sign.shape, x, y, half, (sign.colour, sign.opacity), edge)
         if sign.letter:
             self._outline(_word(sign.letter, 1.5 * half, centred=True), Affine2D().translate(x, y), WHITE)
 
@@ -237,7 +249,8 @@ def _trail(canvas: Canvas, across: int, up: int) -> Pixels:
     strength = (trail_strength(canvas) * 255.0).astype(np.uint8)
     lines, columns = strength.shape
     inside = (1, 1, columns + 1, lines + 1)
-    smooth = Image.fromarray(np.pad(strength, 1, mode="wrap")).resize((across, up), Image.Resampling.BILINEAR, inside)
+    padded = np.pad(strength, 1, mode="wrap" if canvas.closed else "edge")
+    smooth = Image.fromarray(padded).resize((across, up), Image.Resampling.BILINEAR, inside)
     smooth.putpalette(trail_colours().tobytes())
     return np.array(smooth.convert("RGBA"))
 

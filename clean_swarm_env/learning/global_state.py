@@ -21,9 +21,9 @@ class GlobalState:
 
     `names` names them: `robot_K_NAME` (`ROBOT`, what the task says of robots, then `holds_OPTION` or with several
     goals `holds_GOAL_OPTION`), things as the task names them (`KIND_K_x`), `time`, and what the task says of worlds.
-    Places go from -1 to 1 along each side of the torus; on open land they are offsets from the middle. `time` is the
-    share of the time limit that has passed. The other components are flags, except cosine and sine. What is not there
-    is 0.
+    Places go from -1 to 1 along each side of the torus or field; on open land they are offsets from the middle. `time`
+    is the share of the time limit that has passed. The other components are flags, except cosine and sine. What is not
+    there is 0.
 
     Cleaning has `carrying` and `recycled` of robots, `item_K_lying`, `carried`, `done`, `x` and `y` (where the item
     lies or was picked), `recycling_x`, `dump_y`, further stations as `recycling_2_x`, and `garbage_done`, the share of
@@ -70,7 +70,7 @@ class GlobalState:
         ground = self._worlds.floor.ground
         if ground.kind == "open":
             return np.clip((points - ground.centre) / ground.size, -1.0, 1.0)
-        places: Floats = 2.0 * points / self._worlds.extent - 1.0
+        places: Floats = 2.0 * points / ground.land - 1.0
         return places
 
     def _robots(self) -> Floats:

@@ -14,27 +14,32 @@ import numpy as np
 from numba import types
 from numba.extending import intrinsic, overload
 
-from clean_swarm_env.physics.motion import COPY_OFFSETS, RobotMotion, open_robot_motion
+from clean_swarm_env.physics.motion import COPY_OFFSETS, NOBODY_TOUCHES, RobotMotion, choose_walls, open_robot_motion
 from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import part
 from selforg.compiler.intrinsics import LLVM, Compiler
 from selforg.compiler.records import Recording, Words, Written
 from selforg.compiler.switches import LEAN
+from selforg.walls.segments import Walls, open_walls
 
 IR: Compiler = LLVM.ir
 TYPES: Compiler = types  # they have no types themselves
 
 COLLISION_SLOP = 0.005  # [m]; Chipmunk's own 0.1 would let discs of 0.25 m sink in visibly
 COPY_CATEGORY, COPY_MASK = 0b10, 0b01  # seam copies meet originals only, so that each pair meets once
+WALL_CATEGORY, WALL_MASK = 0b100, 0b01  # walls meet originals only; they have images across the seams themselves
+ROBOT_CATEGORY = 0b01  # of robots that pass through each other: they meet walls only
 
 NAMES = (
     "cpSpaceNew", "cpSpaceFree", "cpSpaceSetCollisionSlop", "cpSpaceAddBody", "cpSpaceAddShape", "cpSpaceStep",
     "cpBodyNew", "cpBodyFree", "cpBodySetPosition", "cpBodySetVelocity", "cpBodySetForce", "cpBodyGetPosition",
     "cpBodyGetVelocity", "cpBodyUpdatePosition", "cpCircleShapeNew", "cpShapeFree", "cpShapeSetFilter",
+    "cpSpaceGetStaticBody", "cpSegmentShapeNew",
 )  # fmt: skip
 (
     SPACE_NEW, SPACE_FREE, SET_SLOP, ADD_BODY, ADD_SHAPE, SPACE_STEP, BODY_NEW, BODY_FREE, SET_POSITION, SET_VELOCITY,
-    SET_FORCE, GET_POSITION, GET_VELOCITY, UPDATE_POSITION, CIRCLE_NEW, SHAPE_FREE, SET_FILTER,
+    SET_FORCE, GET_POSITION, GET_VELOCITY, UPDATE_POSITION, CIRCLE_NEW, SHAPE_FREE, SET_FILTER, STATIC_BODY,
+    SEGMENT_NEW,
 ) = range(len(NAMES))  # fmt: skip
 
 
@@ -109,8 +114,8 @@ for each in RESULTS:
 
 
 @part
-def make_space(world: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> int:
-    """Return the address of a new space that holds the discs of a world, in the order of their rows.
+def make_space(world: int, motion: Words[RobotMotion], walls: Words[Walls], chipmunk: Words[Chipmunk]) -> int:
+    """Return the address of a new space that holds the discs of a world, in the order of their rows, and near walls.
 
     Absent robots lie in it and touch no other, so that the others are computed as they were.
     """
@@ -124,8 +129,26 @@ def make_space(world: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]
         circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radii[row], 0.0, 0.0))
         if not m.present[row]:
             call_c(c[SET_FILTER], (circle, 0, 0))
+        elif m.search == NOBODY_TOUCHES:
+            call_c(c[SET_FILTER], (circle, 0, ROBOT_CATEGORY | WALL_CATEGORY << 32))
         m.parts[index, 1] = call_for_pointer(c[ADD_SHAPE], (space, circle))
+    if m.walls.shape[0] > 0:
+        choose_walls(world, motion, walls)
+        add_walls(space, motion, walls, chipmunk)
     return space
+
+
+@part
+def add_walls(space: int, motion: Words[RobotMotion], walls: Words[Walls], chipmunk: Words[Chipmunk]) -> None:
+    """Put the chosen walls into a space."""
+    c, m, w = open_chipmunk(chipmunk).functions, open_robot_motion(motion), open_walls(walls)
+    body = call_for_pointer(c[STATIC_BODY], (space,))
+    for k in range(m.walls.shape[0]):
+        if m.walls[k] != 0:
+            ends = (body, w.segments[k, 0], w.segments[k, 1], w.segments[k, 2], w.segments[k, 3], 0.0)
+            wall = call_for_pointer(c[SEGMENT_NEW], ends)
+            call_c(c[SET_FILTER], (wall, 0, WALL_CATEGORY | WALL_MASK << 32))
+            m.walls[k] = call_for_pointer(c[ADD_SHAPE], (space, wall))
 
 
 @part
@@ -160,7 +183,7 @@ def touch(world: int, space: int, last: bool, motion: Written[RobotMotion], chip
 
 @part
 def free_space(space: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> None:
-    """Free the memory of a space, its discs and circles."""
+    """Free the memory of a space, its discs, circles and walls."""
     c, m = open_chipmunk(chipmunk).functions, open_robot_motion(motion)
     call_c(c[SPACE_FREE], (space,))
     for index in range(m.parts.shape[0]):
@@ -169,3 +192,7 @@ def free_space(space: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]
                 call_c(c[SHAPE_FREE], (m.parts[index, column],))
         call_c(c[BODY_FREE], (m.parts[index, 0],))
         m.parts[index] = 0
+    for k in range(m.walls.shape[0]):
+        if m.walls[k] != 0:
+            call_c(c[SHAPE_FREE], (m.walls[k],))
+            m.walls[k] = 0

@@ -14,17 +14,23 @@ from clean_swarm_env.physics.chipmunk_calls import (
     COPY_CATEGORY,
     COPY_MASK,
     NAMES,
+    ROBOT_CATEGORY,
+    WALL_CATEGORY,
+    WALL_MASK,
     Chipmunk,
 )
-from clean_swarm_env.physics.motion import COPY_OFFSETS, RobotMotion
+from clean_swarm_env.physics.motion import COPY_OFFSETS, NOBODY_TOUCHES, RobotMotion, choose_walls
 from selforg.compiler.records import Packed
 from selforg.compiler.switches import COMPILED, PLAIN
+from selforg.walls.segments import Walls
 
 CALLED: Final = COMPILED and not PLAIN and os.name == "posix"
 """Whether compiled code calls Chipmunk. Windows passes vectors to C functions in another way."""
 
 COPIES: Final = pymunk.ShapeFilter(categories=COPY_CATEGORY, mask=COPY_MASK)
 UNTOUCHED: Final = pymunk.ShapeFilter(categories=0, mask=0)
+PASSING: Final = pymunk.ShapeFilter(categories=ROBOT_CATEGORY, mask=WALL_CATEGORY)
+WALL: Final = pymunk.ShapeFilter(categories=WALL_CATEGORY, mask=WALL_MASK)
 
 
 def chipmunk_functions(called: bool = CALLED) -> Packed[Chipmunk]:
@@ -34,13 +40,13 @@ def chipmunk_functions(called: bool = CALLED) -> Packed[Chipmunk]:
 
 
 class ContactSpace:
-    """The robots of one world in pymunk for one control tick: discs without rotation, and their seam copies.
+    """The robots of one world in pymunk for one control tick: discs without rotation, their seam copies, near walls.
 
     `touch` is `chipmunk_calls.touch`, by pymunk's public interface: the same bits, but slower.
     """
 
-    def __init__(self, world: int, motion: RobotMotion) -> None:
-        self._motion = motion
+    def __init__(self, world: int, packed: Packed[RobotMotion], walls: Packed[Walls]) -> None:
+        motion = self._motion = packed.record
         self._first = world * len(motion.parts)
         self._space = pymunk.Space()
         self._space.collision_slop = COLLISION_SLOP
@@ -51,7 +57,15 @@ class ContactSpace:
             circle = pymunk.Circle(disc, float(motion.radii[row]))
             if not motion.present[row]:
                 circle.filter = UNTOUCHED
+            elif motion.search == NOBODY_TOUCHES:
+                circle.filter = PASSING
             self._space.add(disc, circle)
+        choose_walls(world, packed.words, walls.words)
+        for ax, ay, bx, by in walls.record.segments[motion.walls != 0].tolist():
+            wall = pymunk.Segment(self._space.static_body, (ax, ay), (bx, by), 0.0)
+            wall.filter = WALL
+            self._space.add(wall)
+        motion.walls[:] = 0
 
     def touch(self, last: bool) -> None:
         """Run a substep; see `chipmunk_calls.touch`."""

@@ -1,4 +1,4 @@
-"""Free motion on the torus: how robots move as long as none touches another (compiled, all worlds at once).
+"""Free motion on the torus: how robots move as long as none touches another or a wall (compiled, all worlds at once).
 
 Shapes: W worlds, N robots a world, R = W * N rows; world w has the rows w*N .. (w+1)*N - 1.
 """
@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Recording, Written
+from selforg.compiler.records import Recording, Words, Written
 from selforg.elementary import sine_cosine
 from selforg.space import nearest_image, wrapped
+from selforg.walls.segments import Walls, cell_of_walls, open_walls, touches_wall
 
 NOBODY_TOUCHES: Final = 0  # search for contacts: robots never touch
 SEARCH_PAIRS: Final = 1  # look at every pair of a world
@@ -23,6 +24,7 @@ PERSISTENCE: Final = 3  # [substeps] for which Chipmunk remembers a contact
 
 COPY_RIGHT, COPY_ABOVE, COPY_RIGHT_ABOVE, COPY_RIGHT_BELOW = 1, 2, 4, 8  # seam copies of a body, one bit each
 COPY_OFFSETS: Final = ((1, 0), (0, 1), (1, 1), (1, -1))  # their places [world sizes], in the order of the bits
+NEAR_ROBOTS: Final = 1  # in place of the address of a wall that robots may touch in this tick
 PARTS: Final = 2 + len(COPY_OFFSETS)  # of a robot in Chipmunk: a body, its circle and the seam copies of the circle
 
 
@@ -38,6 +40,7 @@ class RobotMotion(NamedTuple):
     copies: Annotated[npt.NDArray[np.uint8], "R", SCRATCH]  # seam copies that each body needs
     patience: Annotated[Ints, "W", KEPT]  # substeps until a world is free of contacts
     parts: Annotated[Ints, "N PARTS", SCRATCH]  # addresses in Chipmunk while a world is in contact, else 0
+    walls: Annotated[Ints, "K", SCRATCH]  # likewise, of segments; NEAR_ROBOTS where one is to be put there
     left: Annotated[Ints, "W", SCRATCH]  # substeps of the running tick that a world still has to do
     search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
     width: float  # of the torus [m]
@@ -82,6 +85,29 @@ def touching(first: int, end: int, m: RobotMotion) -> bool:
 
 
 @inlined
+def touching_walls(first: int, end: int, m: RobotMotion, walls: Words[Walls]) -> bool:
+    """Return whether any robot present in the rows first .. end - 1 touches a wall."""
+    for row in range(first, end):
+        if m.present[row] and touches_wall(m.positions[row, 0], m.positions[row, 1], m.radii[row], walls):
+            return True
+    return False
+
+
+@lean_kernel
+def choose_walls(world: int, motion: Words[RobotMotion], walls: Words[Walls]) -> None:
+    """Write NEAR_ROBOTS for each wall that a robot of a world may touch in this tick, else 0."""
+    m, w = open_robot_motion(motion), open_walls(walls)
+    robots = m.parts.shape[0]
+    for k in range(m.walls.shape[0]):
+        m.walls[k] = 0
+    for row in range(world * robots, (world + 1) * robots):
+        cell = cell_of_walls(m.positions[row, 0], m.positions[row, 1], w)
+        if cell >= 0 and m.present[row]:
+            for k in range(w.first[cell], w.first[cell + 1]):
+                m.walls[w.listed[k]] = NEAR_ROBOTS
+
+
+@inlined
 def move(row: int, m: RobotMotion) -> None:
     """Move a body for one timestep.
 
@@ -98,11 +124,15 @@ def move(row: int, m: RobotMotion) -> None:
 
 
 @inlined
-def search_contacts(world: int, m: RobotMotion) -> bool:
+def search_contacts(world: int, m: RobotMotion, walls: Words[Walls]) -> bool:
     """Set the patience of a world for the substep that begins; return whether it is in contact."""
     robots = m.parts.shape[0]
     first = world * robots
-    if m.search == ALWAYS_TOUCHING or (m.search == SEARCH_PAIRS and touching(first, first + robots, m)):
+    if (
+        m.search == ALWAYS_TOUCHING
+        or (m.search == SEARCH_PAIRS and touching(first, first + robots, m))
+        or (m.walls.shape[0] > 0 and touching_walls(first, first + robots, m, walls))
+    ):
         m.patience[world] = m.settling
     elif m.patience[world] > 0:
         m.patience[world] -= 1

@@ -1,11 +1,11 @@
 """Robots as discs on a torus: W worlds of N robots, driven by speed and turn rate.
 
-Pymunk computes the motion while robots touch. A world without contacts needs no solver: compiled code (motion.py) moves
-its robots by position += velocity * timestep. Both are the same integrator, cut at different points. Chipmunk's step
-moves by the velocity of the step before, finds contacts, then forces and contacts change the velocity. Here a substep
-finds contacts, changes velocities and then moves by them. So a world may change between the two at any substep, and a
-command acts at once. A world moves freely again three substeps after its last contact: within a tick Chipmunk
-remembers contacts for so long.
+Pymunk computes the motion while robots touch each other or a wall. A world without contacts needs no solver: compiled
+code (motion.py) moves its robots by position += velocity * timestep. Both are the same integrator, cut at different
+points. Chipmunk's step moves by the velocity of the step before, finds contacts, then forces and contacts change the
+velocity. Here a substep finds contacts, changes velocities and then moves by them. So a world may change between the
+two at any substep, and a command acts at once. A world moves freely again three substeps after its last contact: within
+a tick Chipmunk remembers contacts for so long.
 
 Robots that touch are put into a new space of pymunk in every control tick. Between ticks the arrays are all there is.
 
@@ -37,6 +37,7 @@ from selforg.arrays import KEPT, READ, Flags, Floats
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
+from selforg.walls.segments import Walls, no_walls
 
 Contacts = Literal["solid", "pass_through"]
 
@@ -68,6 +69,7 @@ class Physics:
     positions: (R, 2) float64 [m] in [0, width) x [0, height); the same C-contiguous array all the time.
     headings: (R,) float64 [rad] in (-pi, pi]; the same array all the time.
     bodies: (R, 4) float64, x and y where the last substep began [m], and the velocity after contacts [m/s].
+    walls: what stops robots; without any, they move freely until they touch each other.
     present: (R,) bool, read only: absent robots touch none and do not move. `place` makes all robots of a world
         present, `add` and `remove` change one.
 
@@ -85,8 +87,9 @@ class Physics:
 
     present: Annotated[Flags, "R", KEPT]
 
-    def __init__(self, settings: PhysicsSettings) -> None:
+    def __init__(self, settings: PhysicsSettings, walls: Packed[Walls] | None = None) -> None:
         self.settings = settings
+        self.walls = no_walls() if walls is None else walls
         worlds, robots = settings.worlds, settings.robots
         rows = worlds * robots
         radii = np.full(rows, settings.radius, dtype=np.float64)
@@ -109,6 +112,7 @@ class Physics:
                 copies=np.zeros(rows, np.uint8),
                 patience=np.zeros(worlds, np.int64),
                 parts=np.zeros((robots, PARTS), np.int64),
+                walls=np.zeros(len(self.walls.record.segments), np.int64),
                 left=np.zeros(worlds, np.int64),
                 search=search,
                 width=float(settings.width),
@@ -170,11 +174,12 @@ class Physics:
         unless contacts prevent it. Then its heading advances. Where robots touch, each substep of a tick starts with
         the impulses of the previous one.
         """
-        motion, drives, counts = self._motion, drive.packed, counter.packed
-        if not begin_tick(now, substeps, commands.words, drives.words, motion.words, counts.words, FUNCTIONS.words):
+        motion, drives, counts, walls = self._motion, drive.packed, counter.packed, self.walls.words
+        words = drives.words, motion.words, counts.words, walls, FUNCTIONS.words
+        if not begin_tick(now, substeps, commands.words, *words):
             return
         for world in np.flatnonzero(motion.record.left).tolist():
-            left, space = int(motion.record.left[world]), ContactSpace(world, motion.record)
+            left, space = int(motion.record.left[world]), ContactSpace(world, motion, self.walls)
             while left:
                 space.touch(last=left == 1)
-                left = land_and_go_on(world, left, drives.words, motion.words, counts.words, FUNCTIONS.words)
+                left = land_and_go_on(world, left, *words)

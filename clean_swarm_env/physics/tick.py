@@ -15,6 +15,7 @@ from clean_swarm_env.physics.motion import RobotMotion, land, open_robot_motion,
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Words, Written
+from selforg.walls.segments import Walls
 
 NO_SPACE: Final = 0
 """In place of the address of a space: no robots have touched in this tick."""
@@ -27,19 +28,20 @@ def go_on(
     drive: Words[DriveState],
     motion: Written[RobotMotion],
     counts: Written[Counts],
+    walls: Words[Walls],
     chipmunk: Words[Chipmunk],
 ) -> int:
     """Run a world through its `left` substeps; return those left, of which Python has to run the first."""
     d, m, space = open_drive(drive), open_robot_motion(motion), NO_SPACE
     while left > 0:
-        contact = search_contacts(world, m)
+        contact = search_contacts(world, m, walls)
         set_wanted(world, not contact, d.speed, d.turn_rate, m)
         if contact:
             push(world, m)
             if open_chipmunk(chipmunk).functions[0] == 0:
                 return left
             if space == NO_SPACE:
-                space = make_space(world, motion, chipmunk)
+                space = make_space(world, motion, walls, chipmunk)
             touch(world, space, left == 1, motion, chipmunk)
             land(world, motion)
         count_world(world, m.positions, m.present, counts)
@@ -57,6 +59,7 @@ def begin_tick(
     drive: Written[DriveState],
     motion: Written[RobotMotion],
     counts: Written[Counts],
+    walls: Words[Walls],
     chipmunk: Words[Chipmunk],
 ) -> int:
     """Give the drives their commands at `now` [s] and run every world as far as compiled code can.
@@ -69,7 +72,7 @@ def begin_tick(
         c.entered_in_tick[row] = 0
     waiting = 0
     for world in range(m.left.shape[0]):
-        m.left[world] = go_on(world, substeps, drive, motion, counts, chipmunk)
+        m.left[world] = go_on(world, substeps, drive, motion, counts, walls, chipmunk)
         waiting += m.left[world] > 0
     return waiting
 
@@ -81,10 +84,11 @@ def land_and_go_on(
     drive: Words[DriveState],
     motion: Written[RobotMotion],
     counts: Written[Counts],
+    walls: Words[Walls],
     chipmunk: Words[Chipmunk],
 ) -> int:
     """Continue a world after a substep that Python ran in pymunk; see `go_on`."""
     m = open_robot_motion(motion)
     land(world, motion)
     count_world(world, m.positions, m.present, counts)
-    return go_on(world, left - 1, drive, motion, counts, chipmunk)
+    return go_on(world, left - 1, drive, motion, counts, walls, chipmunk)

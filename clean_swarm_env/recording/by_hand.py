@@ -151,8 +151,11 @@ def set_loss(worlds: Worlds, loss: Share) -> None:
 
 
 def _place(worlds: Worlds, x: float, y: float) -> Floats:
-    """Return the place (2,) on the torus [m]."""
-    return np.array([x, y]) % worlds.extent
+    """Return the place (2,) on the torus [m]; ValueError where walls leave no room."""
+    place = np.array([x, y]) % worlds.extent
+    if not worlds.mission.is_free(place):
+        raise ValueError(f"the place [{x:g}, {y:g}]: expected one that robots can reach among the walls")
+    return place
 
 
 def _check_there(worlds: Worlds, robot: int) -> None:

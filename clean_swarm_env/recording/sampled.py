@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from clean_swarm_env.config.free_places import segments_of
 from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.explaining import Movements
@@ -75,6 +76,12 @@ def things_of(worlds: Worlds, world: int) -> Iterator[dict[str, Any]]:
                 {"moves": count} if thing.moves else {}
             )
             count += thing.moves
+
+
+def walls_shown(worlds: Worlds) -> Floats:
+    """Return x, y of either end of the walls (K, 4) [m]."""
+    segments: Floats = segments_of(worlds.mission.world) + np.tile(worlds.floor.ground.corner, 2)
+    return segments
 
 
 def points(

@@ -57,7 +57,7 @@ class Looking(Task[TaskSettings, Map]):
     @property
     def mapped(self) -> float:
         """Side of the square that is mapped, around the middle [m]: all ground that robots can reach."""
-        return float(self.world.ground.extent.min())
+        return float(self.world.ground.land.min())
 
     @property
     def maps(self) -> Ints:

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import numpy as np
 
+from clean_swarm_env.config.free_places import images_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive
@@ -18,6 +19,20 @@ from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.elementary import directions
+from selforg.walls.segments import NEAR, Walls, no_walls, packed_walls
+
+
+def walls_of(mission: MissionConfig) -> Packed[Walls]:
+    """Return the walls of a mission, at their places on the torus of the physics."""
+    world, robots = mission.world, mission.robots
+    if not world.has_walls:
+        return no_walls()
+    near = max(NEAR, 2.0 * robots.radius + 2.0 * robots.max_speed / world.control_rate)
+    corner = Ground.of(mission).corner
+    segments = images_of(world, near) + np.tile(corner, 2)
+    beyond = near if world.ground == "open" else 0.0
+    low, high = corner - beyond, corner + mission.size + beyond
+    return packed_walls(segments, low.tolist(), high.tolist(), near)
 
 
 class Floor:
@@ -27,6 +42,7 @@ class Floor:
         worlds, robots: W and N.
         ground: the ground, with its metric.
         extent: (2,) of each world's torus [m].
+        walls: what stops the bodies.
         physics: the bodies.
         drive: turns commands into speeds and turn rates.
         collisions: counts of robots that are too close to each other.
@@ -46,6 +62,7 @@ class Floor:
 
         self.extent = self.ground.extent
         width, height = self.extent.tolist()
+        self.walls = walls_of(mission)
         self.physics = Physics(
             PhysicsSettings(
                 worlds=worlds,
@@ -55,7 +72,8 @@ class Floor:
                 radius=each("radius"),
                 contacts=world.contacts,
                 timestep=1.0 / world.physics_rate,
-            )
+            ),
+            self.walls,
         )
         self.drive = DifferentialDrive(
             worlds * mission.rows,

@@ -1,9 +1,10 @@
-"""The ground of a world: a torus, or open land. Robots start around its middle.
+"""The ground of a world: a torus, a walled field, or open land. Robots start around its middle.
 
-Open land has no edge. Physics works on a torus so wide that no robot gets round it within the mission, and all sensors
-and measures use Euclidean offsets.
+A walled field is the lower left quarter of the torus of the physics. Open land has no edge: its torus is so wide that
+no robot gets round it within the mission. On both, all sensors and measures use Euclidean offsets.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated
 
@@ -17,12 +18,13 @@ from selforg.space import Euclidean, Space, Torus
 
 @dataclass(frozen=True)
 class Ground:
-    """A torus, or the open land around a rectangle in which robots start.
+    """A torus, a walled field, or the open land around a rectangle in which robots start.
 
     Attributes:
-        kind: torus or open.
-        size: (2,) of the torus, or of that rectangle [m].
+        kind: torus, walled or open.
+        size: (2,) of the torus or field, or of that rectangle [m].
         extent: (2,) of the torus of the physics [m].
+        is_free: whether a robot has room at a place (2,) [m] and can drive from there to the rest of the ground.
         space: the metric of sensors and measures.
 
     """
@@ -30,6 +32,7 @@ class Ground:
     kind: GroundKind
     size: Annotated[Floats, "2", READ]
     extent: Annotated[Floats, "2", READ]
+    is_free: Callable[[Floats], bool] = field(default=lambda point: True, repr=False, compare=False)
     space: Annotated[Space, READ] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -39,22 +42,26 @@ class Ground:
     @classmethod
     def of(cls, mission: MissionConfig) -> "Ground":
         """Return the ground of a mission."""
-        world = mission.world
-        return cls(world.ground, np.array([world.width, world.height]), np.array(mission.extent))
+        return cls(mission.world.ground, mission.size, np.array(mission.extent), mission.is_free)
+
+    @property
+    def land(self) -> Floats:
+        """Width and height (2,) of all ground that robots can reach [m]."""
+        return self.size if self.kind == "walled" else self.extent
 
     @property
     def centre(self) -> Floats:
         """Middle of the ground (2,) [m]."""
-        return 0.5 * self.extent
+        return 0.5 * self.land
 
     @property
     def corner(self) -> Floats:
-        """Lower left corner of the torus, or of the rectangle in which robots start, (2,) [m]."""
-        return 0.5 * (self.extent - self.size)
+        """Lower left corner of the torus or field, or of the rectangle in which robots start, (2,) [m]."""
+        return 0.5 * (self.land - self.size)
 
     @property
     def longest(self) -> float:
-        """Distance that counts as far [m]: half the diagonal of the torus, or the diagonal of the rectangle."""
+        """Distance that counts as far [m]: half the diagonal of the torus, or that of the field or rectangle."""
         diagonal = float(np.sqrt((self.size * self.size).sum()))
         return 0.5 * diagonal if self.kind == "torus" else diagonal
 

@@ -193,7 +193,7 @@ class WorldStart:
         free_of: Floats | None = None,
         gap: float | Floats = 0.0,
     ) -> Floats:
-        """Return (count, 2) uniform places [m] at least `apart` [m] from each other.
+        """Return (count, 2) uniform places [m] at least `apart` [m] from each other, which robots can reach.
 
         Args:
             count: number of places.
@@ -217,6 +217,7 @@ class WorldStart:
                     (ground.distances(place, places[:placed]) >= apart).all()
                     and (ground.distances(place, taken) >= gap).all()
                     and float(ground.distances(place, ground.centre)) >= away
+                    and ground.is_free(place)
                 ):
                     places[placed] = place
                     break

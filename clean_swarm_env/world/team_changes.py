@@ -119,11 +119,13 @@ class Team:
     def is_free(self, row: int, point: Floats) -> bool:
         """Return whether there is room for the robot of `row` at `point` (2,) [m].
 
-        Robots that pass through others need none.
+        Robots that pass through others need only one among the walls.
         """
+        floor = self._floor
+        if not self._mission.is_free(point % floor.extent):
+            return False
         if self._mission.world.contacts != "solid":
             return True
-        floor = self._floor
         rows = floor.rows_of(row // floor.robots)
         bodies = rows[floor.physics.present[rows] & (rows != row)]
         places = floor.physics.positions[bodies]
@@ -134,7 +136,7 @@ class Team:
         row = self.next_row(world)
         heading = float(rng.uniform(-np.pi, np.pi))
         for _ in range(MOST_DRAWS):
-            point = rng.uniform(size=2) * self._floor.extent
+            point = rng.uniform(size=2) * self._floor.ground.land
             if self.is_free(row, point):
                 return float(point[0]), float(point[1]), heading
         return None

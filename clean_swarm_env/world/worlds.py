@@ -14,6 +14,7 @@ import numpy as np
 
 from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
@@ -122,6 +123,10 @@ class Worlds:
         poses = np.array(start.robots) if start.robots else None
         placing = WorldStart(world, placed, self.floor.ground, stream, poses, items)
         self.task.place(placing)
+        for x, y in placing.places if mission.world.has_walls else ():
+            if not self.floor.ground.is_free(np.array([x, y])):
+                expected = f"walls that leave {self.task.name} the places at which its robots begin"
+                raise ConfigurationError(f"world.walls: expected {expected}, got one at [{x:.2f}, {y:.2f}]")
         self.team.reset(world, placing.poses)
         self.task.reset(world, own)
 

@@ -22,6 +22,7 @@ MISSIONS = {
         stations={"recycling": [1.0, 1.0], "dump": [3.0, 3.0]},
         garbage={"count": 2},
     ),
+    "rooms": mission("three-rooms"),
     "many": mission(robots={"count": 45}, world={"width": 12.0, "height": 12.0}),
 }
 

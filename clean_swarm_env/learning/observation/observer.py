@@ -125,7 +125,7 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         max_speed=worlds.floor.drive.max_speed,
         max_turn_rate=worlds.world.of_each("max_turn_rate"),
         fastest=robots.max_speed,
-        area=float(np.pi / np.prod(worlds.extent)),
+        area=float(np.pi / np.prod(worlds.floor.ground.land)),
         avoidance=network.model.sensor_index.get("rep_len", -1),
         avoiding=avoidance_column(worlds),
         ticks=numbers(worlds.worlds),

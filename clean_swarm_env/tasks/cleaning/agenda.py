@@ -56,7 +56,7 @@ class Agenda:
     def run(self, number: int, world: World, site: Site) -> None:
         """Apply the events due in the world of a `number`."""
         tick = int(world.ticks[number])
-        for places in self._arrivals.until(tick, self._garbage):
+        for places in self._arrivals.until(tick, self._garbage, world.missions[number]):
             self.came += site.land(number, places)
         while (not self._joining or self._let_join(number, world.team)) and self._events and self._events[0][0] <= tick:
             self._apply(self._events.pop(0)[1], number, world, site)
@@ -96,7 +96,7 @@ class Agenda:
             if len(rows):
                 (team.remove if isinstance(event, Remove) else team.fail)(rows)
         elif isinstance(event, Land):
-            self.came += site.land(number, self._garbage.draw(event.items, self._landings))
+            self.came += site.land(number, self._garbage.draw(event.items, self._landings, world.missions[number]))
             self._landing -= event.items
         elif isinstance(event, Respawn):
             self._arrivals.set_rate(event.rate, int(world.ticks[number]))

@@ -2,14 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from clean_swarm_env.config.families import ChangesConfig
+from clean_swarm_env.config.free_places import free_ground
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import nearest_distance
-from clean_swarm_env.config.types import Point
+from clean_swarm_env.config.types import ConfigurationError, Point
+from clean_swarm_env.config.world import WorldConfig
 from clean_swarm_env.tasks.cleaning.settings import settings_of
 from selforg.arrays import Floats
 from selforg.elementary import unit_vectors
@@ -19,39 +21,87 @@ QUIET = 0.1
 """Share of the mission at its beginning and its end in which nothing changes [-]."""
 STATION_GAP = 2.0
 """Least distance of the stations from each other [m]."""
+MOST_DRAWS: Final = 10_000
+"""Draws for places among walls before they fail."""
 
 
 @dataclass(frozen=True)
 class Places:
-    """Where items come: anywhere on the torus `size` (2,), or evenly within `radius` of a spot (S, 2) [m]."""
+    """Where items come: anywhere on the ground `size` (2,), or evenly within `radius` of a spot (S, 2) [m].
+
+    `extent` (2,) [m] is the torus of the physics; on a walled field it is larger than the ground.
+    """
 
     size: Floats
     spots: Floats
     radius: float
+    extent: Floats
 
     @classmethod
     def of(cls, mission: MissionConfig) -> "Places":
         """Return where the items of a mission come at first."""
-        size, garbage = np.array([mission.world.width, mission.world.height]), settings_of(mission).garbage
-        return cls(size, np.array(garbage.spots).reshape(-1, 2), garbage.spot_radius)
+        garbage = settings_of(mission).garbage
+        return cls(mission.size, np.array(garbage.spots).reshape(-1, 2), garbage.spot_radius, np.array(mission.extent))
 
     def at(self, spots: Sequence[Point]) -> "Places":
         """Return the same with other spots."""
         return replace(self, spots=np.array(spots).reshape(-1, 2))
 
-    def draw(self, count: int, rng: np.random.Generator) -> Floats:
-        """Return random places (count, 2) [m]."""
+    def draw(self, count: int, rng: np.random.Generator, mission: MissionConfig) -> Floats:
+        """Return random places (count, 2) [m] that robots of the `mission` can reach."""
+        places = self._draw(count, rng)
+        if not mission.world.has_walls:
+            return places
+        for _ in range(MOST_DRAWS):
+            blocked = np.flatnonzero([not mission.is_free(place) for place in places])
+            if not len(blocked):
+                return places
+            places[blocked] = self._draw(len(blocked), rng)
+        raise ConfigurationError("task.garbage: expected room for items among the walls, found none")
+
+    def _draw(self, count: int, rng: np.random.Generator) -> Floats:
         if not len(self.spots):
             return rng.uniform(size=(count, 2)) * self.size
         spot, share, turn = rng.uniform(size=(count, 3)).T
         chosen = self.spots[(spot * len(self.spots)).astype(np.int64)]
         ways = np.stack(unit_vectors(2.0 * np.pi * turn), axis=1)
-        return Torus(*self.size.tolist()).wrap(chosen + self.radius * np.sqrt(share)[:, None] * ways)
+        return Torus(*self.extent.tolist()).wrap(chosen + self.radius * np.sqrt(share)[:, None] * ways)
+
+
+@dataclass(frozen=True)
+class Room:
+    """The ground on which a family draws places for robots of `radius` [m], at least `apart` [m] from walls."""
+
+    world: WorldConfig
+    radius: float
+    apart: float
+
+    @classmethod
+    def of(cls, mission: MissionConfig, size: Point) -> "Room":
+        """Return the ground of a mission of cleaning if it has a `size` [m]."""
+        world = mission.world.model_copy(update={"width": size[0], "height": size[1]})
+        return cls(world, mission.robots.radius, settings_of(mission).stations.reach)
+
+    @property
+    def size(self) -> Floats:
+        """Width and height (2,) [m]."""
+        return np.array([self.world.width, self.world.height])
+
+    def draw(self, rng: np.random.Generator) -> Floats:
+        """Return a random place (2,) [m]."""
+        for _ in range(MOST_DRAWS):
+            place = rng.uniform(size=2) * self.size
+            if not self.world.has_walls:
+                return place
+            free = free_ground(self.world, self.radius)
+            if free.clearance(place) >= self.apart and free.has(place[None])[0]:
+                return place
+        raise ConfigurationError("mission.world.walls: expected room for stations and spots, found none")
 
 
 def draw_events(
     changes: ChangesConfig,
-    size: tuple[float, float],
+    room: Room,
     robots: int,
     spots: int,
     time_limit: float,
@@ -63,7 +113,7 @@ def draw_events(
     becomes a join if robots may join; otherwise it is left out.
     """
     if changes.phases:
-        return draw_phases(changes.phases, size, spots, time_limit, rng)
+        return draw_phases(changes.phases, room, spots, time_limit, rng)
     number = int(rng.integers(changes.number[0], changes.number[1] + 1))
     times = np.sort(rng.uniform(QUIET, 1.0 - QUIET, size=number)) * time_limit
     working, numbered = list(range(robots)), robots
@@ -81,48 +131,50 @@ def draw_events(
         elif kind in ("remove", "fail"):
             event["robots"] = (working.pop(int(rng.integers(len(working)))),)
         elif kind == "move_spots":
-            event["spots"] = random_spots(spots, size, rng)
+            event["spots"] = random_spots(spots, room, rng)
         else:
-            event |= _drawn(kind, changes, size, rng)
+            event |= _drawn(kind, changes, room, rng)
         events.append(event)
     return events
 
 
 def draw_phases(
-    phases: int, size: tuple[float, float], spots: int, time_limit: float, rng: np.random.Generator
+    phases: int, room: Room, spots: int, time_limit: float, rng: np.random.Generator
 ) -> list[dict[str, Any]]:
     """Return the events by which garbage comes at one new spot and anywhere in turn, if it first comes at `spots`."""
     at_spot = [(spots > 0) == (phase % 2 == 0) for phase in range(phases)]
     return [
-        {"at": round(time_limit * k / phases, 3), "do": "move_spots", "spots": random_spots(int(at_spot[k]), size, rng)}
+        {"at": round(time_limit * k / phases, 3), "do": "move_spots", "spots": random_spots(int(at_spot[k]), room, rng)}
         for k in range(1, phases)
     ]
 
 
-def _drawn(kind: str, changes: ChangesConfig, size: tuple[float, float], rng: np.random.Generator) -> dict[str, Any]:
+def _drawn(kind: str, changes: ChangesConfig, room: Room, rng: np.random.Generator) -> dict[str, Any]:
     """Return the fields of an event that does not change the team."""
     if kind == "land":
         return {"items": int(rng.integers(changes.items[0], changes.items[1] + 1))}
     if kind == "respawn":
         return {"rate": float(rng.uniform(*changes.respawn))}
     if kind == "move_stations":
-        recycling, dump = random_stations(2, size, rng)
+        recycling, dump = random_stations(2, room, rng)
         return {"recycling": recycling, "dump": dump}
     return {"reach": float(rng.uniform(*changes.reach)), "loss": float(rng.uniform(*changes.loss))}
 
 
-def random_spots(number: int, size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, ...]:
-    """Return the centres of spots anywhere on the torus `size` [m]."""
-    return tuple((x, y) for x, y in (rng.uniform(size=(number, 2)) * size).tolist())
+def random_spots(number: int, room: Room, rng: np.random.Generator) -> tuple[Point, ...]:
+    """Return the centres of spots anywhere in the `room` [m]."""
+    return tuple((float(x), float(y)) for x, y in (room.draw(rng) for _ in range(number)))
 
 
-def random_stations(number: int, size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, ...]:
-    """Return places of stations on the torus `size` [m], STATION_GAP or more apart where there is room."""
-    gap = min(STATION_GAP, 0.3 * min(size), 0.5 * min(size) / np.sqrt(number))
-    extent = np.array(size)
+def random_stations(number: int, room: Room, rng: np.random.Generator) -> tuple[Point, ...]:
+    """Return places of stations in the `room` [m], STATION_GAP or more apart where there is room."""
+    extent = room.size
+    gap = min(STATION_GAP, 0.3 * extent.min(), 0.5 * extent.min() / np.sqrt(number))
     places: list[Point] = []
-    while len(places) < number:
-        place = rng.uniform(size=2) * extent
+    for _ in range(MOST_DRAWS):
+        if len(places) == number:
+            return tuple(places)
+        place = room.draw(rng)
         if nearest_distance(place, np.array(places).reshape(-1, 2), extent) >= gap:
             places.append((float(place[0]), float(place[1])))
-    return tuple(places)
+    raise ConfigurationError(f"stations: expected room for {number} stations {gap:g} m apart, found none")

@@ -16,6 +16,7 @@ from typing import Annotated, Final
 
 import numpy as np
 
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.tasks.cleaning.draws import Places
 from selforg.arrays import KEPT, Floats, Ints, Within
 from selforg.declared import make_arrays
@@ -106,10 +107,10 @@ class Arrivals:
         self._expected = float(rng.exponential())  # number of items expected until the next one arrives
         self._count_from(0.0, rate)
 
-    def until(self, tick: int, places: Places) -> Iterator[Floats]:
+    def until(self, tick: int, places: Places, mission: MissionConfig) -> Iterator[Floats]:
         """Yield the place (1, 2) [m] of each item that has arrived by `tick`."""
         while self.due <= tick:
-            yield places.draw(1, self._rng)
+            yield places.draw(1, self._rng, mission)
             self._expected = float(self._rng.exponential())
             self._count_from(self._next_time, self._rate)
 

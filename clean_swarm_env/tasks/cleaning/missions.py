@@ -9,10 +9,11 @@ import numpy as np
 
 from clean_swarm_env.config.events import Land, MoveSpots, MoveStations, Respawn
 from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.free_places import check_place
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import ItemCounts, TaskKind
 from clean_swarm_env.config.types import Point
-from clean_swarm_env.tasks.cleaning.draws import Places, draw_events, random_spots, random_stations
+from clean_swarm_env.tasks.cleaning.draws import Places, Room, draw_events, random_spots, random_stations
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from selector.documents.errors import impossible
 from selforg.arrays import Floats
@@ -31,14 +32,17 @@ class CleaningMissions(TaskKind):
 
     @classmethod
     def check(cls, mission: MissionConfig) -> None:
-        """Raise the error of the first place that is not on the torus, or of too little room for items."""
+        """Raise the error of the first place that robots cannot reach, or of too little room for items."""
         world, task = mission.world, settings_of(mission)
-        if world.ground != "torus":
-            raise impossible("world.ground", "a torus with the task Cleaning", world.ground)
+        if world.ground == "open":
+            raise impossible("world.ground", "a torus or a walled field with the task Cleaning", world.ground)
+        ground = "torus" if world.ground == "torus" else "field"
         for key, (x, y) in _places(mission).items():
             if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
-                expected = f"a point on the torus {world.width:g} m x {world.height:g} m"
+                expected = f"a point on the {ground} {world.width:g} m x {world.height:g} m"
                 raise impossible(key, expected, f"[{x:g}, {y:g}]")
+            apart = 0.0 if "spots" in key else task.stations.reach  # robots at a station have no wall before it
+            check_place(key, (x, y), world, mission.robots.radius, apart)
         least = cls.count_items(mission).expected
         if 0 < task.garbage.capacity < least:
             expected = f"0 or at least {least}, the items at the start and those that land"
@@ -66,7 +70,7 @@ class CleaningMissions(TaskKind):
     @classmethod
     def place_items(cls, mission: MissionConfig, rng: np.random.Generator) -> Floats:
         """Return random places (M, 2) [m], about the spots."""
-        return Places.of(mission).draw(settings_of(mission).garbage.count, rng)
+        return Places.of(mission).draw(settings_of(mission).garbage.count, rng, mission)
 
     @classmethod
     def with_items(cls, mission: MissionConfig, **numbers: int) -> CleaningSettings:
@@ -85,16 +89,16 @@ class CleaningMissions(TaskKind):
         cls, family: FamilyConfig, size: Point, robots: int, rng: np.random.Generator
     ) -> tuple[CleaningSettings, list[dict[str, Any]]]:
         """Return settings with random items and, where the family says so, random stations and spots; random events."""
-        task = settings_of(family.mission)
+        task, room = settings_of(family.mission), Room.of(family.mission, size)
         items = int(rng.integers(family.items[0], family.items[1] + 1))
         respawn = float(rng.uniform(*family.respawn))
         stations = (
-            task.stations.at(_station_places(family, size, rng)) if family.stations == "random" else task.stations
+            task.stations.at(_station_places(family, room, rng)) if family.stations == "random" else task.stations
         )
         spots = task.garbage.spots
         if family.spots is not None:
-            spots = random_spots(int(rng.integers(family.spots[0], family.spots[1] + 1)), size, rng)
-        events = draw_events(family.changes, size, robots, len(spots), family.mission.time_limit, rng)
+            spots = random_spots(int(rng.integers(family.spots[0], family.spots[1] + 1)), room, rng)
+        events = draw_events(family.changes, room, robots, len(spots), family.mission.time_limit, rng)
         lying = {"count": items, "respawn": respawn, "spots": spots, "capacity": _rows_of_items(family)}
         garbage = task.garbage.model_copy(update=lying)
         drawn = {"garbage": garbage, "stations": stations}
@@ -119,13 +123,13 @@ def _places(mission: MissionConfig) -> dict[str, Point]:
     return places
 
 
-def _station_places(family: FamilyConfig, size: Point, rng: np.random.Generator) -> tuple[Point, ...]:
-    """Return random places of all stations on a torus of a `size` [m], in the order of `StationsConfig.places`."""
+def _station_places(family: FamilyConfig, room: Room, rng: np.random.Generator) -> tuple[Point, ...]:
+    """Return random places of all stations in the `room`, in the order of `StationsConfig.places`."""
     stations = settings_of(family.mission).stations
     if family.station_places is None:
-        return random_stations(len(stations.kinds), size, rng)
+        return random_stations(len(stations.kinds), room, rng)
     number = int(rng.integers(family.station_places[0], family.station_places[1] + 1))
-    drawn = random_stations(2 * number, size, rng)  # recycling and dump in turn
+    drawn = random_stations(2 * number, room, rng)  # recycling and dump in turn
     kinds = zip(stations.earlier, stations.kinds, strict=True)
     return tuple(drawn[2 * (k % number) + kind] for k, kind in kinds)
 

@@ -8,8 +8,9 @@ from pydantic import BaseModel, ValidationError
 
 from clean_swarm_env.config import mission as config
 from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.config.free_places import robots_that_fit
 from clean_swarm_env.config.load import load_experiment, load_mission, load_robustness, with_changes
-from clean_swarm_env.config.mission import MissionConfig, WorldConfig, robots_that_fit
+from clean_swarm_env.config.mission import MissionConfig, WorldConfig
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.fields import Closed
 from selector.documents.find import files_of

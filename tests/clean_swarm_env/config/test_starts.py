@@ -45,14 +45,14 @@ def test_random_starts_lie_on_the_torus_and_solid_robots_apart(seed, count, widt
 
 def test_items_without_spots_lie_anywhere_as_ever():
     size, rng = np.array([7.0, 11.0]), np.random.default_rng(4)
-    drawn = Places(size, np.zeros((0, 2)), 1.0).draw(9, np.random.default_rng(4))
+    drawn = Places(size, np.zeros((0, 2)), 1.0, size).draw(9, np.random.default_rng(4), MissionConfig())
     np.testing.assert_array_equal(drawn, rng.uniform(size=(9, 2)) * size)
 
 
 def test_items_lie_evenly_about_spots_across_the_seam_too():
     size, spots = np.array([7.0, 11.0]), np.array([[0.2, 10.9], [4.0, 5.0]])
-    places = Places(size, spots, 2.0)
-    drawn = places.draw(4000, np.random.default_rng(4))
+    places = Places(size, spots, 2.0, size)
+    drawn = places.draw(4000, np.random.default_rng(4), MissionConfig())
     assert drawn.min() >= 0.0
     assert (drawn < size).all()
     offsets = np.abs(drawn[:, None] - spots)
@@ -61,7 +61,7 @@ def test_items_lie_evenly_about_spots_across_the_seam_too():
     assert near.max() <= 2.0
     assert np.mean(distances.argmin(axis=1) == 0) == pytest.approx(0.5, abs=0.03)
     assert np.mean(near < np.sqrt(2.0)) == pytest.approx(0.5, abs=0.03)  # half of the disc holds half of the items
-    assert np.ptp(places.at([(3.0, 3.0)]).draw(50, np.random.default_rng(1)), axis=0).max() <= 4.0
+    assert np.ptp(places.at([(3.0, 3.0)]).draw(50, np.random.default_rng(1), MissionConfig()), axis=0).max() <= 4.0
 
 
 def test_random_starts_are_uniform():

@@ -239,6 +239,18 @@ def test_walls_are_named_among_the_layers(session, opened):
         assert "walls (this world has none)" in page.text_content("#layers")
 
 
+def test_walls_are_drawn_and_can_be_hidden(opened, tmp_path):
+    walled = {"world": {"ground": "walled", "walls": [{"corners": [[5.0, 0.0], [5.0, 8.0]]}]}}
+    with served(Session(play_of({**SMALL, **walled}), tmp_path / "walled.swarm")) as server:
+        page = opened(server)
+        assert page.is_checked("[name=walls]")
+        drawn = page.evaluate("document.querySelector('.world').toDataURL()")
+        page.uncheck("[name=walls]")
+        assert page.evaluate("document.querySelector('.world').toDataURL()") != drawn
+        wide, high = page.evaluate("[replay.page.shown[0].view.wide, replay.page.shown[0].view.high]")
+        assert wide == high  # the field, not the whole torus
+
+
 def test_a_period_that_fails_is_said_and_the_same_again_can_be_opened(session, opened, tmp_path, monkeypatch):
     monkeypatch.setattr(session, "_course", (1 / 0 for _ in range(1)))
     others = {"": lambda: Session(play_of(SMALL), tmp_path / "again.swarm")}

@@ -100,7 +100,9 @@ export class Page {
         ${known && SHOWN_AT_FIRST.includes(name) ? "checked" : ""} ${known ? "" : "disabled"}>${word}</label>`;
     });
     boxes.push(`<label title="${WORDS.numbers}"><input type="checkbox" data-layer name="numbers" checked>numbers</label>`,
-      `<label title="Nothing could be drawn: the world is a torus without walls."><input type="checkbox" data-layer name="walls" disabled>walls (this world has none)</label>`);
+      runs.some((run) => run.head.walls)
+        ? `<label title="${WORDS.walls}"><input type="checkbox" data-layer name="walls" checked>walls</label>`
+        : `<label title="Nothing could be drawn: the world is a torus without walls."><input type="checkbox" data-layer name="walls" disabled>walls (this world has none)</label>`);
     element("boxes").innerHTML = boxes.join("");
     /** @type {Map<string, [string, string]>} */
     const entries = new Map();
@@ -113,6 +115,7 @@ export class Page {
         if (shape) entries.set(model, [keyOf({ ...LOOK.failed, colour: LOOK.ink, shape, half: LOOK.item.half }), `Robots of the model ${model} have this mark.`]);
       });
     for (const sign of LOOK.legends[cleans ? 1 : 0]) entries.set(sign.word, [keyOf(sign), WORDS[sign.word] ?? sign.word]);
+    if (runs.some((run) => run.head.walls)) entries.set(LOOK.wall.word, [keyOf(LOOK.wall), WORDS.walls]);
     for (const [name, sign] of LOOK.layers) entries.set(sign.word, [keyOf(sign), WORDS[name]]);
     element("legend").innerHTML = [...entries].map(([word, [key, told]]) => `<span title="${plain(told)}">${key}${plain(word)}</span>`).join(" ");
   }
@@ -154,7 +157,7 @@ export class Page {
   /** Zoom a world about its centre. @param {WorldView} view @param {number} factor */
   zoomBy(view, factor) {
     view.zoom = Math.max(1, Math.min(12, view.zoom * factor));
-    if (view.zoom === 1) view.centre = [view.run.head.width / 2, view.run.head.height / 2];
+    if (view.zoom === 1) view.centre = view.middle;
     this.draw();
   }
 

@@ -12,7 +12,7 @@ import { Field, seenPairs, shorter } from "./course.js";
  * @type {{options: string[], ink: string, paper: string, edge: string, attracts: string, repels: string, contact: string, area_opacity: number,
  *   least_area: number, front_angle: number, front_length: number, cargo_behind: number, cargo_half: number, marks: string[], mark_half: number, letter_size: number,
  *   most_numbered: number, least_numbered: number, failed: Sign, item: Sign, leftovers: Sign, stations: Sign[], pheromones: Sign,
- *   layers: [string, Sign][], legends: [Sign[], Sign[]]}}
+ *   wall: Sign, wall_width: number, layers: [string, Sign][], legends: [Sign[], Sign[]]}}
  */
 export const LOOK = JSON.parse(document.getElementById("look")?.textContent ?? "");
 
@@ -48,7 +48,7 @@ export class WorldView {
     this.canvas = canvas;
     this.field = new Field(run);
     this.zoom = run.head.field ? Math.max(1, Math.min(12, run.head.width / (1.5 * run.head.field))) : 1;
-    this.centre = [run.head.width / 2, run.head.height / 2];
+    this.centre = this.middle;
     this.x = new Float64Array(run.head.robots);
     this.y = new Float64Array(run.head.robots);
     this.turn = new Float64Array(run.head.robots);
@@ -58,9 +58,19 @@ export class WorldView {
     this.ratio = 1;
   }
 
+  /** Width and height of what is shown of the world [m]; of a walled field it is less than its torus. @returns {[number, number]} */
+  get shown() {
+    return this.run.head.shown ?? [this.run.head.width, this.run.head.height];
+  }
+
+  /** The middle of what is shown [m]. @returns {[number, number]} */
+  get middle() {
+    return [this.shown[0] / 2, this.shown[1] / 2];
+  }
+
   /** Make the canvas as large as fits. @param {number} width @param {number} height [CSS pixels] */
   fit(width, height) {
-    const { width: across, height: up } = this.run.head, wide = Math.max(120, Math.min(width, (height * across) / up));
+    const [across, up] = this.shown, wide = Math.max(120, Math.min(width, (height * across) / up));
     [this.wide, this.high, this.ratio] = [wide, (wide * up) / across, Math.min(2, Math.max(1, devicePixelRatio || 1))];
     this.canvas.width = Math.round(this.wide * this.ratio);
     this.canvas.height = Math.round(this.high * this.ratio);
@@ -70,7 +80,7 @@ export class WorldView {
 
   /** Return CSS pixels of a metre. */
   get scale() {
-    return (this.wide / this.run.head.width) * this.zoom;
+    return (this.wide / this.shown[0]) * this.zoom;
   }
 
   /** Return where a point of the world is on the canvas, by the image nearest to the centre. @param {number} x @param {number} y @returns {[number, number]} */
@@ -150,6 +160,7 @@ export class WorldView {
     if (layers.seen) this.drawSeen(c, frame, chosen, colours);
     if (layers.reach || layers.view) this.drawReach(c, frame, chosen, layers);
     this.drawItems(c, frame, colours);
+    if (layers.walls) this.drawWalls(c, colours);
     this.drawRobots(c, frame, chosen, layers, colours);
     for (const draw of this.over) draw(this, frame, chosen, layers, colours);
     this.drawFrame(c, colours);
@@ -157,13 +168,31 @@ export class WorldView {
 
   /** Draw the border of the world where it is in sight. @param {CanvasRenderingContext2D} c @param {Colours} colours */
   drawFrame(c, colours) {
-    if (this.zoom > 1 || this.centre[0] !== this.run.head.width / 2) {
+    const [across, up] = this.shown;
+    if (this.zoom > 1 || this.centre[0] !== across / 2) {
       const [x, y] = [this.wide / 2 + (0 - this.centre[0]) * this.scale, this.high / 2 + this.centre[1] * this.scale];
       c.strokeStyle = colours.faint;
       c.setLineDash([6, 6]);
-      c.strokeRect(x, y - this.run.head.height * this.scale, this.run.head.width * this.scale, this.run.head.height * this.scale);
+      c.strokeRect(x, y - up * this.scale, across * this.scale, up * this.scale);
       c.setLineDash([]);
     }
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {Colours} colours */
+  drawWalls(c, colours) {
+    c.strokeStyle = colours.ink;
+    c.lineWidth = LOOK.wall_width;
+    c.lineCap = "round";
+    c.beginPath();
+    for (const [ax, ay, bx, by] of this.run.head.walls ?? []) {
+      const x = (ax + bx) / 2, y = (ay + by) / 2, s = this.scale;
+      this.images(x, y, Math.hypot(bx - ax, by - ay) / 2, (px, py) => {
+        c.moveTo(px + (ax - x) * s, py - (ay - y) * s);
+        c.lineTo(px + (bx - x) * s, py - (by - y) * s);
+      });
+    }
+    c.stroke();
+    c.lineCap = "butt";
   }
 
   /** Call `draw` for each image of a disc that can be seen. @param {number} x @param {number} y @param {number} r [m] @param {(x: number, y: number) => void} draw */

@@ -1,0 +1,113 @@
+"""Walls as straight segments without thickness, and cells by which those near a place are found (compiled).
+
+On a torus, segments near a seam have images one world size away, so that no search has to look across seams.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Annotated, Final, NamedTuple
+
+import numpy as np
+
+from selforg.arrays import READ, Floats, Ints
+from selforg.compiler.decorators import inlined, part
+from selforg.compiler.records import Packed, Recording, Words
+
+NEAR: Final = 2.0
+"""Distance from its cell up to which a segment is listed there, unless a longer one is asked for [m]."""
+CELL_SIDE: Final = 0.5
+"""Side of a cell [m], unless there were more than MOST_CELLS."""
+MOST_CELLS: Final = 250_000
+
+
+class Walls(NamedTuple):
+    """The walls of all worlds of a batch, and cells that list the near ones; without walls there are no cells."""
+
+    segments: Annotated[Floats, "K 4", READ]  # x, y of one end and of the other [m], images included
+    first: Annotated[Ints, "CELLS", READ]  # where the list of each cell begins in `listed`; one more for its end
+    listed: Annotated[Ints, "L", READ]  # numbers of segments, rising in each cell
+    left: float  # [m] lower left corner of the cells
+    bottom: float  # [m]
+    pitch: float  # side of a cell [m]
+    columns: int
+    lines: int
+
+
+WALLS = Recording(Walls)
+open_walls = WALLS.open
+
+
+def packed_walls(segments: Floats, low: Sequence[float], high: Sequence[float], near: float = NEAR) -> Packed[Walls]:
+    """Return walls (K, 4) with cells over the rectangle from `low` to `high` [m], which list what is within `near`."""
+    width, height = high[0] - low[0], high[1] - low[1]
+    pitch = max(CELL_SIDE, float(np.sqrt(width * height / MOST_CELLS)))
+    columns, lines = (int(np.ceil(side / pitch)) if len(segments) else 0 for side in (width, height))
+    lists = [
+        _crossing(segments, low[0] + column * pitch, low[1] + line * pitch, pitch, near)
+        for line, column in product(range(lines), range(columns))
+    ]
+    first = np.cumsum([0, *map(len, lists)])
+    listed = np.concatenate([np.zeros(0, np.int64), *lists])
+    return WALLS.pack(
+        Walls(np.ascontiguousarray(segments), first, listed, float(low[0]), float(low[1]), pitch, columns, lines)
+    )
+
+
+def no_walls() -> Packed[Walls]:
+    """Return the walls of a world without any."""
+    return packed_walls(np.zeros((0, 4)), (0.0, 0.0), (1.0, 1.0))
+
+
+def images(segments: Floats, extent: Floats, near: float = NEAR) -> Floats:
+    """Return segments (K, 4) of a torus `extent` (2,) [m] with their images within `near` [m] of it."""
+    shifts = np.array(sorted(product((-1, 0, 1), repeat=2), key=lambda shift: shift != (0, 0))) * extent
+    moved = (segments + np.tile(shifts, 2)[:, None]).reshape(-1, 2, 2)
+    reaches = (moved.max(axis=1) >= -near) & (moved.min(axis=1) <= extent + near)
+    near_ones: Floats = moved.reshape(-1, 4)[reaches.all(axis=1)]
+    return near_ones
+
+
+def _crossing(segments: Floats, left: float, bottom: float, pitch: float, near: float) -> Ints:
+    """Return the numbers of segments whose distance from a square cell is at most `near` [m], or little more."""
+    middle = np.array([left, bottom]) + 0.5 * pitch
+    return np.flatnonzero(distances_to(segments, middle) <= near + pitch * np.sqrt(0.5))
+
+
+def distances_to(segments: Floats, point: Floats) -> Floats:
+    """Return the distances (K,) [m] of a point (2,) from segments (K, 4)."""
+    start, way = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    square = (way * way).sum(axis=1)
+    share = ((point - start) * way).sum(axis=1) / np.where(square > 0.0, square, 1.0)
+    apart = start + np.clip(share, 0.0, 1.0)[:, None] * way - point
+    distances: Floats = np.sqrt((apart * apart).sum(axis=1))
+    return distances
+
+
+@inlined
+def cell_of_walls(x: float, y: float, w: Walls) -> int:
+    """Return the cell of a place [m], -1 outside of the cells."""
+    column, line = int(np.floor((x - w.left) / w.pitch)), int(np.floor((y - w.bottom) / w.pitch))
+    return line * w.columns + column if 0 <= column < w.columns and 0 <= line < w.lines else -1
+
+
+@inlined
+def to_segment(x: float, y: float, segment: int, w: Walls) -> tuple[float, float]:
+    """Return the way [m] from a place to the nearest point of a segment."""
+    ax, ay = w.segments[segment, 0], w.segments[segment, 1]
+    wx, wy = w.segments[segment, 2] - ax, w.segments[segment, 3] - ay
+    share = min(max(((x - ax) * wx + (y - ay) * wy) / (wx * wx + wy * wy), 0.0), 1.0)
+    return ax + share * wx - x, ay + share * wy - y
+
+
+@part
+def touches_wall(x: float, y: float, radius: float, walls: Words[Walls]) -> bool:
+    """Return whether a disc of `radius` [m] at a place touches a wall."""
+    w = open_walls(walls)
+    cell = cell_of_walls(x, y, w)
+    if cell < 0:
+        return False
+    for k in range(w.first[cell], w.first[cell + 1]):
+        dx, dy = to_segment(x, y, w.listed[k], w)
+        if dx * dx + dy * dy < radius * radius:
+            return True
+    return False
