@@ -123,7 +123,7 @@ WORDS = {
     FELL_BELOW: "stopped: activation fell below the threshold",
     CROWDED_OUT: "stopped: enough others run",
     DISPLACED: "stopped: had to make room for {by}",
-    DISABLED: "does not start: switched off",
+    DISABLED: "takes no turn: it corrects what the others command",
     NOT_READY: "does not start: not ready",
     BELOW_THRESHOLD: "does not start: activation below the threshold",
     BLOCKED: "does not start: {by} influences the same sensor and does not yield",

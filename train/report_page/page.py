@@ -114,7 +114,9 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
         yield _note("Share of scenarios on which a condition costs at most this multiple of the lowest cost there.")
         yield profile(costs, conditions)
     yield "<h2>Scenarios</h2>"
-    yield _note("Cost [s] of every run; the darker, the further above the lowest of its scenario (darkest: ten times).")
+    yield _note(
+        "Cost [s] of every run; stronger colours are further above the lowest of the scenario (full: ten times)."
+    )
     yield scenario_map(costs, conditions, scenarios, links)
     yield from _selection(results, "evaluate")
 

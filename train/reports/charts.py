@@ -76,7 +76,7 @@ def svg(figure: Figure) -> str:
     with mpl.rc_context(STYLE):
         figure.savefig(image, format="svg", transparent=True, metadata=unsaid)
     text = image.getvalue()
-    return text[text.index("<svg") :].replace(TEXT_COLOUR, "currentColor")
+    return f'<div class="wide">{text[text.index("<svg") :].replace(TEXT_COLOUR, "currentColor")}</div>'
 
 
 def colour_of(place: int) -> str:

@@ -39,7 +39,7 @@ def test_start_and_stop_of_one_behaviour():
     assert told(network, fact=False) == {"go": "stopped: no longer ready"}
     assert told(network, 4, fact=True) == {"go": "stopped: its time is up"}
     network.enable(ROW, 0, False)
-    assert told(network) == {"go": "does not start: switched off"}
+    assert told(network) == {"go": "takes no turn: it corrects what the others command"}
     network.start_by_hand(ROW, 0, True)
     assert told(network) == {"go": "started by hand"}
     assert told(network) == {"go": "keeps running: started by hand"}

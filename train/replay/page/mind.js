@@ -82,13 +82,14 @@ export function movementOf(run, frame, robot) {
   return `It moves at ${fixed(away(frame - 1) / period)} m/s.`;
 }
 
-/** Return the panel of a robot at a frame as HTML. @param {Run} run @param {number} frame @param {number} robot */
-export function panelOf(run, frame, robot) {
+/** Return the panel of a robot at a frame as HTML. @param {Run} run @param {number} frame @param {number} robot @param {string} beside below its sentence */
+export function panelOf(run, frame, robot, beside = "") {
   const { head } = run, parts = [];
   const works = valueAt(run, "working", frame, robot), there = valueAt(run, "present", frame, robot);
   const cargo = valueAt(run, "cargo", frame, robot) < 0 ? 0 : 1 + valueAt(run, "recycled", frame, robot);
   parts.push(`<h2>Robot ${robot}</h2><p>${plain(titleOf(run, frame))}</p>`);
   if (run.tracks.has("command_x")) parts.push(`<p class="because" data-sentence>${plain(sentenceOf(factsOf(run, frame, robot)))}</p>`);
+  parts.push(beside);
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
   parts.push(`<p>It is at <span data-channel="x">${fixed(valueAt(run, "x", frame, robot), 3)}</span> m,
     <span data-channel="y">${fixed(valueAt(run, "y", frame, robot), 3)}</span> m${run.tracks.has("cargo") ? ` and carries ${CARGO[cargo]}` : ""}.</p>`);

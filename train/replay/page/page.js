@@ -57,7 +57,7 @@ export class Page {
     this.answers = [...document.querySelectorAll("script.foretold")].map((held) => JSON.parse(held.textContent ?? "[]"));
     this.shown.forEach(({ view }, k) => view.over.push(() => {
       const answer = this.answerOf(k);
-      if (answer && this.time <= answer.time + (answer.options[0]?.seconds ?? 0)) drawForetold(view, answer);
+      if (answer) drawForetold(view, answer);
     }));
     /** Lines over the charts at the present time. @type {HTMLElement[]} */
     this.lines = [...document.querySelectorAll(".over")].map((over) => {
@@ -188,13 +188,14 @@ export class Page {
 
   /** Return what is shown above the panel of the robot, as HTML: what was foretold of it. */
   beside() {
-    const answer = this.answerOf(this.chosen);
-    return answer ? foretoldOf(answer) : "";
+    const answer = this.answerOf(this.chosen), asked = this.answers[this.chosen]?.filter(({ robot }) => robot === this.robot).map(({ time }) => time);
+    if (answer) return foretoldOf(answer);
+    return asked?.length ? `<p class="small">What if it took another option: known from ${asked[0]} s on${asked.length > 1 ? `, and every ${+(asked[asked.length - 1] - asked[asked.length - 2]).toFixed(3)} s` : ""}.</p>` : "";
   }
 
-  /** Return what was last foretold of the chosen robot in a run. @param {number} k */
+  /** Return what was foretold of the chosen robot in a run, from some seconds ago until some seconds ahead of now. @param {number} k */
   answerOf(k) {
-    return this.answers[k]?.findLast(({ robot, time }) => robot === this.robot && time <= this.time + this.period + 1e-6);
+    return this.answers[k]?.findLast(({ robot, time, options }) => robot === this.robot && time <= this.time + this.period + 1e-6 && this.time <= time + (options[0]?.seconds ?? 0));
   }
 
   /** Return what a press would do. @param {WorldView} view @param {number} px @param {number} py @returns {import("./pointer.js").Hint} */
@@ -431,7 +432,7 @@ export class Page {
     if (!this.moving || performance.now() - this.panelAt > PANEL_PERIOD) {
       const { run } = this.shown[this.chosen];
       const open = element("panel").querySelector(".inputs")?.open;
-      put(element("panel"), this.beside() + panelOf(run, this.frameOf(run), Math.min(this.robot, run.head.robots - 1)));
+      put(element("panel"), panelOf(run, this.frameOf(run), Math.min(this.robot, run.head.robots - 1), this.beside()));
       if (open) for (const inputs of element("panel").querySelectorAll(".inputs")) inputs.open = true;
       this.panelAt = performance.now();
     }
