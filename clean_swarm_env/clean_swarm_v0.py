@@ -177,6 +177,15 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         """Return the present observations (N, F) and the infos of all possible agents."""
         return self._batch.observations.copy(), dict(zip(self.possible_agents, robot_infos(self._batch), strict=True))
 
+    @property
+    def agents_by_model(self) -> dict[str, list[str]]:
+        """All possible agents by the models of their robots, as learners group them that have a policy for each."""
+        names, models = [model.model for model in self.mission.robots.models], self.mission.models.tolist()
+        return {
+            name: [agent for agent, model in zip(self.possible_agents, models, strict=True) if model == number]
+            for number, name in enumerate(names)
+        }
+
     def at_work(self) -> list[str]:
         """Return the agents whose robots are at work, also when the episode is over."""
         working = self._batch.working.tolist()

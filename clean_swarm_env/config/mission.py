@@ -12,7 +12,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_serializer, field_validator, model_validator
 
-from clean_swarm_env.config.delivery import DeliveryConfig
+from clean_swarm_env.config.delivery import EVERYWHERE, DeliveryConfig
 from clean_swarm_env.config.events import Event, Join, SetDelivery, check_team
 from clean_swarm_env.config.free_places import check_place, check_walls, free_ground, robots_that_fit
 from clean_swarm_env.config.network import NetworkConfig
@@ -212,4 +212,5 @@ class MissionConfig(Closed):
     def own_contents(self) -> bool:
         """Whether each robot stores its own messages, because delivery is not ideal or may change."""
         changes = any(isinstance(event, SetDelivery) for event in self.events)
-        return self.delivery.own_contents or not self.delivery.ideal or changes
+        near = any(model.message_range < EVERYWHERE for model in self.robots.models)
+        return self.delivery.own_contents or not self.delivery.ideal or changes or near

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Final, Literal, Self
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
+from clean_swarm_env.config.delivery import EVERYWHERE
 from clean_swarm_env.config.events import Event, Join, in_order
 from clean_swarm_env.config.types import Index, Length, Robots
 from selector.documents.errors import impossible
@@ -22,7 +23,7 @@ SUMMED_UP: Final = ("radius", "max_speed", "max_turn_rate", "pose_goal_radius", 
 
 
 class RobotModel(Closed):
-    """Number, body, drive and pose gradient of robots that are alike."""
+    """Number, body, drive, messages and abilities of robots that are alike."""
 
     model: Name = "robot"
     """Name of these robots, unique in the mission."""
@@ -51,6 +52,14 @@ class RobotModel(Closed):
 
     Its mechanisms begin at that place, and others see its pose there.
     """
+    message_range: Positive = EVERYWHERE
+    """Farthest receiver of what the robot spreads, if `delivery` reaches so far [m]."""
+    sight: NonNegative = 0.0
+    """Distance up to which the robot sees garbage [m]; 0: that of the task."""
+    carries: Annotated[int, Field(strict=True, ge=0, le=100)] = 1
+    """Items that the robot carries at a time; without any, it finds them for others."""
+    holds: dict[Name, Name] = Field(default={})
+    """Goal -> the option that these robots always hold, whatever the strategy chooses for others."""
 
 
 class RobotConfig(RobotModel):

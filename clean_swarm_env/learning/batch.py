@@ -252,10 +252,19 @@ class Batch:
         return self.end_period()
 
     def masks(self) -> Flags:
-        """Return which options (R, O) of all goals can serve next; ValueError if actions are vectors."""
+        """Return which options (R, O) of all goals can serve next; ValueError if actions are vectors.
+
+        A robot whose model always holds an option can take no other.
+        """
         if self.action.mode == "velocity":
             raise ValueError("masks: expected options as actions, got mode 'velocity'")
-        return self.choices.masks(self.phases)
+        masks, first = self.choices.masks(self.phases), 0
+        for coordinator in self.worlds.coordinators:
+            options = len(coordinator.model.options)
+            bound = coordinator.always >= 0
+            masks[bound, first : first + options] = coordinator.always[bound, None] == np.arange(options)
+            first += options
+        return masks
 
     def ticks(self, actions: NDArray[Any]) -> Iterator[Worlds]:
         """Run one decision period, and yield the worlds after each control period.

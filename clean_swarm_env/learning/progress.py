@@ -61,7 +61,8 @@ class Followed(NamedTuple):
     paid: Annotated[
         Ints, "W M", KEPT
     ]  # 1 once somebody has been paid for picking the item, or has put it down for others
-    cargo: Annotated[Ints, "R", READ]  # item that the robot carries, NOTHING without one
+    under: Annotated[Ints, "W M", READ]  # the item below a carried one in its load, or NOTHING
+    cargo: Annotated[Ints, "R", READ]  # item on top of what the robot carries, NOTHING without one
     recycled: Annotated[Ints, "R", READ]  # 1 where the cargo has been recycled
     done: Annotated[Ints, "W", READ]  # items dumped
     had: Annotated[Ints, "R", KEPT]  # cargo at the tick before
@@ -140,6 +141,7 @@ class MissionProgress:
                 in_contact=worlds.collisions.in_contact,
                 stage=items.stage,
                 paid=items.paid,
+                under=items.under,
                 cargo=items.cargo,
                 recycled=items.recycled,
                 done=items.done,
@@ -242,7 +244,7 @@ def count_tick(
             continue
         p.ticks[world] += 1
         for row in range(world * robots, (world + 1) * robots):
-            picked = f.had[row] == NOTHING and f.cargo[row] != NOTHING
+            picked = f.cargo[row] != NOTHING and f.cargo[row] != f.had[row]
             lost = f.had[row] != NOTHING and f.cargo[row] == NOTHING
             dumped = lost and f.stage[world, f.had[row]] == DONE
             recycled = f.cargo[row] != NOTHING and not picked and f.recycled[row] > f.had_recycled[row]
@@ -252,7 +254,10 @@ def count_tick(
                 p.events[PICKINGS, row] += f.paid[world, f.cargo[row]] == 0
                 f.paid[world, f.cargo[row]] = 1
             p.events[RECYCLINGS, row] += recycled
-            p.events[DUMPINGS, row] += dumped
+            item = f.had[row] if dumped else NOTHING
+            while item != NOTHING:
+                p.events[DUMPINGS, row] += 1
+                item = f.under[world, item]
             p.events[COLLISIONS, row] += entered[row]
             p.events[CONTACTS, row] += f.in_contact[row]
             p.events[AVOIDINGS, row] += avoids[row]

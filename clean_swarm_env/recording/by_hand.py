@@ -134,6 +134,7 @@ def put_item(worlds: Worlds, item: Item, x: Number, y: Number) -> None:
     task = _lift(worlds, item)
     task.garbage.positions[WORLD, item] = place
     task.garbage.stage[WORLD, item] = LYING
+    task.garbage.found[WORLD, item] = 0
     task.site.show_items(WORLD, place[None])
 
 

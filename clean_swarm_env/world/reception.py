@@ -41,6 +41,7 @@ class Reception:
 
     reaches: Annotated[Floats, "W", KEPT]
     losses: Annotated[Floats, "W", KEPT]
+    _ranges: Annotated[Floats, "R", READ]  # farthest receivers of what robots spread [m]
     _generators: Annotated[list[np.random.Generator], "R", KEPT]  # which messages get lost
 
     def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
@@ -50,6 +51,7 @@ class Reception:
             mission.delivery.delay,
         )
         self.reaches = np.full(worlds, np.inf)
+        self._ranges = np.tile(mission.of_each("message_range"), worlds)
         self.losses = np.zeros(worlds)
         self._generators = [np.random.default_rng(0)] * rows
 
@@ -57,13 +59,13 @@ class Reception:
         """Return the delivery of robots' deposits."""
         if not self.own_contents:
             return Delivery()
-        return Delivery(self.reaches, self.losses, self._delay, self._generators)
+        return Delivery(self.reaches, self.losses, self._delay, self._generators, self._ranges)
 
     def of_poses(self, poses: OwnPoses) -> PoseDelivery | None:
         """Return the delivery of `poses`; None if robots share one content."""
         if not self.own_contents:
             return None
-        return PoseDelivery(poses, self.reaches, self.losses, self._generators, self.delay_ticks)
+        return PoseDelivery(poses, self.reaches, self.losses, self._generators, self.delay_ticks, self._ranges)
 
     def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Set range, losses and random draws of a world that is reset."""

@@ -95,13 +95,14 @@ class ItemArrays(NamedTuple):
     positions: Annotated[Floats, "W M 2", READ]  # where an item lies or was picked [m]
     stage: Annotated[Ints, "W M", READ]  # LYING, CARRIED, DONE or ABSENT, see `tasks.cleaning.garbage`
     paid: Annotated[Ints, "W M", READ]  # 1 once somebody was paid for picking an item
-    cargo: Annotated[Ints, "R", READ]  # the item a robot carries, -1 for none
+    under: Annotated[Ints, "W M", READ]  # the item below a carried one in its load, -1 for none
+    cargo: Annotated[Ints, "R", READ]  # the item on top of what a robot carries, -1 for none
     recycled: Annotated[Ints, "R", READ]  # 1 once the cargo has been recycled
     done: Annotated[Ints, "W", READ]  # items dumped
     arrived: Annotated[Ints, "W", READ]  # items that have come into the world
     stations: Annotated[Floats, "W L 2", READ]  # [m]
     station_kinds: Annotated[Ints, "L", READ]
-    sight: float  # distance within which an item is seen [m]
+    sight: Annotated[Floats, "R", READ]  # distance within which the robot sees items [m]
     standing: Annotated[Ints, "R", READ]  # ticks for which a collision stops the robot, that of the collision included
 
     @classmethod
@@ -110,7 +111,10 @@ class ItemArrays(NamedTuple):
         places, stages = np.zeros((worlds, 0, 2)), np.zeros((worlds, 0), dtype=np.int64)
         of_rows, of_worlds = np.zeros(rows, dtype=np.int64), np.zeros(worlds, dtype=np.int64)
         nothing = of_rows - 1
-        return cls(places, stages, stages, nothing, of_rows, of_worlds, of_worlds, places, stages[0], 0.0, of_rows)
+        done, unseen = of_worlds, np.zeros(rows)
+        return cls(
+            places, stages, stages, stages, nothing, of_rows, done, of_worlds, places, stages[0], unseen, of_rows
+        )
 
 
 class TaskState:

@@ -24,9 +24,11 @@ from clean_swarm_env.world.task import Task, task_class
 from clean_swarm_env.world.task_parts import WorldStart
 from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.view import World
-from selector.coordination.coordinator import hold_options
+from selector.coordination.coordinator import Coordinator, hold_options
 from selector.coordination.model import CoordinatorModel
+from selector.documents.errors import DocumentError
 from selforg.arrays import OUTSIDE, Flags, Floats, Ints
+from selforg.registry import unknown
 from selforg.sealing import sealed, unsealed
 
 
@@ -76,6 +78,7 @@ class Worlds:
         self._driven = self._correction = None
         self.extent, self.physics, self.collisions = self.floor.extent, self.floor.physics, self.floor.collisions
         self.network, self.coordinators = self.minds.network, self.minds.coordinators
+        bind_options(mission, self.coordinators, worlds)
         self._states = self.states_below(self, {})
 
     @property
@@ -155,7 +158,10 @@ class Worlds:
         self._states.put(world, whole)
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
-        """Give the `options` (K, C), or (K,) for one coordinator, to the robots in `rows` (K,) or all."""
+        """Give the `options` (K, C), or (K,) for one coordinator, to the robots in `rows` (K,) or all.
+
+        Robots whose model always holds an option hold that one.
+        """
         hold_options(self.coordinators, options, np.arange(self.rows) if rows is None else rows)
 
     def drive(self, vectors: Floats | None) -> None:
@@ -211,3 +217,23 @@ class Worlds:
             minds.commands.add(self._correction * self.team.working[:, None])
         minds.leave(now)
         task.after_leaving()
+
+
+def bind_options(mission: MissionConfig, coordinators: Sequence[Coordinator], worlds: int) -> None:
+    """Let robots hold the options that their models always hold.
+
+    Raises:
+        DocumentError: a model holds an option for a goal that is not there, or an unknown option.
+
+    """
+    goals = {coordinator.model.goal: coordinator for coordinator in coordinators}
+    models = np.tile(mission.models, worlds)
+    for number, group in enumerate(mission.robots.models):
+        where = f"mission {mission.name}: robots.groups.{number}.holds" if mission.robots.groups else "robots.holds"
+        for goal, option in group.holds.items():
+            if goal not in goals:
+                raise DocumentError(f"{where}: {unknown('coordinated goal', goal, list(goals))}")
+            options = goals[goal].model.options
+            if option not in options:
+                raise DocumentError(f"{where}.{goal}: {unknown('option', option, options)}")
+            goals[goal].bind(np.flatnonzero(models == number), options.index(option))

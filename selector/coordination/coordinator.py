@@ -16,7 +16,7 @@ from selector.configurations.configuration import PoseSpec
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
-from selforg.arrays import KEPT, READ, SCRATCH, Flags, Ints, Within, derived
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, Within, derived
 from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
 from selforg.declared import make_arrays
@@ -34,12 +34,15 @@ class Coordinator:
         held: (R,) the option that each row holds; `hold` changes it.
         contents: (O,) the running configurations of the options.
         used: the options that any row holds.
+        always: (R,) the option that a row holds whatever is given to it, -1 for none; `bind` changes it.
         beside: (O,) 1 for those that only steer, which run beside the robot's behaviours and never take a turn.
 
     """
 
     held: Annotated[Ints, "R", KEPT, Within(0, "O")]
+    always: Annotated[Ints, "R", READ]
     beside: Annotated[Ints, "O", READ]
+    _radii: Annotated[list[Floats], "O", READ]  # (R, 2) radii of the poses [m], of each option
     _turn_of: Annotated[list[Ints], "O", READ]  # the behaviours of the parent with which each acts, none: always
     _all_columns: Annotated[Ints, "S", READ]  # of the sensors in the parent's readings
     _members: Annotated[Ints, "O R", SCRATCH]  # rows that hold each option, the first `_counts`
@@ -82,8 +85,10 @@ class Coordinator:
             np.array(beside if spec.steers else [self.index], dtype=np.int64) for spec in model.configurations
         ]
         self._poses = host.poses
-        own = host.poses.radii[0].tolist()
-        self._radii = [own_radii(spec.pose, own) for spec in model.configurations] if model.sets_pose else []
+        self._some_always = False
+        self.always = np.full(parent.rows, -1, dtype=np.int64)
+        usual = host.poses.radii.copy()
+        self._radii = [own_radii(spec.pose, usual) for spec in model.configurations] if model.sets_pose else []
         self._all_columns = np.array([parent.model.sensor_index[sensor.name] for sensor in model.sensors], dtype=int)
         self._in_use: list[tuple[int, int]] = []  # options that any row holds, and by how many
         self.used: tuple[int, ...] = ()
@@ -100,12 +105,20 @@ class Coordinator:
         self._take_turns(rows)
         self._group()
 
+    def bind(self, rows: Ints, option: int) -> None:
+        """Let `rows` (K,) hold an option from now on, whatever is given to them."""
+        self.always[rows] = option
+        self._some_always = True
+        self.hold(rows, self.always[rows])
+
     def hold(self, rows: Ints, options: Ints) -> None:
-        """Give `options` (K,) to `rows` (K,); nothing else of these robots changes.
+        """Give `options` (K,) to `rows` (K,), but to those that `always` hold one; nothing else of them changes.
 
         A new option starts from its first state: no behaviour runs, and memory, decisions and activations are those of
         the start. Gradients that the old option spread or deposited stay in the world and evaporate.
         """
+        if self._some_always:
+            options = np.where(self.always[rows] >= 0, self.always[rows], options)
         changed = take_up(
             rows, options, self.held, self._stale, self._new, self._new_counts, self._members, self._counts
         )
@@ -139,7 +152,8 @@ class Coordinator:
         self.used = tuple(k for k, _ in self._in_use)
         if self._radii:
             for k, count in self._in_use:
-                self._poses.radii[self._members[k, :count]] = self._radii[k]
+                rows = self._members[k, :count]
+                self._poses.radii[rows] = self._radii[k][rows]
 
     def sense(self, now: float) -> None:
         """Write the sensors of all options in use, at `now` [s], into the parent's readings."""
@@ -191,9 +205,10 @@ def hold_options(coordinators: Sequence[Coordinator], options: Ints, rows: Ints)
         coordinator.hold(rows, wanted)
 
 
-def own_radii(pose: PoseSpec, usual: Sequence[float]) -> list[float]:
-    """Return diffusion and goal radius [m] of the poses that a robot spreads; those that are `usual` unless given."""
-    return [old if new is None else new for new, old in zip((pose.diffusion, pose.goal_radius), usual, strict=True)]
+def own_radii(pose: PoseSpec, usual: Floats) -> Floats:
+    """Return diffusion and goal radius (R, 2) [m] of poses that robots spread; those that are `usual` unless given."""
+    given = [np.nan if radius is None else radius for radius in (pose.diffusion, pose.goal_radius)]
+    return np.where(np.isnan(given), usual, given)
 
 
 @lean_kernel

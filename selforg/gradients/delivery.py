@@ -13,7 +13,7 @@ from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from selforg.arrays import SCRATCH, Floats, Ints
+from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import kernel
 from selforg.compiler.records import Words, Written
 from selforg.gradients.poses import OwnPoses
@@ -34,6 +34,7 @@ class Delivery:
         loss: probability that a receiver misses a message, drawn for each receiver.
         delay: from spreading to storing [s].
         generators: one per team, or one per row for what it spreads; needed if `loss` is neither 0 nor 1.
+        ranges: (N,) farthest receiver of what each row spreads [m], if `reach` is larger; empty: only `reach` counts.
 
     Reach and loss may be arrays (T,), one for each team, which their owner may change: then delivery is never taken for
     ideal, and every row has a content of its own.
@@ -44,6 +45,7 @@ class Delivery:
     loss: float | Floats = 0.0
     delay: float = 0.0
     generators: Sequence[np.random.Generator] = field(default=(), repr=False)
+    ranges: Annotated[Floats, "N", READ] = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         """Check every field."""
@@ -103,6 +105,9 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
     teams = poses.teams[tags[:, c.TAG_SOURCE]]
     reaches = np.broadcast_to(delivery.reach, poses.team_count)
     losses = np.broadcast_to(delivery.loss, poses.team_count)
+    of_message = reaches[teams]
+    if len(delivery.ranges):
+        of_message = np.minimum(of_message, delivery.ranges[tags[:, c.TAG_SOURCE]])
     sizes = np.bincount(poses.teams)
     draws = np.ones((len(messages), int(sizes[teams].max(initial=0))))
     for index in np.flatnonzero((losses[teams] > 0) & (losses[teams] < 1)).tolist():
@@ -111,7 +116,7 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
         by_row = len(delivery.generators) == poses.rows
         draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
     which, receivers = np.empty(draws.size, dtype=np.int64), np.empty(draws.size, dtype=np.int64)
-    found = find_receivers(messages, tags, reaches[teams], losses[teams], draws, poses.packed.words, which, receivers)
+    found = find_receivers(messages, tags, of_message, losses[teams], draws, poses.packed.words, which, receivers)
     copies = tags[which[:found]]
     copies[:, c.TAG_SPACE] = receivers[:found]
     return messages[which[:found]], copies
@@ -160,6 +165,7 @@ class PoseDelivery:
     Attributes:
         reaches: (T,) farthest receiver in each team [m]; the owner may change it.
         losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
+        ranges: (N,) farthest receiver of the pose of each row [m], if `reaches` is larger.
         generators: one for each row, for the losses of what it spreads; the owner may change it.
         delay: age of a pose on its arrival [updates].
 
@@ -168,6 +174,7 @@ class PoseDelivery:
 
     """
 
+    ranges: Annotated[Floats, "N", READ]
     _draws: Annotated[Floats, "N MEMBERS", SCRATCH]
 
     def __init__(
@@ -177,6 +184,7 @@ class PoseDelivery:
         losses: Floats,
         generators: Sequence[np.random.Generator],
         delay: int = 0,
+        ranges: Floats | None = None,
     ) -> None:
         if poses.row_table.shape[1] == c.ROW_HEARD:
             raise ValueError("PoseDelivery: the poses must be made with hearing=True")
@@ -184,6 +192,7 @@ class PoseDelivery:
             raise ValueError(f"PoseDelivery: delay must lie in the history of {poses.history} poses, got {delay!r}")
         self.poses, self.delay = poses, delay
         self.reaches, self.losses, self.generators = reaches, losses, generators
+        self.ranges = np.full(poses.rows, np.inf) if ranges is None else ranges
         self._draws = np.zeros((poses.rows, (poses.row_table.shape[1] - c.ROW_HEARD) // 2))
 
     def deliver(self) -> None:
@@ -195,14 +204,17 @@ class PoseDelivery:
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        deliver_poses(self.poses.packed.words, self.reaches, self.losses, self._draws, self.delay)
+        deliver_poses(self.poses.packed.words, self.reaches, self.ranges, self.losses, self._draws, self.delay)
 
 
 @kernel
-def deliver_poses(poses: Written[Poses], reaches: Floats, losses: Floats, draws: Floats, delay: int) -> None:
+def deliver_poses(
+    poses: Written[Poses], reaches: Floats, ranges: Floats, losses: Floats, draws: Floats, delay: int
+) -> None:
     """Write for each pair of a team the ages of the last two poses received, -1 for none that is still remembered.
 
-    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads, delay [updates].
+    reaches (T,) and ranges (N,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads,
+    delay [updates].
     """
     p = open_poses(poses)
     room = (p.rows.shape[1] - c.ROW_HEARD) // 2
@@ -218,7 +230,8 @@ def deliver_poses(poses: Written[Poses], reaches: Floats, losses: Floats, draws:
                 dy = p.own[other, delay, c.Y] - p.own[row, 0, c.Y]
                 dz = p.own[other, delay, c.Z] - p.own[row, 0, c.Z]
                 lost = losses[team] >= 1.0 or (losses[team] > 0.0 and draws[other, receiver] < losses[team])
-                if not lost and squared_length(dx, dy, dz, p.extent) <= reaches[team] * reaches[team]:
+                reach = min(reaches[team], ranges[other])
+                if not lost and squared_length(dx, dy, dz, p.extent) <= reach * reach:
                     age, before = delay, age
                 known = p.rows[other, c.ROW_POSES] if p.rows[row, c.ROW_POSES] > 0 else 0
                 p.rows[row, c.ROW_HEARD + index] = age if age < known else -1

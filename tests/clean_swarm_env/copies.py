@@ -17,7 +17,10 @@ MISSIONS = {
     "own contents": mission(delivery={"reach": 4.0, "loss": 0.3, "own_contents": True, "pose_memory": 1.0}),
     "late and noisy": mission(delivery={"delay": 0.6, "loss": 0.2}, robots={"pose_noise": 0.1}),
     "models": mission(
-        robots=[{"model": "small", "count": 4, "radius": 0.15}, {"model": "large", "count": 2, "max_speed": 0.5}],
+        robots=[
+            {"model": "small", "count": 4, "radius": 0.15},
+            {"model": "large", "count": 2, "max_speed": 0.5, "carries": 2},
+        ],
         world={"width": 4.0, "height": 4.0},
         stations={"recycling": [1.0, 1.0], "dump": [3.0, 3.0]},
         garbage={"count": 2},

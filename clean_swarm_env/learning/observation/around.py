@@ -48,7 +48,7 @@ class Around(NamedTuple):
     # settings
     first_options: Annotated[Ints, "C", READ]  # number of options of the goals before each goal
     ranges: Annotated[Floats, "K", READ]  # neighbour ranges, growing [m]
-    sight: float  # distance within which an item is seen [m]
+    sight: Annotated[Floats, "R", READ]  # distance within which the robot sees items [m]
     longest: float  # half the diagonal of the torus [m]
     station_range: float  # distance to a station within which a robot is near it [m]
     full_crowd: float  # number of robots in range that counts as 1

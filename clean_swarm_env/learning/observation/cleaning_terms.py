@@ -22,7 +22,7 @@ def see_garbage(around: Around, row: int, out: Floats) -> None:
     if around.item[row] >= 0:
         out[0] = 1.0
         place = around.items[row // around.robots, around.item[row]]
-        write_way(around, row, place, around.sight, out[1:])
+        write_way(around, row, place, around.sight[row], out[1:])
 
 
 @compiled_term("cargo", "carrying", "recycled")

@@ -69,6 +69,23 @@ class StopsTerm(Term):
 
 
 @TERMS.register
+class ModelTerm(Term):
+    """One flag for each model of the mission's robots: is the robot of it?"""  # noqa: D400
+
+    name = "model"
+
+    def __init__(self, observed: Observed) -> None:
+        super().__init__(observed)
+        mission = observed.worlds.mission
+        self.components = tuple(f"model_{model.model}" for model in mission.robots.models)
+        self._models = np.tile(mission.models, observed.worlds.worlds)
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Set the flag of the robot's model."""
+        out[self._models[rows], rows] = 1.0
+
+
+@TERMS.register
 class HoldsTerm(CompiledTerm):
     """One flag for each option of each coordinated goal: is it held?"""  # noqa: D400
 

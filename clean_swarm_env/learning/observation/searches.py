@@ -84,7 +84,7 @@ def find_items(around: Words[Around], rows: Ints) -> None:
     """Find the nearest item in sight of each of `rows` (P,), and the phase."""
     a = open_around(around)
     items = a.items.shape[1]
-    cells = np.empty(cells_along(items, a.sight * MARGIN, a.extent), np.int64)
+    cells = np.empty(cells_along(items, a.sight.max() * MARGIN, a.extent), np.int64)
     links, lying, filled = np.empty(items, np.int64), np.empty(items, np.bool_), -1
     for row in rows:
         world = row // a.robots
@@ -94,7 +94,7 @@ def find_items(around: Words[Around], rows: Ints) -> None:
             fill_cells(a.items[world], 0, lying, a.extent, cells, links)
             filled = world
         x, y = a.positions[row, 0], a.positions[row, 1]
-        item, _ = nearest_point(x, y, a.sight, a.items[world], lying, a.extent, cells, links)
+        item, _ = nearest_point(x, y, a.sight[row], a.items[world], lying, a.extent, cells, links)
         a.item[row] = item
         if a.cargo[row] != NOTHING:
             a.phases[row] = TO_DUMP if a.recycled[row] == 1 else TO_RECYCLING

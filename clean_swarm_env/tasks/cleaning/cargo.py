@@ -22,7 +22,7 @@ from clean_swarm_env.tasks.cleaning.robot import (
     RECYCLED,
 )
 from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING
-from selforg.arrays import Flags
+from selforg.arrays import Flags, Floats
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words, Written
@@ -34,50 +34,84 @@ START_PICK, START_RECYCLE, START_DUMP = range(3)  # columns of `MindsRecord.star
 
 @lean_kernel
 def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord]) -> None:
-    """Write the robots' own sensors into the readings, and note the nearest item that each could see or take."""
+    """Write the robots' own sensors into the readings, and note the nearest item that each could see or take.
+
+    Robots that carry nothing look for items that none of them has found lately.
+    """
     f, readings = open_floor(floor), open_minds(minds).readings
-    worlds, items = f.stage.shape
-    per_world, sight = f.robots.shape[0] // worlds, max(f.sight, f.at_item, f.pick_distance)
+    worlds = f.stage.shape[0]
+    per_world = f.robots.shape[0] // worlds
     for world in range(worlds):
-        stations = f.stations[world]
-        list_lying(world, floor)
-        for row in range(world * per_world, (world + 1) * per_world):
-            x, y = f.robots[row, 0], f.robots[row, 1]
-            f.nearest[row], near = NOTHING, np.inf
-            if f.blind[row] > 0:
-                f.blind[row] -= 1
-            elif items > 0:
-                f.nearest[row], near = nearest_point(x, y, sight, f.items[world], f.lying, f.extent, f.cells, f.links)
-            carrying = f.cargo[row] != NOTHING
-            _, to_recycling = nearest_of_kind(x, y, RECYCLING, stations, f.kinds, f.extent)
-            _, to_dump = nearest_of_kind(x, y, DUMP, stations, f.kinds, f.extent)
-            readings[row, GARBAGE_SEEN] = 1.0 if near <= f.sight else 0.0
-            readings[row, GARBAGE_AT] = 1.0 if near <= f.at_item else 0.0
-            readings[row, GARBAGE_FOUND] = 1.0 if near <= f.sight or carrying else 0.0
-            readings[row, CARRYING] = 1.0 if carrying else 0.0
-            readings[row, RECYCLED] = 1.0 if f.recycled[row] else 0.0
-            readings[row, AT_RECYCLING] = 1.0 if to_recycling <= f.at_station else 0.0
-            readings[row, AT_DUMP] = 1.0 if to_dump <= f.at_station else 0.0
-            readings[row, DIST_RECYCLING] = to_recycling
-            readings[row, DIST_DUMP] = to_dump
+        if f.finders:
+            for item in range(f.found.shape[1]):
+                f.found[world, item] = max(f.found[world, item] - 1, 0)
+        for finders in range(1 + f.finders):
+            list_lying(world, finders == 1, floor)
+            for row in range(world * per_world, (world + 1) * per_world):
+                if finders == (f.room[row] == 0):
+                    read_row(row, world, f, readings)
+
+
+@inlined
+def read_row(row: int, world: int, f: FloorRecord, readings: Floats) -> None:
+    """Write the sensors of one robot; see `read_sensors`.
+
+    A robot that has room for another item like those that it carries, and sees one, does not count as carrying.
+    """
+    x, y, stations, sight = f.robots[row, 0], f.robots[row, 1], f.stations[world], f.sight[row]
+    reach = max(sight, f.at_item, f.pick_distance)
+    item, near = NOTHING, np.inf
+    if f.blind[row] > 0:
+        f.blind[row] -= 1
+    elif f.stage.shape[1] > 0:
+        item, near = nearest_point(x, y, reach, f.items[world], f.lying, f.extent, f.cells, f.links)
+    f.nearest[row] = item
+    loaded = f.cargo[row] != NOTHING
+    carrying = loaded and not (f.room[row] > 1 and near <= sight and takes(row, world, item, f))
+    _, to_recycling = nearest_of_kind(x, y, RECYCLING, stations, f.kinds, f.extent)
+    _, to_dump = nearest_of_kind(x, y, DUMP, stations, f.kinds, f.extent)
+    readings[row, GARBAGE_SEEN] = 1.0 if near <= sight else 0.0
+    readings[row, GARBAGE_AT] = 1.0 if near <= f.at_item else 0.0
+    readings[row, GARBAGE_FOUND] = 1.0 if near <= sight or loaded else 0.0
+    readings[row, CARRYING] = 1.0 if carrying else 0.0
+    readings[row, RECYCLED] = 1.0 if f.recycled[row] else 0.0
+    readings[row, AT_RECYCLING] = 1.0 if to_recycling <= f.at_station else 0.0
+    readings[row, AT_DUMP] = 1.0 if to_dump <= f.at_station else 0.0
+    readings[row, DIST_RECYCLING] = to_recycling
+    readings[row, DIST_DUMP] = to_dump
+
+
+@inlined
+def takes(row: int, world: int, item: int, f: FloorRecord) -> bool:
+    """Return whether a robot has room for an item: items that have been recycled are carried one by one."""
+    if f.cargo[row] == NOTHING:
+        return bool(f.room[row] > 0)
+    if f.recycled[row] == 1 or f.leftover[world, item] == 1:
+        return False
+    count, carried = 0, f.cargo[row]
+    while carried != NOTHING:
+        count, carried = count + 1, f.under[world, carried]
+    return bool(count < f.room[row])
 
 
 @part
-def list_lying(world: int, floor: Words[FloorRecord]) -> None:
-    """Mark the items of a world that lie, and put them into the cells."""
+def list_lying(world: int, unknown: bool, floor: Words[FloorRecord]) -> None:
+    """Mark the items of a world that lie, or those of them that are still `unknown`, and put them into the cells."""
     f = open_floor(floor)
     for item in range(f.stage.shape[1]):
-        f.lying[item] = f.stage[world, item] == LYING
+        f.lying[item] = f.stage[world, item] == LYING and not (unknown and f.found[world, item] > 0)
     fill_cells(f.items[world], 0, f.lying, f.extent, f.cells, f.links)
 
 
 @lean_kernel
 def handle_cargo_as_decided(floor: Written[FloorRecord], minds: Words[MindsRecord]) -> int:
     """Handle the cargo of robots whose behaviours to pick, recycle or dump have just started; see `handle_cargo`."""
-    m, standing = open_minds(minds), open_floor(floor).standing
+    m, f = open_minds(minds), open_floor(floor)
     for row in range(m.starting.shape[0]):
         for k in range(3):
-            m.starting[row, k] = m.marks[row, st.STARTED, m.handling[k]] != 0 and standing[row] == 0
+            m.starting[row, k] = m.marks[row, st.STARTED, m.handling[k]] != 0 and f.standing[row] == 0
+        if f.room[row] != 1 and f.standing[row] == 0:  # several items may lie in reach
+            m.starting[row, START_PICK] = m.marks[row, st.EXECUTING, m.handling[START_PICK]] != 0
     return handle_cargo(floor, minds)
 
 
@@ -99,22 +133,26 @@ def handle_cargo(floor: Written[FloorRecord], minds: Words[MindsRecord]) -> int:
     """Handle the cargo of the robots that start to pick, recycle or dump, in the order of rows.
 
     A robot picks the item that was nearest when it sensed. If another robot has just taken that, it picks the item that
-    is nearest now. Fills `picked` and returns how many items were picked.
+    is nearest now. A robot that carries nothing notes that it has found the item. Fills `picked` and returns how many
+    items were picked.
     """
     f, m = open_floor(floor), open_minds(minds)
     starting, count = m.starting, 0
     per_world = f.robots.shape[0] // f.items.shape[0]
     for row in range(f.robots.shape[0]):
         world = row // per_world
-        if starting[row, START_PICK] and f.cargo[row] == NOTHING:
+        if starting[row, START_PICK] and (f.cargo[row] == NOTHING or f.room[row] > 1):
             x, y, item, near = f.robots[row, 0], f.robots[row, 1], f.nearest[row], np.inf
             if item != NOTHING and f.stage[world, item] == LYING:
                 near = distance(x, y, f.items[world, item, 0], f.items[world, item, 1], f.extent)
             elif item != NOTHING:
-                list_lying(world, floor)
+                list_lying(world, f.room[row] == 0, floor)
                 reach = f.pick_distance
                 item, near = nearest_point(x, y, reach, f.items[world], f.lying, f.extent, f.cells, f.links)
-            if item != NOTHING and near <= f.pick_distance:
+            if item != NOTHING and near <= f.pick_distance and f.room[row] == 0:
+                f.found[world, item] = f.found_again
+            elif item != NOTHING and near <= f.pick_distance and takes(row, world, item, f):
+                f.under[world, item] = f.cargo[row]
                 f.cargo[row] = item
                 f.recycled[row] = f.leftover[world, item]
                 place, kind = f.items[world, item], DUMP if f.recycled[row] else RECYCLING
@@ -126,10 +164,11 @@ def handle_cargo(floor: Written[FloorRecord], minds: Words[MindsRecord]) -> int:
             f.recycled[row] = 1
             f.leg[row] = m.readings[row, DIST_DUMP]
         if starting[row, START_DUMP] and f.cargo[row] != NOTHING and f.recycled[row]:
-            f.stage[world, f.cargo[row]] = DONE
-            f.cargo[row] = NOTHING
+            while f.cargo[row] != NOTHING:
+                f.stage[world, f.cargo[row]] = DONE
+                f.cargo[row] = f.under[world, f.cargo[row]]
+                f.done[world] += 1
             f.recycled[row] = 0
-            f.done[world] += 1
     return count
 
 

@@ -174,10 +174,12 @@ def suffer(
             c.standing[row] = max(c.standing[row], c.stop + c.back_off + 1)
             turn_away(row, present, f, c)
             if c.drop == 1 and f.cargo[row] != NOTHING:
-                item = f.cargo[row]
-                f.items[world, item, 0], f.items[world, item, 1] = x, y
-                f.stage[world, item], f.leftover[world, item] = LYING, f.recycled[row]
-                f.cargo[row], f.recycled[row] = NOTHING, 0
+                while f.cargo[row] != NOTHING:
+                    item = f.cargo[row]
+                    f.items[world, item, 0], f.items[world, item, 1] = x, y
+                    f.stage[world, item], f.leftover[world, item] = LYING, f.recycled[row]
+                    f.cargo[row], f.found[world, item] = f.under[world, item], 0
+                f.recycled[row] = 0
                 c.lost[count] = row
                 count += 1
         elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:

@@ -34,7 +34,9 @@ class Garbage:
     stage: Annotated[Ints, "W M", KEPT]  # LYING, CARRIED, DONE or ABSENT
     leftover: Annotated[Ints, "W M", KEPT]  # 1 where what lies has been recycled already
     paid: Annotated[Ints, "W M", KEPT]  # 1 once somebody was paid for picking an item, or has put it down for others
-    cargo: Annotated[Ints, "R", KEPT, Within(NOTHING, "M")]  # the item a robot carries, or NOTHING
+    under: Annotated[Ints, "W M", KEPT, Within(NOTHING, "M")]  # the item below a carried one in its load, or NOTHING
+    found: Annotated[Ints, "W M", KEPT]  # ticks for which robots that carry nothing know the item
+    cargo: Annotated[Ints, "R", KEPT, Within(NOTHING, "M")]  # the item on top of what a robot carries, or NOTHING
     recycled: Annotated[Ints, "R", KEPT]  # 1 once the cargo has been recycled
     leg: Annotated[Floats, "R", KEPT]  # way to the next station from where the cargo was picked or recycled [m]
     blind: Annotated[Ints, "R", KEPT]  # ticks for which the robot sees no item that lies
@@ -44,7 +46,7 @@ class Garbage:
     def __init__(self, worlds: int, items: int, robots: int) -> None:
         self.robots = robots
         make_arrays(self, W=worlds, M=items, R=worlds * robots)
-        self.cargo[:] = NOTHING
+        self.cargo[:] = self.under[:] = NOTHING
 
     def place(self, world: int, positions: Floats) -> None:
         """Put the items of a world at `positions` (up to M, 2) [m], in the first rows; no robot carries anything."""
@@ -52,7 +54,8 @@ class Garbage:
         self.positions[world, : len(positions)] = positions
         self.stage[world] = ABSENT
         self.stage[world, : len(positions)] = LYING
-        self.leftover[world] = self.paid[world] = 0
+        self.leftover[world] = self.paid[world] = self.found[world] = 0
+        self.under[world] = NOTHING
         rows = slice(world * self.robots, (world + 1) * self.robots)
         self.cargo[rows] = NOTHING
         self.recycled[rows] = self.blind[rows] = 0
@@ -67,28 +70,36 @@ class Garbage:
             return False
         self.positions[world, free[0]] = position
         self.stage[world, free[0]] = LYING
-        self.leftover[world, free[0]] = self.paid[world, free[0]] = 0
+        self.leftover[world, free[0]] = self.paid[world, free[0]] = self.found[world, free[0]] = 0
         self.arrived[world] += 1
         return True
 
+    def load(self, row: int) -> Ints:
+        """Return the items (K,) that a robot carries, the last one picked first."""
+        items, world = [int(self.cargo[row])], row // self.robots
+        while items[-1] != NOTHING:
+            items.append(int(self.under[world, items[-1]]))
+        return np.array(items[:-1], dtype=np.int64)
+
     def drop(self, row: int, position: Floats) -> bool:
         """Put the cargo of a robot, recycled or not, at `position` (2,) [m]; return whether it carried anything."""
-        item, world = int(self.cargo[row]), row // self.robots
-        if item == NOTHING:
+        items, world = self.load(row), row // self.robots
+        if not len(items):
             return False
-        self.positions[world, item] = position
-        self.stage[world, item] = LYING
-        self.leftover[world, item] = self.recycled[row]
+        self.positions[world, items] = position
+        self.stage[world, items] = LYING
+        self.leftover[world, items] = self.recycled[row]
+        self.found[world, items] = 0
         self.cargo[row] = NOTHING
         self.recycled[row] = 0
         return True
 
     def hand_over(self, row: int, position: Floats, blind: int) -> bool:
         """Drop the cargo of a robot for others; the robot sees no item for `blind` ticks."""
-        item = int(self.cargo[row])
+        items = self.load(row)
         if not self.drop(row, position):
             return False
-        self.paid[row // self.robots, item] = 1
+        self.paid[row // self.robots, items] = 1
         self.blind[row] = blind
         return True
 

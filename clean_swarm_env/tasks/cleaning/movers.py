@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 
+from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from clean_swarm_env.tasks.cleaning.records import MINDS, MindsRecord
 from clean_swarm_env.tasks.cleaning.settings import settings_of
-from clean_swarm_env.tasks.cleaning.site import ITEM_CHANNEL
+from clean_swarm_env.tasks.cleaning.site import ITEM_CHANNEL, SAME_PLACE, Site
 from clean_swarm_env.world.view import World
-from selforg.arrays import Ints
+from selforg.arrays import READ, Flags, Ints
 from selforg.commands import Commands
 from selforg.compiler.records import Packed
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
@@ -27,14 +28,22 @@ TRANSPORT = ("MoveToRecycling", "MoveToDump")
 class Movers:
     """The mechanisms of MoveToGarbage and Patrol.
 
+    Robots that see or carry otherwise than the task says go straight to the item that their sensors mean, which need
+    not be the nearest.
+
     Attributes:
         mechanisms: by the behaviours of the robots' network, also those that a robot's document replaces.
         packed: the record that compiled code takes.
 
     """
 
-    def __init__(self, world: World) -> None:
+    _straight: Annotated[Flags, "R", READ]
+
+    def __init__(self, world: World, site: Site) -> None:
         minds, config = world.minds, settings_of(world.mission).patrol
+        self._floor, self._ground = site.packed.record, world.ground
+        self._straight = (self._floor.room != 1) | (world.of_each("sight") > 0.0)
+        self._all_nearest = not self._straight.any()
         pheromone = Pheromone(PHEROMONES, -1, config.diffusion, config.evaporation_factor, config.evaporation_period)
         self.mechanisms: dict[str, MovementMechanism] = {
             "MoveToGarbage": ChemotaxisBalch(
@@ -68,7 +77,21 @@ class Movers:
     def move(self, now: float, commands: Commands) -> None:
         """Command the robots whose networks run a mechanism."""
         for mechanism, rows in self._running():
-            mechanism.move_into(now, rows, commands.vectors, commands.commanded)
+            following = rows
+            if mechanism is self.mechanisms["MoveToGarbage"] and not self._all_nearest:
+                self._go_straight(rows[self._straight[rows]], commands)
+                following = rows[~self._straight[rows]]
+            mechanism.move_into(now, following, commands.vectors, commands.commanded)
+
+    def _go_straight(self, rows: Ints, commands: Commands) -> None:
+        """Command `rows` (K,) to go to the items that their sensors mean, as fast as to a station."""
+        floor = self._floor
+        rows = rows[floor.nearest[rows] != NOTHING]
+        items = floor.items[rows // (len(floor.robots) // len(floor.items)), floor.nearest[rows]]
+        offsets = self._ground.offsets(floor.robots[rows], items)
+        lengths = np.linalg.norm(offsets, axis=1, keepdims=True)
+        commands.vectors[rows] = offsets / np.maximum(lengths, SAME_PLACE)
+        commands.commanded[rows] = True
 
     def deposit(self, now: float) -> None:
         """Leave the pheromones of robots that patrol."""

@@ -20,7 +20,9 @@ class FloorRecord(NamedTuple):
     items: Annotated[Floats, "W M 2", KEPT]  # where each item lies or was picked [m]
     stage: Annotated[Ints, "W M", KEPT]  # LYING, CARRIED, DONE or ABSENT
     leftover: Annotated[Ints, "W M", KEPT]  # 1 where what lies has been recycled already
-    cargo: Annotated[Ints, "R", KEPT]  # the item that a robot carries, or NOTHING
+    under: Annotated[Ints, "W M", KEPT]  # the item below a carried one in its load, or NOTHING
+    found: Annotated[Ints, "W M", KEPT]  # ticks for which robots that carry nothing know the item
+    cargo: Annotated[Ints, "R", KEPT]  # the item on top of what a robot carries, or NOTHING
     recycled: Annotated[Ints, "R", KEPT]  # 1 once the cargo has been recycled
     leg: Annotated[Floats, "R", KEPT]  # way to the next station from where the cargo was picked or recycled [m]
     blind: Annotated[Ints, "R", KEPT]  # ticks for which a robot sees no item that lies
@@ -31,7 +33,10 @@ class FloorRecord(NamedTuple):
     lying: Annotated[Flags, "M", SCRATCH]  # scratch: items of one world that lie
     cells: Annotated[Ints, "lines columns", SCRATCH]  # scratch: see `physics.cells`
     links: Annotated[Ints, "M", SCRATCH]  # scratch: see `physics.cells`
-    sight: float  # distance up to which an item is seen [m]
+    sight: Annotated[Floats, "R", READ]  # distance up to which the robot sees items [m]
+    found_again: int  # ticks after which such robots find it once more
+    room: Annotated[Ints, "R", READ]  # items that the robot carries at a time; 0: it only finds them
+    finders: int  # 1 if any robot only finds items
     at_item: float  # distance up to which a robot is at an item [m]
     at_station: float  # distance up to which a robot is at a station [m]
     pick_distance: float  # distance up to which an item is picked [m]

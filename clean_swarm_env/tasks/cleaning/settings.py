@@ -77,6 +77,8 @@ class GarbageConfig(Closed):
     """Distance within which a robot is at an item [m]."""
     pick_distance: Positive = 0.6
     """Distance within which the nearest item is taken [m]."""
+    found_again: Wait = 60.0
+    """Time after which robots that carry nothing find an item once more, so that others hear of it again [s]."""
 
 
 class PatrolConfig(Closed):

@@ -48,7 +48,9 @@ class Site:
         self.stations = np.tile(np.array(task.stations.places), (world.worlds, 1, 1))
         self.kinds = np.array(task.stations.kinds, dtype=np.int64)
         sight = config.diffusion + config.goal_radius + config.view_distance
-        cells = cells_along(count, max(sight, config.at_distance, config.pick_distance), extent)
+        own = world.of_each("sight")
+        sights, room = np.where(own > 0.0, own, sight), world.of_each("carries").astype(np.int64)
+        cells = cells_along(count, max(float(sights.max()), config.at_distance, config.pick_distance), extent)
         self.packed: Packed[FloorRecord] = FLOOR.pack(
             FloorRecord(
                 robots=world.floor.physics.positions,
@@ -58,6 +60,8 @@ class Site:
                 items=self.garbage.positions,
                 stage=self.garbage.stage,
                 leftover=self.garbage.leftover,
+                under=self.garbage.under,
+                found=self.garbage.found,
                 cargo=self.garbage.cargo,
                 recycled=self.garbage.recycled,
                 leg=self.garbage.leg,
@@ -69,7 +73,10 @@ class Site:
                 lying=np.zeros(count, dtype=np.bool_),
                 cells=np.zeros(cells, dtype=np.int64),
                 links=np.zeros(count, dtype=np.int64),
-                sight=sight,
+                sight=sights,
+                found_again=max(round(config.found_again * mission.world.control_rate), 1),
+                room=room,
+                finders=int((room == 0).any()),
                 at_item=config.at_distance,
                 at_station=task.stations.reach,
                 pick_distance=config.pick_distance,

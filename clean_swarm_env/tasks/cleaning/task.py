@@ -77,7 +77,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         self.consequences = Consequences(world.mission, world.worlds, world.rows)
         self.site = Site(world, self.consequences)
         self.garbage, self.stations = self.site.garbage, self.site.stations
-        self.agendas, self.movers = Agendas(world, self.site), Movers(world)
+        self.agendas, self.movers = Agendas(world, self.site), Movers(world, self.site)
         self.cargo_memory = CargoMemory(world.memory)
 
     @classmethod
@@ -209,6 +209,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
             positions=garbage.positions,
             stage=garbage.stage,
             paid=garbage.paid,
+            under=garbage.under,
             cargo=garbage.cargo,
             recycled=garbage.recycled,
             done=garbage.done,
