@@ -86,7 +86,7 @@ def replay_command(
 ) -> None:
     """Write a page that plays a run, or two side by side; runs without a recording are repeated."""
     from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
-    from train.evaluation.foretelling import foretold_along
+    from train.evaluation.explain import foretold_along
     from train.evaluation.repeat import recording_of, task_of
     from train.replay.page_file import write_page
 

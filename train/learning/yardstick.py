@@ -30,14 +30,15 @@ from train.deciders.strategies import StrategyDecider
 from train.running.trials import TrialSettings, run_trials
 
 VALIDATION_FILE = "validation.json"
-BY_SCORE = "options of highest score"
+SCORED_HIGHEST = "options of highest score"
 """What the yardstick is called that holds what experts score highest."""
 TRIED_SCENARIOS = 4
 """Validation scenarios of each family on which the best options are chosen."""
 MOST_OPTIONS = 12
 """Most options that are all tried; of more, those of highest score and those with which the training starts."""
 
-Scenarios = Mapping[str, Sequence[Scenario]]
+ByFamily = Mapping[str, Sequence[Scenario]]
+"""Family -> its validation scenarios."""
 Results = Mapping[str, Sequence[MissionResult]]
 Excesses = dict[str, list[float]]
 """Family -> (K,) excess of each validation mission [s]."""
@@ -54,7 +55,7 @@ class Validation(Closed):
     """The best fixed options."""
 
 
-def results_on(scenarios: Scenarios, maker: DeciderMaker, settings: TrialSettings) -> dict[str, list[MissionResult]]:
+def results_on(scenarios: ByFamily, maker: DeciderMaker, settings: TrialSettings) -> dict[str, list[MissionResult]]:
     """Return the results of the missions of each family."""
     found = {}
     for family, some in scenarios.items():
@@ -69,7 +70,7 @@ def excesses(results: Results) -> Excesses:
 
 
 def best_fixed(
-    scenarios: Scenarios, problem: Problem, start: Sequence[str], settings: TrialSettings
+    scenarios: ByFamily, problem: Problem, start: Sequence[str], settings: TrialSettings
 ) -> tuple[str, Excesses]:
     """Return the fixed options of the lowest excess, and their excess on all scenarios.
 
@@ -86,7 +87,7 @@ def best_fixed(
     first = {family: some[:TRIED_SCENARIOS] for family, some in scenarios.items()}
     means = [_mean(excesses(results_on(first, partial(_held, held), settings))) for held in choices]
     best = choices[int(np.argmin(means))]
-    return JOINT.join(best) or BY_SCORE, excesses(results_on(scenarios, partial(_held, best), settings))
+    return JOINT.join(best) or SCORED_HIGHEST, excesses(results_on(scenarios, partial(_held, best), settings))
 
 
 def _held(options: Sequence[str], problem: Problem, teams: Ints) -> Decider:
