@@ -142,9 +142,9 @@ def _prices(report: FamilyReport, front: Front) -> Grid:
         )
         for label, excesses in front.excesses.items()
     ]
-    heads = ("strategy", "unfinished", "undominated", *(f"{price:g} s" for price in PRICES))
+    heads = ("strategy", "unfinished", "best trade", *(f"{price:g} s" for price in PRICES))
     title = (
-        "excess cost in s over prices of a collision event; * lowest; undominated: none has less time and fewer events"
+        "excess in s by the price of a collision; * lowest; best trade: no other is faster and has fewer collisions"
     )
     return Grid(title, heads, rows)
 

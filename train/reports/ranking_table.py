@@ -42,7 +42,7 @@ def ranking_table(
     scale = f"{amount(low)} to {amount(most)}{', logarithmic' * logarithmic}"
     heads = ("strategy", f"{what} [95 %]", scale, "times the first [95 %]", *columns)
     alone = ranking.scenarios == 1 or len(rows) == 1
-    line = "times the first: ratio of means; its intervals contain the truth for all pairs at once in 95 of 100 tables"
+    line = "times the first: ratio of means; the 95 % hold for all pairs of the table together"
     return Grid(title, heads, rows, notes=(*([] if alone else [line]), *notes))
 
 
