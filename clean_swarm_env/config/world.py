@@ -1,6 +1,6 @@
 """Typed configuration of the ground and its physics."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, get_args
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -15,6 +15,9 @@ MOST_STEPS = 1000
 
 
 GroundKind = Literal["torus", "open", "walled"]
+
+
+Blocked = Literal["sight"]
 
 
 class WallConfig(Closed):
@@ -49,6 +52,8 @@ class WorldConfig(Closed):
     """Length along y [m]."""
     walls: Annotated[tuple[WallConfig, ...], Field(max_length=1000)] = ()
     """Walls inside of the torus, the field, or the part of open land in which robots start."""
+    walls_block: Annotated[tuple[Blocked, ...], Field(max_length=len(get_args(Blocked)))] = ()
+    """What walls block besides bodies: `sight`, so that robots see no items behind them."""
     contacts: Literal["solid", "pass_through"] = "solid"
     """Whether robots are solid, or drive through each other as in the paper's simulator."""
     physics_rate: Rate = 20.0

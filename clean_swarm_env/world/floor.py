@@ -9,30 +9,15 @@ from typing import Annotated
 
 import numpy as np
 
-from clean_swarm_env.config.free_places import images_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
-from clean_swarm_env.world.ground import Ground
+from clean_swarm_env.world.ground import Ground, walls_of
 from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.elementary import directions
-from selforg.walls.segments import NEAR, Walls, no_walls, packed_walls
-
-
-def walls_of(mission: MissionConfig) -> Packed[Walls]:
-    """Return the walls of a mission, at their places on the torus of the physics."""
-    world, robots = mission.world, mission.robots
-    if not world.has_walls:
-        return no_walls()
-    near = max(NEAR, 2.0 * robots.radius + 2.0 * robots.max_speed / world.control_rate)
-    corner = Ground.of(mission).corner
-    segments = images_of(world, near) + np.tile(corner, 2)
-    beyond = near if world.ground == "open" else 0.0
-    low, high = corner - beyond, corner + mission.size + beyond
-    return packed_walls(segments, low.tolist(), high.tolist(), near)
 
 
 class Floor:

@@ -12,7 +12,7 @@ from typing import Annotated, Protocol
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.ground import Ground
+from clean_swarm_env.world.ground import Ground, walls_of
 from clean_swarm_env.world.reception import Localisation, Reception, pose_history
 from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
@@ -91,6 +91,7 @@ class Minds:
             goal_radius=np.tile(mission.of_each("pose_goal_radius"), worlds),
             history=pose_history(mission),
             hearing=mission.own_contents,
+            walls=walls_of(mission) if mission.world.has_walls else None,
         )
         self._pose_delivery = self.reception.of_poses(self.poses)
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)

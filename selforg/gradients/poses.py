@@ -1,20 +1,28 @@
 """Own poses: every row's moving pose gradient, its own history, and who shares it with whom."""
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Written
+from selforg.compiler.records import Packed, Words, Written
 from selforg.elementary import sine_cosine
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import index_poses, make_pose_cells
 from selforg.gradients.store.records import POSES, Poses, open_poses
 from selforg.space import Space, wrapped
+from selforg.walls.segments import Walls, cell_of_walls, open_walls, to_segment
+
+MOST_WALLS: Final = 8
+"""Points of walls that a row knows, the nearest ones."""
+WALL_VIEW: Final = 2.0
+"""Distance up to which it knows them [m]."""
+SAME_POINT: Final = 0.01
+"""Distance up to which the nearest points of two segments are one, as where these meet [m]."""
 
 
 class OwnPoses:
@@ -22,7 +30,7 @@ class OwnPoses:
 
     Rows of one team see each other (ideal delivery); rows of different teams never do. A pose is repulsive by default:
     the paper's robots spread `goal_radius` 0.5 m, `diffusion` 1.0 m. With `hearing` a row sees what
-    `PoseDelivery` has brought it, up to `history` poses old.
+    `PoseDelivery` has brought it, up to `history` poses old. Rows know the `walls` near their newest pose.
 
     Example:
         >>> poses = OwnPoses(Euclidean(2), rows=2, teams=np.array([0, 0]))
@@ -55,6 +63,7 @@ class OwnPoses:
         history: int = 2,
         names: Sequence[str] | None = None,
         hearing: bool = False,
+        walls: Packed[Walls] | None = None,
     ) -> None:
         if rows < 1:
             raise ValueError(f"OwnPoses: rows must be at least 1, got {rows!r}")
@@ -85,6 +94,7 @@ class OwnPoses:
         self.row_table[:, c.ROW_COLUMNS :] = -1
         self.teams = codes.copy()
         self._no_headings = np.zeros(rows)
+        self._walls = walls
         self.radii = np.array(np.broadcast_to(radii, (rows, 2)), dtype=np.float64, order="C")
         self.packed = POSES.pack(
             Poses(
@@ -99,6 +109,8 @@ class OwnPoses:
                 buckets=np.full(1 << int(2 * rows - 1).bit_length(), -1, dtype=np.int32),
                 links=np.full((rows, 2), -1, dtype=np.int32),
                 radii=self.radii,
+                wall_ways=np.zeros((rows, 0 if walls is None else MOST_WALLS, 2)),
+                wall_counts=np.zeros(rows, dtype=np.int64),
                 attraction=attraction,
                 history=history,
             )
@@ -117,6 +129,8 @@ class OwnPoses:
         bad = update_poses(positions, headings, known, float(now), self.packed.words)
         if bad >= 0:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
+        if self._walls is not None:
+            note_walls(self.packed.words, self._walls.words)
 
     def set_gradient(self, row: int, gradient: Gradient) -> bool:
         """Spread a checked gradient as the pose of one row; False if it is not newer than the last one."""
@@ -215,3 +229,28 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
         p.rows[row, c.ROW_POSES] = min(known + 1, p.history)
     index_poses(poses)
     return -1
+
+
+@lean_kernel
+def note_walls(poses: Words[Poses], walls: Words[Walls]) -> None:
+    """Write the ways to the nearest points of the walls near each row, at most MOST_WALLS; farther ones make room."""
+    p, w = open_poses(poses), open_walls(walls)
+    for row in range(len(p.rows)):
+        count, x, y = 0, p.own[row, 0, c.X], p.own[row, 0, c.Y]
+        cell = cell_of_walls(x, y, w)
+        for k in range(w.first[cell], w.first[cell + 1]) if cell >= 0 else range(0):
+            dx, dy = to_segment(x, y, w.listed[k], w)
+            place, farthest = count, dx * dx + dy * dy
+            if farthest > WALL_VIEW * WALL_VIEW:
+                continue
+            for other in range(count):
+                ox, oy = p.wall_ways[row, other, 0], p.wall_ways[row, other, 1]
+                if (ox - dx) * (ox - dx) + (oy - dy) * (oy - dy) < SAME_POINT * SAME_POINT:
+                    place = MOST_WALLS
+                    break
+                if count == MOST_WALLS and ox * ox + oy * oy > farthest:
+                    place, farthest = other, ox * ox + oy * oy
+            if place < MOST_WALLS:
+                p.wall_ways[row, place, 0], p.wall_ways[row, place, 1] = dx, dy
+                count = max(count, place + 1)
+        p.wall_counts[row] = count

@@ -14,6 +14,7 @@ from selforg.mechanisms.chemotaxis import ChemotaxisGe
 from selforg.mechanisms.exploration import Exploration
 from selforg.mechanisms.following import AvoidAll, FollowMinReach
 from selforg.mechanisms.formula import FormulaMechanism
+from selforg.mechanisms.movement import REFLECT
 from selforg.mechanisms.spreading import Carried, Spreader
 
 
@@ -85,6 +86,7 @@ DepositPheromonesRandom = DepositPheromones.variant(
     combine=Exploration.combine,
     looks=Exploration.looks,
     wakes=Exploration.wakes,
+    walls=Exploration.walls,
     min_speed=0.1,
 )
 
@@ -100,6 +102,7 @@ class Patrol(DepositingMechanism):
     formula = staticmethod(AvoidAll.formula)
     looks = AvoidAll.looks
     wakes = AvoidAll.wakes
+    walls = REFLECT
     random = True
     min_speed = 0.7
 

@@ -13,7 +13,7 @@ from selforg.gradients.store.records import Poses, Sight, Store
 from selforg.mechanisms.base import MECHANISMS, SpeedOptions, at_least
 from selforg.mechanisms.chemotaxis import attraction_ge
 from selforg.mechanisms.formula import FormulaMechanism
-from selforg.mechanisms.movement import NOT_AT_ALL, Rule, open_rule
+from selforg.mechanisms.movement import NOT_AT_ALL, REFLECT, Rule, open_rule
 from selforg.randomness import next_direction
 
 
@@ -22,6 +22,7 @@ class Exploration(FormulaMechanism):
     """A random direction, at 1 m/s within [`min_speed`, `max_speed`] (B7), for every row that knows its pose."""
 
     looks = (NOT_AT_ALL, NOT_AT_ALL, NOT_AT_ALL)
+    walls = REFLECT
     min_speed = 0.1
 
     @staticmethod

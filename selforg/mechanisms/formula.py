@@ -21,6 +21,7 @@ from selforg.mechanisms.causes import Causes, note_cause
 from selforg.mechanisms.movement import (
     ALL_IN_VIEW,
     RULE,
+    WALLS_IGNORED,
     Combination,
     Formula,
     Rule,
@@ -56,6 +57,7 @@ class FormulaMechanism(MovementMechanism):
         by_own_reach: full repulsion and the longest vector are the own reach, not the gradient's and `max_speed`.
         random: where the sum is zero the direction is random, at `max_speed`.
         chooses: rule of `selforg.gradients.pair` by which one gradient is followed.
+        walls: what walls do to the movement: WALLS_IGNORED, REPEL or REFLECT.
         min_speed, max_speed: limits of the length of a vector that is not zero [m/s]; the class has the defaults.
         angle_xy, angle_yz: view angles [rad] to either side of the heading.
         parameters: numbers that `combine` finds in `Rule.parameters`.
@@ -75,6 +77,7 @@ class FormulaMechanism(MovementMechanism):
     by_own_reach: ClassVar[bool] = False
     random: ClassVar[bool] = False
     chooses: ClassVar[int] = CHOOSE_NEAREST
+    walls: ClassVar[int] = WALLS_IGNORED
     min_speed = 0.0
     max_speed = 1.0
     angle_xy = np.inf
@@ -133,6 +136,7 @@ class FormulaMechanism(MovementMechanism):
                     least_poses=self.least_poses,
                     random=self.random,
                     chooses=self.chooses,
+                    walls=self.walls,
                     see_bits=self._see_bits,
                     view_distance=self.view_distance,
                     min_speed=self.min_speed,

@@ -4,7 +4,7 @@ Every formula has a kernel of its own: a copy of `move_rows` that calls what its
 """
 
 from collections.abc import Callable
-from typing import Annotated, NamedTuple, TypeAlias
+from typing import Annotated, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -21,6 +21,13 @@ from selforg.randomness import next_direction
 NOT_AT_ALL = 0
 OWN_GOAL_RADIUS = 1  # as far as Balch and Ge repulsion: they are zero where the clearance exceeds the diffusion
 VIEW_DISTANCE = 2
+
+# What walls do to a movement
+WALLS_IGNORED, REPEL, REFLECT = 0, 1, 2
+WALL_REACH: Final = 0.6
+"""Distance of a wall within which it repels or reflects [m]; robots still reach an item in a corner."""
+WALL_CONTACT: Final = 0.3
+"""Distance within which it repels fully [m]."""
 
 Signs: TypeAlias = tuple[int, int, int]
 """One number for each attraction: -1, 0, +1."""
@@ -40,6 +47,7 @@ class Rule(NamedTuple):
     least_poses: int
     random: int
     chooses: int
+    walls: int
     see_bits: int  # SEE_ bits
     view_distance: float  # [m]
     min_speed: float  # [m/s]
@@ -105,10 +113,14 @@ def move_rows(
                 found = keep_ahead(row, found, m.angle_xy, m.angle_yz, sight, poses)
             if found > 0 or m.alone:
                 moves = combined(row, found, own, sight, rule, poses, store)
+            if m.walls == REPEL:
+                moves = repelled_by_walls(row, own.reach, rule, poses) or moves
             if not moves and wakes:
                 moves = gather(look_for_one(row, now, rule, poses), sight, poses, store) > 0
             if moves:
                 finish(row, own.reach, rule)
+                if m.walls == REFLECT:
+                    reflect(row, rule, poses)
         active[row] = moves
         for axis in range(vectors.shape[1]):
             vectors[row, axis] = m.total[axis]
@@ -157,6 +169,36 @@ def finish(row: int, own_reach: float, rule: Written[Rule]) -> None:
         x, y, z = next_direction(m.directions, m.cursor, m.low, row)
         m.total[0], m.total[1], m.total[2] = x * m.max_speed, y * m.max_speed, z * m.max_speed
     limit(m.total, m.min_speed, m.max_speed)
+
+
+@part
+def repelled_by_walls(row: int, own_reach: float, rule: Words[Rule], poses: Words[Poses]) -> bool:
+    """Add the repulsions by the walls near a row, of Balch & Hybinette, to the sum; return whether there are any.
+
+    A wall is a repulsive gradient at its nearest point. At WALL_CONTACT it counts as much as a robot that is touched.
+    """
+    p, total = open_poses(poses), open_rule(rule).total
+    repelled = False
+    for k in range(p.wall_counts[row]):
+        x, y = p.wall_ways[row, k, 0], p.wall_ways[row, k, 1]
+        distance = np.sqrt(x * x + y * y)
+        if 0.0 < distance < WALL_REACH:
+            length = own_reach * min((WALL_REACH - distance) / (WALL_REACH - WALL_CONTACT), 1.0)
+            total[0], total[1] = total[0] - length * x / distance, total[1] - length * y / distance
+            repelled = True
+    return repelled
+
+
+@part
+def reflect(row: int, rule: Words[Rule], poses: Words[Poses]) -> None:
+    """Turn a movement that leads into a wall within WALL_REACH away from it, at the same speed."""
+    p, total = open_poses(poses), open_rule(rule).total
+    for k in range(p.wall_counts[row]):
+        x, y = p.wall_ways[row, k, 0], p.wall_ways[row, k, 1]
+        squared = x * x + y * y
+        into = total[0] * x + total[1] * y
+        if 0.0 < squared < WALL_REACH * WALL_REACH and into > 0.0:
+            total[0], total[1] = total[0] - 2.0 * into / squared * x, total[1] - 2.0 * into / squared * y
 
 
 @part

@@ -5,6 +5,7 @@ import numpy as np
 from selforg.gradients.pair import Pair, repulsion_balch
 from selforg.mechanisms.base import MECHANISMS
 from selforg.mechanisms.formula import NeighbourMechanism
+from selforg.mechanisms.movement import REPEL
 
 
 @MECHANISMS.register
@@ -15,6 +16,7 @@ class RepulsionFernandez(NeighbourMechanism):
     """
 
     by_own_reach = True
+    walls = REPEL
 
     @staticmethod
     def formula(pair: Pair) -> float:
@@ -32,6 +34,7 @@ class RepulsionGradient(NeighbourMechanism):
     """Balch & Hybinette repulsion from the neighbours, doi:10.1109/ROBOT.2000.844042; contact counts the own reach."""
 
     by_own_reach = True
+    walls = REPEL
 
     @staticmethod
     def formula(pair: Pair) -> float:

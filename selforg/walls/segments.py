@@ -17,7 +17,7 @@ NEAR: Final = 2.0
 """Distance from its cell up to which a segment is listed there, unless a longer one is asked for [m]."""
 CELL_SIDE: Final = 0.5
 """Side of a cell [m], unless there were more than MOST_CELLS."""
-MOST_CELLS: Final = 250_000
+MOST_CELLS: Final = 20_000
 
 
 class Walls(NamedTuple):
@@ -26,9 +26,11 @@ class Walls(NamedTuple):
     segments: Annotated[Floats, "K 4", READ]  # x, y of one end and of the other [m], images included
     first: Annotated[Ints, "CELLS", READ]  # where the list of each cell begins in `listed`; one more for its end
     listed: Annotated[Ints, "L", READ]  # numbers of segments, rising in each cell
+    clear: Annotated[Floats, "CELLS", READ]  # distance [m] from the wall that every place in the cell has, or more
     left: float  # [m] lower left corner of the cells
     bottom: float  # [m]
     pitch: float  # side of a cell [m]
+    near: float  # distance from its cell up to which a segment is listed there [m]
     columns: int
     lines: int
 
@@ -42,14 +44,26 @@ def packed_walls(segments: Floats, low: Sequence[float], high: Sequence[float], 
     width, height = high[0] - low[0], high[1] - low[1]
     pitch = max(CELL_SIDE, float(np.sqrt(width * height / MOST_CELLS)))
     columns, lines = (int(np.ceil(side / pitch)) if len(segments) else 0 for side in (width, height))
-    lists = [
-        _crossing(segments, low[0] + column * pitch, low[1] + line * pitch, pitch, near)
-        for line, column in product(range(lines), range(columns))
-    ]
+    corner, beyond = np.array([low[0], low[1]]) + 0.5 * pitch, pitch * float(np.sqrt(0.5))
+    places = [corner + pitch * np.array([column, line]) for line, column in product(range(lines), range(columns))]
+    away = [distances_to(segments, place) for place in places]
+    lists = [np.flatnonzero(distances <= near + beyond) for distances in away]
+    clear = np.array([distances.min() - beyond for distances in away])
     first = np.cumsum([0, *map(len, lists)])
     listed = np.concatenate([np.zeros(0, np.int64), *lists])
     return WALLS.pack(
-        Walls(np.ascontiguousarray(segments), first, listed, float(low[0]), float(low[1]), pitch, columns, lines)
+        Walls(
+            segments=np.ascontiguousarray(segments),
+            first=first,
+            listed=listed,
+            clear=clear,
+            left=float(low[0]),
+            bottom=float(low[1]),
+            pitch=pitch,
+            near=near,
+            columns=columns,
+            lines=lines,
+        )
     )
 
 
@@ -65,12 +79,6 @@ def images(segments: Floats, extent: Floats, near: float = NEAR) -> Floats:
     reaches = (moved.max(axis=1) >= -near) & (moved.min(axis=1) <= extent + near)
     near_ones: Floats = moved.reshape(-1, 4)[reaches.all(axis=1)]
     return near_ones
-
-
-def _crossing(segments: Floats, left: float, bottom: float, pitch: float, near: float) -> Ints:
-    """Return the numbers of segments whose distance from a square cell is at most `near` [m], or little more."""
-    middle = np.array([left, bottom]) + 0.5 * pitch
-    return np.flatnonzero(distances_to(segments, middle) <= near + pitch * np.sqrt(0.5))
 
 
 def distances_to(segments: Floats, point: Floats) -> Floats:
@@ -104,10 +112,37 @@ def touches_wall(x: float, y: float, radius: float, walls: Words[Walls]) -> bool
     """Return whether a disc of `radius` [m] at a place touches a wall."""
     w = open_walls(walls)
     cell = cell_of_walls(x, y, w)
-    if cell < 0:
+    if cell < 0 or w.clear[cell] >= radius:
         return False
     for k in range(w.first[cell], w.first[cell + 1]):
         dx, dy = to_segment(x, y, w.listed[k], w)
         if dx * dx + dy * dy < radius * radius:
             return True
     return False
+
+
+@part
+def crosses_wall(x: float, y: float, dx: float, dy: float, walls: Words[Walls]) -> bool:
+    """Return whether a wall lies between the place (x, y) and the one at the offset (dx, dy) [m] from it."""
+    w = open_walls(walls)
+    cell = cell_of_walls(x, y, w)
+    if cell >= 0 and dx * dx + dy * dy <= w.near * w.near:
+        for k in range(w.first[cell], w.first[cell + 1]):
+            if crosses(x, y, dx, dy, w.listed[k], w):
+                return True
+    else:
+        for segment in range(w.segments.shape[0]):
+            if crosses(x, y, dx, dy, segment, w):
+                return True
+    return False
+
+
+@inlined
+def crosses(x: float, y: float, dx: float, dy: float, segment: int, w: Walls) -> bool:
+    """Return whether the line from (x, y) along (dx, dy) crosses a segment [m]."""
+    ax, ay = w.segments[segment, 0] - x, w.segments[segment, 1] - y
+    bx, by = w.segments[segment, 2] - x, w.segments[segment, 3] - y
+    sx, sy = bx - ax, by - ay
+    one, other = dx * ay - dy * ax, dx * by - dy * bx  # on which side of the line the ends lie
+    own, there = ay * sx - ax * sy, (ay - dy) * sx - (ax - dx) * sy
+    return bool(one * other <= 0.0 and own * there <= 0.0 and (one != 0.0 or other != 0.0))

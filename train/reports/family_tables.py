@@ -143,9 +143,7 @@ def _prices(report: FamilyReport, front: Front) -> Grid:
         for label, excesses in front.excesses.items()
     ]
     heads = ("strategy", "unfinished", "best trade", *(f"{price:g} s" for price in PRICES))
-    title = (
-        "excess in s by the price of a collision; * lowest; best trade: no other is faster and has fewer collisions"
-    )
+    title = "excess in s by the price of a collision; * lowest; best trade: no other is faster and has fewer collisions"
     return Grid(title, heads, rows)
 
 

@@ -28,12 +28,13 @@ from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words, Written
 from selforg.network import state as st
 from selforg.space import nearest_image
+from selforg.walls.segments import Walls, crosses_wall
 
 START_PICK, START_RECYCLE, START_DUMP = range(3)  # columns of `MindsRecord.starting`
 
 
 @lean_kernel
-def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord]) -> None:
+def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord], walls: Words[Walls]) -> None:
     """Write the robots' own sensors into the readings, and note the nearest item that each could see or take.
 
     Robots that carry nothing look for items that none of them has found lately.
@@ -49,11 +50,11 @@ def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord]) -> No
             list_lying(world, finders == 1, floor)
             for row in range(world * per_world, (world + 1) * per_world):
                 if finders == (f.room[row] == 0):
-                    read_row(row, world, f, readings)
+                    read_row(row, world, f, readings, walls)
 
 
 @inlined
-def read_row(row: int, world: int, f: FloorRecord, readings: Floats) -> None:
+def read_row(row: int, world: int, f: FloorRecord, readings: Floats, walls: Words[Walls]) -> None:
     """Write the sensors of one robot; see `read_sensors`.
 
     A robot that has room for another item like those that it carries, and sees one, does not count as carrying.
@@ -65,13 +66,17 @@ def read_row(row: int, world: int, f: FloorRecord, readings: Floats) -> None:
         f.blind[row] -= 1
     elif f.stage.shape[1] > 0:
         item, near = nearest_point(x, y, reach, f.items[world], f.lying, f.extent, f.cells, f.links)
+    behind = item != NOTHING and f.walled and is_behind(row, f.items[world, item], f, walls)
+    if behind and f.hidden:
+        item, near = nearest_in_view(row, world, reach, f, walls)
+        behind = False
     f.nearest[row] = item
     loaded = f.cargo[row] != NOTHING
     carrying = loaded and not (f.room[row] > 1 and near <= sight and takes(row, world, item, f))
     _, to_recycling = nearest_of_kind(x, y, RECYCLING, stations, f.kinds, f.extent)
     _, to_dump = nearest_of_kind(x, y, DUMP, stations, f.kinds, f.extent)
     readings[row, GARBAGE_SEEN] = 1.0 if near <= sight else 0.0
-    readings[row, GARBAGE_AT] = 1.0 if near <= f.at_item else 0.0
+    readings[row, GARBAGE_AT] = 1.0 if near <= f.at_item and not behind else 0.0
     readings[row, GARBAGE_FOUND] = 1.0 if near <= sight or loaded else 0.0
     readings[row, CARRYING] = 1.0 if carrying else 0.0
     readings[row, RECYCLED] = 1.0 if f.recycled[row] else 0.0
@@ -94,6 +99,27 @@ def takes(row: int, world: int, item: int, f: FloorRecord) -> bool:
     return bool(count < f.room[row])
 
 
+@inlined
+def is_behind(row: int, place: Floats, f: FloorRecord, walls: Words[Walls]) -> bool:
+    """Return whether a wall lies between a robot and a place (2,) [m]."""
+    x, y = f.robots[row, 0], f.robots[row, 1]
+    dx, dy = nearest_image(place[0] - x, f.extent[0]), nearest_image(place[1] - y, f.extent[1])
+    return crosses_wall(x, y, dx, dy, walls)
+
+
+@inlined
+def nearest_in_view(row: int, world: int, sight: float, f: FloorRecord, walls: Words[Walls]) -> tuple[int, float]:
+    """Return the nearest marked item within `sight` [m] of a robot that is not behind a wall, and its distance [m]."""
+    best, shortest = NOTHING, np.inf
+    for item in range(f.lying.shape[0]):
+        if f.lying[item]:
+            place = f.items[world, item]
+            away = distance(f.robots[row, 0], f.robots[row, 1], place[0], place[1], f.extent)
+            if away <= sight and away < shortest and not is_behind(row, place, f, walls):
+                best, shortest = item, away
+    return best, shortest
+
+
 @part
 def list_lying(world: int, unknown: bool, floor: Words[FloorRecord]) -> None:
     """Mark the items of a world that lie, or those of them that are still `unknown`, and put them into the cells."""
@@ -104,7 +130,7 @@ def list_lying(world: int, unknown: bool, floor: Words[FloorRecord]) -> None:
 
 
 @lean_kernel
-def handle_cargo_as_decided(floor: Written[FloorRecord], minds: Words[MindsRecord]) -> int:
+def handle_cargo_as_decided(floor: Written[FloorRecord], minds: Words[MindsRecord], walls: Words[Walls]) -> int:
     """Handle the cargo of robots whose behaviours to pick, recycle or dump have just started; see `handle_cargo`."""
     m, f = open_minds(minds), open_floor(floor)
     for row in range(m.starting.shape[0]):
@@ -112,11 +138,13 @@ def handle_cargo_as_decided(floor: Written[FloorRecord], minds: Words[MindsRecor
             m.starting[row, k] = m.marks[row, st.STARTED, m.handling[k]] != 0 and f.standing[row] == 0
         if f.room[row] != 1 and f.standing[row] == 0:  # several items may lie in reach
             m.starting[row, START_PICK] = m.marks[row, st.EXECUTING, m.handling[START_PICK]] != 0
-    return handle_cargo(floor, minds)
+    return handle_cargo(floor, minds, walls)
 
 
 @lean_kernel
-def handle_cargo_in_reach(floor: Written[FloorRecord], minds: Words[MindsRecord], working: Flags) -> int:
+def handle_cargo_in_reach(
+    floor: Written[FloorRecord], minds: Words[MindsRecord], working: Flags, walls: Words[Walls]
+) -> int:
     """Handle the cargo of robots that are `working` (R,) wherever their sensors allow it; see `handle_cargo`."""
     m, standing = open_minds(minds), open_floor(floor).standing
     for row in range(m.starting.shape[0]):
@@ -125,11 +153,11 @@ def handle_cargo_in_reach(floor: Written[FloorRecord], minds: Words[MindsRecord]
         m.starting[row, START_PICK] = able and not carrying and m.readings[row, GARBAGE_AT] == 1.0
         m.starting[row, START_RECYCLE] = able and carrying and not recycled and m.readings[row, AT_RECYCLING] == 1.0
         m.starting[row, START_DUMP] = able and carrying and recycled and m.readings[row, AT_DUMP] == 1.0
-    return handle_cargo(floor, minds)
+    return handle_cargo(floor, minds, walls)
 
 
 @inlined
-def handle_cargo(floor: Written[FloorRecord], minds: Words[MindsRecord]) -> int:
+def handle_cargo(floor: Written[FloorRecord], minds: Words[MindsRecord], walls: Words[Walls]) -> int:
     """Handle the cargo of the robots that start to pick, recycle or dump, in the order of rows.
 
     A robot picks the item that was nearest when it sensed. If another robot has just taken that, it picks the item that
@@ -149,6 +177,8 @@ def handle_cargo(floor: Written[FloorRecord], minds: Words[MindsRecord]) -> int:
                 list_lying(world, f.room[row] == 0, floor)
                 reach = f.pick_distance
                 item, near = nearest_point(x, y, reach, f.items[world], f.lying, f.extent, f.cells, f.links)
+            if item != NOTHING and f.walled and is_behind(row, f.items[world, item], f, walls):
+                item = NOTHING
             if item != NOTHING and near <= f.pick_distance and f.room[row] == 0:
                 f.found[world, item] = f.found_again
             elif item != NOTHING and near <= f.pick_distance and takes(row, world, item, f):

@@ -25,6 +25,9 @@ TRANSPORT = ("MoveToRecycling", "MoveToDump")
 """Behaviours that go to the nearest station of a kind."""
 
 
+NO_BEHAVIOUR: Final = -1
+
+
 class Movers:
     """The mechanisms of MoveToGarbage and Patrol.
 
@@ -34,6 +37,7 @@ class Movers:
     Attributes:
         mechanisms: by the behaviours of the robots' network, also those that a robot's document replaces.
         packed: the record that compiled code takes.
+        to_garbage: number of the behaviour that goes to the nearest item, NO_BEHAVIOUR where others do.
 
     """
 
@@ -59,6 +63,7 @@ class Movers:
             ),
         }
         index = minds.network.model.behaviour_index
+        self.to_garbage = index["MoveToGarbage"] if "MoveToGarbage" not in minds.robot.inner else NO_BEHAVIOUR
         moving = {k: m for k, m in self.mechanisms.items() if k in index and k not in minds.robot.inner}
         self._moving = tuple(moving.values())
         self.packed: Packed[MindsRecord] = MINDS.pack(

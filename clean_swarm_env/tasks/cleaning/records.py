@@ -33,6 +33,8 @@ class FloorRecord(NamedTuple):
     lying: Annotated[Flags, "M", SCRATCH]  # scratch: items of one world that lie
     cells: Annotated[Ints, "lines columns", SCRATCH]  # scratch: see `physics.cells`
     links: Annotated[Ints, "M", SCRATCH]  # scratch: see `physics.cells`
+    walled: int  # whether there are walls
+    hidden: int  # whether robots see no items behind them
     sight: Annotated[Floats, "R", READ]  # distance up to which the robot sees items [m]
     found_again: int  # ticks after which such robots find it once more
     room: Annotated[Ints, "R", READ]  # items that the robot carries at a time; 0: it only finds them

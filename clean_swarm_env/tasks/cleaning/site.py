@@ -73,6 +73,8 @@ class Site:
                 lying=np.zeros(count, dtype=np.bool_),
                 cells=np.zeros(cells, dtype=np.int64),
                 links=np.zeros(count, dtype=np.int64),
+                walled=mission.world.has_walls,
+                hidden="sight" in mission.world.walls_block,
                 sight=sights,
                 found_again=max(round(config.found_again * mission.world.control_rate), 1),
                 room=room,

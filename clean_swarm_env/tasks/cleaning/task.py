@@ -27,6 +27,7 @@ from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING,
 from clean_swarm_env.tasks.cleaning.missions import CleaningMissions
 from clean_swarm_env.tasks.cleaning.movers import Movers
 from clean_swarm_env.tasks.cleaning.robot import CargoMemory, robot_network
+from clean_swarm_env.tasks.cleaning.rounds import Rounds
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
 from clean_swarm_env.world.reception import Reception
@@ -53,6 +54,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         consequences: what collisions have done to the robots.
         agendas: the events to come.
         movers: mechanisms that move robots by themselves.
+        rounds: leads robots round walls, if there are any.
         cargo_memory: what configurations know of the robots' cargo, and ask for.
 
     """
@@ -78,6 +80,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         self.site = Site(world, self.consequences)
         self.garbage, self.stations = self.site.garbage, self.site.stations
         self.agendas, self.movers = Agendas(world, self.site), Movers(world, self.site)
+        self.rounds = Rounds(world, self.site, self.movers) if world.mission.world.has_walls else None
         self.cargo_memory = CargoMemory(world.memory)
 
     @classmethod
@@ -133,22 +136,26 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
 
     def sense(self) -> None:
         """Write the robots' own sensors into the readings."""
-        read_sensors(self.site.packed.words, self.movers.packed.words)
+        read_sensors(self.site.packed.words, self.movers.packed.words, self.world.floor.walls.words)
         self.cargo_memory.tell(self.garbage.recycled, self.garbage.leg, self.world.minds.network.readings)
 
     def after_deciding(self) -> None:
         """Pick, recycle and dump where these behaviours have just started."""
-        self.site.hide_picked(handle_cargo_as_decided(self.site.packed.words, self.movers.packed.words))
+        floor, minds, walls = self.site.packed.words, self.movers.packed.words, self.world.floor.walls.words
+        self.site.hide_picked(handle_cargo_as_decided(floor, minds, walls))
 
     def follow(self, vectors: Floats, working: Flags) -> None:
         """Drive robots by vectors (R, 2) [m/s]; those `working` (R,) pick, recycle and dump wherever they can."""
-        read_sensors(self.site.packed.words, self.movers.packed.words)
-        self.site.hide_picked(handle_cargo_in_reach(self.site.packed.words, self.movers.packed.words, working))
+        floor, minds, walls = self.site.packed.words, self.movers.packed.words, self.world.floor.walls.words
+        read_sensors(floor, minds, walls)
+        self.site.hide_picked(handle_cargo_in_reach(floor, minds, working, walls))
 
     def command(self, commands: Commands) -> None:
         """Command the ways to the nearest stations, and the vectors of mechanisms that run by themselves."""
         begin_commands(self.site.packed.words, self.movers.packed.words, commands.packed.words)
         self.movers.move(self.world.now, commands)
+        if self.rounds is not None:
+            self.rounds.lead(commands)
 
     def after_acting(self, commands: Commands) -> None:
         """Leave the pheromones of the patrol; all vectors are known."""
@@ -222,13 +229,11 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
 
     def hindered(self, row: int) -> tuple[float, bool]:
         """Return how long a collision still stops the robot of a row [s], and whether it is damaged."""
-        stopped = round(int(self.consequences.standing[row]) * self.world.period, 9)
-        return stopped, bool(self.consequences.damaged[row])
+        return round(int(self.consequences.standing[row]) * self.world.period, 9), bool(self.consequences.damaged[row])
 
     def headline(self, world: int) -> str:
         """Return how many items are dumped."""
-        garbage = self.garbage
-        return f"{garbage.done[world]} of {garbage.arrived[world]} items dumped"
+        return f"{self.garbage.done[world]} of {self.garbage.arrived[world]} items dumped"
 
     def cargo(self) -> Ints:
         """Return the item that each robot (R,) carries."""

@@ -30,6 +30,8 @@ class Poses(NamedTuple):
     buckets: Annotated[Links, "B", SCRATCH]  # first row in each bucket, -1 for none
     links: Annotated[Links, "N 2", SCRATCH]  # next row in the bucket, -1 for none; cell of the row
     radii: Annotated[Floats, "N 2", READ]  # diffusion and goal radius of the poses that rows spread from now on [m]
+    wall_ways: Annotated[Floats, "N S 2", SCRATCH]  # ways to the nearest points of near walls [m]; S is 0 without walls
+    wall_counts: Annotated[Ints, "N", SCRATCH]  # how many there are
     attraction: float  # of these, -1, 0 or +1
     history: int  # poses remembered of each row
 

@@ -23,7 +23,8 @@ from selforg.space import nearest_image
 OTHER_X, OTHER_Y = 0, 1  # offset from the robot [m]
 OTHER_VX, OTHER_VY = 2, 3  # velocity [m/s], zero after a single pose
 OTHER_COSINE, OTHER_SINE = 4, 5  # heading, both zero if there is none
-OTHER_ROW = 6  # its row
+OTHER_ROW = 6  # its row, NO_ROW of a wall
+NO_ROW = -1
 OTHER_COLUMNS = 7
 
 
@@ -95,6 +96,22 @@ def note_others(row: int, now: float, view: float, others: Floats, poses: Words[
         others[count, OTHER_COSINE] = p.own[other, last, c.POSE_HEADING]
         others[count, OTHER_SINE] = p.own[other, last, c.POSE_HEADING + 1]
         others[count, OTHER_ROW] = other
+        count += 1
+    return count
+
+
+@part
+def note_near_walls(row: int, count: int, beyond: float, others: Floats, poses: Words[Poses]) -> int:
+    """Write the walls near a row after `count` others, as robots `beyond` [m] behind them; return the sum."""
+    p = open_poses(poses)
+    for k in range(p.wall_counts[row]):
+        x, y = p.wall_ways[row, k, 0], p.wall_ways[row, k, 1]
+        distance = np.sqrt(x * x + y * y)
+        if distance == 0.0:
+            continue
+        scale = (distance + beyond) / distance
+        others[count, :] = 0.0
+        others[count, OTHER_X], others[count, OTHER_Y], others[count, OTHER_ROW] = scale * x, scale * y, NO_ROW
         count += 1
     return count
 

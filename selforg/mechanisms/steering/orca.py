@@ -13,8 +13,8 @@ from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import kernel, lean_kernel, part
 from selforg.compiler.records import Recording, Words
 from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.poses import OwnPoses
-from selforg.gradients.store.records import Poses
+from selforg.gradients.poses import MOST_WALLS, OwnPoses
+from selforg.gradients.store.records import Poses, open_poses
 from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
 from selforg.mechanisms.causes import Causes, note_cause
 from selforg.mechanisms.steering.base import (
@@ -32,6 +32,8 @@ from selforg.mechanisms.steering.base import (
 
 POINT_X, POINT_Y, NORMAL_X, NORMAL_Y = 0, 1, 2, 3
 LINE_COLUMNS = 4
+WALL_HORIZON = 0.5
+"""Time for which a robot does not come too near to a wall [s]; for longer ones it would slow down before doors."""
 NEARLY = 1e-9
 """Sine of the angle up to which two borders count as parallel; likewise the slack of a constraint [m/s]."""
 
@@ -40,8 +42,8 @@ class HalfPlanes(NamedTuple):
     """The parameters of `ORCA`, and room for the others and the half-planes of one row."""
 
     others: Annotated[Floats, "N OTHER", SCRATCH]  # columns OTHER_
-    lines: Annotated[Floats, "N LINE", SCRATCH]  # columns POINT_ and NORMAL_
-    projected: Annotated[Floats, "N LINE", SCRATCH]  # the half-planes of the three-dimensional program
+    lines: Annotated[Floats, "N+S LINE", SCRATCH]  # columns POINT_ and NORMAL_; S walls
+    projected: Annotated[Floats, "N+S LINE", SCRATCH]  # the half-planes of the three-dimensional program
     found: Annotated[Floats, "2", SCRATCH]  # the velocity found [m/s]
     view_distance: float  # from here on: see `ORCA`
     distance: float
@@ -85,8 +87,8 @@ class ORCA(SteeringMechanism):
         self._planes = HALF_PLANES.pack(
             HalfPlanes(
                 others=np.zeros((rows, OTHER_COLUMNS)),
-                lines=np.zeros((rows, LINE_COLUMNS)),
-                projected=np.zeros((rows, LINE_COLUMNS)),
+                lines=np.zeros((rows + MOST_WALLS, LINE_COLUMNS)),
+                projected=np.zeros((rows + MOST_WALLS, LINE_COLUMNS)),
                 found=np.zeros(2),
                 view_distance=self.view_distance,
                 distance=at_least(self, "distance", distance, 0.0),
@@ -129,7 +131,7 @@ def avoid_rows(
     now: float, rows: Ints, commands: Words[Commanded], planes: Words[HalfPlanes], poses: Words[Poses]
 ) -> None:
     """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
-    m, h = open_commanded(commands), open_half_planes(planes)
+    m, h, p = open_commanded(commands), open_half_planes(planes), open_poses(poses)
     for row in rows:
         speed = speed_to_change(row, commands, poses)
         if speed == 0.0:
@@ -138,6 +140,9 @@ def avoid_rows(
         vx, vy = own_velocity(row, poses)
         for other in range(count):
             permit(other, vx, vy, planes)
+        for k in range(p.wall_counts[row]):
+            permit_wall(count + k, p.wall_ways[row, k, 0], p.wall_ways[row, k, 1], planes)
+        count += p.wall_counts[row]
         if count > 0:
             choose_velocity(count, m.vectors[row, 0], m.vectors[row, 1], speed, planes)
             m.vectors[row, 0], m.vectors[row, 1] = h.found[0], h.found[1]
@@ -170,6 +175,21 @@ def permit(other: int, vx: float, vy: float, planes: Words[HalfPlanes]) -> None:
         ux, uy = -outside * nx, -outside * ny
     h.lines[other, POINT_X], h.lines[other, POINT_Y] = vx + 0.5 * ux, vy + 0.5 * uy
     h.lines[other, NORMAL_X], h.lines[other, NORMAL_Y] = nx, ny
+
+
+@part
+def permit_wall(line: int, x: float, y: float, planes: Words[HalfPlanes]) -> None:
+    """Write the half-plane for a wall whose nearest point is (x, y) [m] away: the robot avoids it alone.
+
+    It comes no nearer than half of `distance` within WALL_HORIZON; one that is nearer must be away within a period.
+    """
+    h = open_half_planes(planes)
+    length = np.sqrt(x * x + y * y)
+    nx, ny = (-x / length, -y / length) if length > 0.0 else (1.0, 0.0)
+    left = length - 0.5 * h.distance
+    allowed = left / (WALL_HORIZON if left > 0.0 else h.period)
+    h.lines[line, POINT_X], h.lines[line, POINT_Y] = -allowed * nx, -allowed * ny
+    h.lines[line, NORMAL_X], h.lines[line, NORMAL_Y] = nx, ny
 
 
 @part

@@ -14,7 +14,7 @@ from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Recording, Words, Written
 from selforg.elementary import direction, unit_vectors
 from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.poses import OwnPoses
+from selforg.gradients.poses import MOST_WALLS, OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
 from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
@@ -27,6 +27,7 @@ from selforg.mechanisms.steering.base import (
     OTHER_X,
     OTHER_Y,
     SteeringMechanism,
+    note_near_walls,
     note_others,
     speed_to_change,
 )
@@ -48,7 +49,7 @@ class Foresight(NamedTuple):
     candidates: Annotated[
         Floats, "K 4", READ
     ]  # direction beside the wanted one [rad], share of its speed; cosine and sine
-    others: Annotated[Floats, "N OTHER", SCRATCH]  # columns OTHER_
+    others: Annotated[Floats, "N+S OTHER", SCRATCH]  # columns OTHER_
     places: Annotated[Floats, "N PLACE", KEPT]  # where each row last made progress; columns PLACE_
     times: Annotated[Floats, "N TIME", CLOCKED]  # columns SINCE and DARING_UNTIL [s]
     directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
@@ -128,7 +129,7 @@ class PredictiveSteering(SteeringMechanism):
         self._foresight = FORESIGHT.pack(
             Foresight(
                 candidates=np.column_stack([candidates, *unit_vectors(candidates[:, 0])]),
-                others=np.zeros((rows, OTHER_COLUMNS)),
+                others=np.zeros((rows + MOST_WALLS, OTHER_COLUMNS)),
                 places=self._places,
                 times=self._times,
                 directions=self._directions.vectors,
@@ -196,6 +197,7 @@ def foresee_rows(
             continue
         daring = is_stuck(row, now, foresight, poses)
         count = note_others(row, now, f.view_distance, f.others, poses)
+        count = note_near_walls(row, count, 0.5 * f.distance, f.others, poses)
         if count == 0:
             continue
         x, y = m.vectors[row, 0] / speed, m.vectors[row, 1] / speed

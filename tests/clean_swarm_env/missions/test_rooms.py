@@ -6,6 +6,7 @@ from pettingzoo.test import parallel_api_test
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
@@ -13,8 +14,12 @@ from clean_swarm_env.drawing.picture import write_picture
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks import TASKS
+from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GOAL
 from clean_swarm_env.world.mission import MissionRun
 from clean_swarm_env.world.worlds import Worlds
+from selector.configurations.library import Library
+from selector.coordination.model import CoordinatorModel
+from selector.knowledge import load_knowledge
 from tests.clean_swarm_env.courses import avoidance, course, difference, long_course, mission, worlds_at_start
 
 ROOMS = load_mission("three-rooms")
@@ -58,6 +63,37 @@ def test_courses_differ_once_the_walls_are_removed():
     first, second = (course(world, 0, 150) for world in worlds)
     assert difference(first[:1], second[:1]) == ""
     assert np.abs(first[-1]["positions"] - second[-1]["positions"]).max() > 1.0
+
+
+@pytest.mark.parametrize("option", ["ORCA", "PredictiveSteering", "RepulsionGradient"])
+def test_a_robot_that_knows_the_way_goes_round_a_long_wall_another_one_does_not(option):
+    wall, world = {"corners": [[8.0, 0.0], [8.0, 10.5]]}, {"width": 16.0, "ground": "walled"}
+    config = mission("three-rooms", world={**world, "walls": [wall]}, robots={"count": 1}, garbage={"count": 1},
+                     stations={"recycling": [4.0, 2.0], "dump": [12.0, 2.0]})  # fmt: skip
+    start = StartConfiguration(id="s", robots=((4.0, 4.0, 0.0),), items=((5.0, 3.5),))
+    model = CoordinatorModel(GOAL, load_knowledge("avoidance"), Library())
+    done = []
+    for rounds in (True, False):
+        worlds = Worlds(config, model, 1)
+        worlds.reset(0, start, 5)
+        worlds.hold(np.full(1, model.options.index(option)))
+        worlds.task.rounds = worlds.task.rounds if rounds else None
+        for _ in range(300):
+            worlds.tick()
+        done.append(int(worlds.task.garbage.done[0]))
+    assert done == [1, 0]
+
+
+@pytest.mark.parametrize("sight", [True, False])
+def test_an_item_behind_a_wall_is_seen_unless_walls_block_sight_and_never_picked(sight):
+    start = StartConfiguration(id="s", robots=((7.74, 3.0, 0.0),), items=((8.26, 3.0), (7.0, 4.5)))
+    changes = {"world": {"walls_block": ["sight"] if sight else []}, "robots": {"count": 1}, "garbage": {"count": 2}}
+    worlds = Worlds(mission("three-rooms", **changes), avoidance(), 1)
+    worlds.reset(0, start, 1)
+    worlds.tick()
+    assert worlds.task.site.packed.record.nearest[0] == (1 if sight else 0)
+    assert worlds.network.readings[0, GARBAGE_AT] == 0.0
+    assert (worlds.task.garbage.cargo == -1).all()
 
 
 def test_a_recording_holds_the_walls_and_its_pictures_are_those_of_the_world(tmp_path):

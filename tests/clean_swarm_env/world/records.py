@@ -14,7 +14,7 @@ def floor_record(garbage, robots, extent, **fields):
         "stations": np.zeros((worlds, 2, 2)), "kinds": np.arange(2),
         "standing": np.zeros(rows, np.int64), "nearest": np.zeros(rows, np.int64),
         "picked": np.zeros((rows, 2), np.int64), "at_item": 0.0, "at_station": 0.0, "pick_distance": 0.0,
-        "room": np.ones(rows, np.int64), "finders": 0, "found_again": 1,
+        "room": np.ones(rows, np.int64), "finders": 0, "walled": 0, "hidden": 0, "found_again": 1,
         "lying": np.zeros(items, np.bool_), "cells": np.empty((0, 0), np.int64), "links": np.empty(items, np.int64),
     }  # fmt: skip
     names = ("stage", "leftover", "under", "found", "cargo", "recycled", "leg", "blind", "done")

@@ -9,6 +9,7 @@ from clean_swarm_env.tasks.cleaning.cargo import handle_cargo_as_decided
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING, Garbage
 from clean_swarm_env.tasks.cleaning.records import FLOOR, MINDS
 from selforg.network.state import STARTED
+from selforg.walls.segments import no_walls
 from tests.clean_swarm_env.world.records import floor_record, minds_record
 
 EXTENT = np.array([11.0, 7.0])
@@ -24,7 +25,7 @@ def _handle(garbage, robots, started):
     floor = floor_record(garbage, places, EXTENT, nearest=np.array(nearest), pick_distance=0.6, cells=cells)
     minds = minds_record(len(robots), behaviours=4, handling=COLUMNS)
     minds.marks[:, STARTED] = started
-    count = handle_cargo_as_decided(FLOOR.pack(floor).words, MINDS.pack(minds).words)
+    count = handle_cargo_as_decided(FLOOR.pack(floor).words, MINDS.pack(minds).words, no_walls().words)
     return floor.picked[:count].tolist()
 
 
