@@ -4,7 +4,8 @@ An event happens at the beginning of the first control period that begins at its
 happen in the order in which they are listed.
 """
 
-from typing import Annotated, Literal, Self
+from math import ceil
+from typing import Annotated, Final, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -13,12 +14,22 @@ from clean_swarm_env.config.types import ArrivalRate, Index, Items, Point, Pose,
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Name, Positive, Share
 
+MOST_TIMES: Final = 10_000
+"""Times that one event may happen in a mission."""
+
 
 class At(Closed):
     """The base class of events: their time."""
 
     at: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1e7)]
     """Time of the event in the mission [s]."""
+
+
+class Again(At):
+    """The base class of events that may happen again and again: phases."""
+
+    every: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1e7)] = 0.0
+    """Time after which the event happens again, until the mission ends; 0: it happens once [s]."""
 
 
 class Join(At):
@@ -67,7 +78,7 @@ class Land(At):
     """Number of items, about the spots of the garbage or at random places."""
 
 
-class Respawn(At):
+class Respawn(Again):
     """The rate at which garbage keeps coming changes."""
 
     do: Literal["respawn"]
@@ -76,7 +87,7 @@ class Respawn(At):
     """Items that arrive in a minute from now on, at random times [1/min]."""
 
 
-class MoveSpots(At):
+class MoveSpots(Again):
     """The places about which garbage comes change."""
 
     do: Literal["move_spots"]
@@ -85,7 +96,7 @@ class MoveSpots(At):
     """Their centres from now on; empty: garbage comes anywhere [m]."""
 
 
-class MoveStations(At):
+class MoveStations(Again):
     """The first stations of either kind move."""
 
     do: Literal["move_stations"]
@@ -96,7 +107,7 @@ class MoveStations(At):
     """Place of the dump station from now on [m]."""
 
 
-class SetDelivery(At):
+class SetDelivery(Again):
     """The quality of the delivery of messages changes."""
 
     do: Literal["deliver"]
@@ -115,6 +126,19 @@ Event = Annotated[
 def in_order(events: tuple[Event, ...]) -> list[tuple[int, Event]]:
     """Return the events in the order in which they happen, each with its place in the list."""
     return sorted(enumerate(events), key=lambda numbered: numbered[1].at)
+
+
+def happening(events: tuple[Event, ...], until: float) -> list[tuple[float, Event]]:
+    """Return what happens before the time `until` [s], each with its time, in order; some events again and again."""
+    times = [(at, place) for place, event in enumerate(events) for at in times_of(event, until)]
+    return [(at, events[place]) for at, place in sorted(times)]
+
+
+def times_of(event: Event, until: float) -> list[float]:
+    """Return when an event happens [s]: once, or also as often as its period lets it before the time `until`."""
+    period = event.every if isinstance(event, Again) else 0.0
+    again = ceil((until - event.at) / period) if period > 0.0 else 1
+    return [event.at + k * period for k in range(max(again, 1))]
 
 
 def join_time(events: tuple[Event, ...], robots: int, robot: int) -> float | None:

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_serializer, field_validator, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE, DeliveryConfig
-from clean_swarm_env.config.events import Event, Join, SetDelivery, check_team
+from clean_swarm_env.config.events import MOST_TIMES, Again, Event, Join, SetDelivery, check_team
 from clean_swarm_env.config.free_places import check_place, check_walls, free_ground, robots_that_fit
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.robots import RobotConfig, models_of_rows, of_each
@@ -126,6 +126,10 @@ class MissionConfig(Closed):
             periods = time * world.control_rate
             if round(periods) < least or abs(periods - round(periods)) > 1e-9:
                 raise impossible(key, f"a whole multiple of the control period {1.0 / world.control_rate:g} s", time)
+        shortest = max(1.0 / world.control_rate, self.time_limit / MOST_TIMES)
+        for place, event in enumerate(self.events):
+            if isinstance(event, Again) and 0.0 < event.every < shortest:
+                raise impossible(f"events.{place}.every", f"0 or at least {shortest:g} s", event.every)
         if self.time_limit * world.control_rate < 1.0:
             raise impossible(
                 "time_limit", f"at least one control period, {1.0 / world.control_rate:g} s", self.time_limit

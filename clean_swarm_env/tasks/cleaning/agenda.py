@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 import numpy as np
 
-from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveSpots, MoveStations, Remove, Respawn, in_order
+from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveSpots, MoveStations, Remove, Respawn, happening
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.tasks.cleaning.draws import Places
 from clean_swarm_env.tasks.cleaning.garbage import NO_TICK, Arrivals
@@ -44,7 +44,7 @@ class Agenda:
         self._garbage = Places.of(mission)
         self._arrivals = Arrivals(arriving, settings_of(mission).garbage.respawn, 60.0 * per_tick)
         self._events: list[tuple[int, Event]] = [
-            (ceil(event.at * per_tick - TOLERANCE), event) for _, event in in_order(mission.events)
+            (ceil(at * per_tick - TOLERANCE), event) for at, event in happening(mission.events, mission.time_limit)
         ]
         self._joining: list[Place | None] = []
         items = mission.items

@@ -5,7 +5,7 @@
 
 from typing import Final, NamedTuple
 
-from clean_swarm_env.config.events import Land, Respawn, in_order
+from clean_swarm_env.config.events import Land, Respawn, happening
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from selforg.compiler.decorators import part
@@ -93,7 +93,8 @@ def unavoidable_cost(mission: MissionConfig, came: int) -> float:
 
 def _coming(mission: MissionConfig) -> float:
     """Return the number of items that are expected to come within the time limit."""
-    changes = [(min(e.at, mission.time_limit), e.rate) for _, e in in_order(mission.events) if isinstance(e, Respawn)]
+    events = happening(mission.events, mission.time_limit)
+    changes = [(min(at, mission.time_limit), event.rate) for at, event in events if isinstance(event, Respawn)]
     times = [0.0, *(at for at, _ in changes), mission.time_limit]
     rates = [settings_of(mission).garbage.respawn, *(rate for _, rate in changes)]
     arriving = sum(rate * (times[k + 1] - times[k]) / 60.0 for k, rate in enumerate(rates))
