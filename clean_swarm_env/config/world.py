@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from clean_swarm_env.config.types import Length, Point, Rate
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Flag
+from selector.documents.fields import Closed, Flag, Name, Share
 from selforg.arrays import Floats
 
 MOST_STEPS = 1000
@@ -41,6 +41,19 @@ def wall_around(width: float, height: float) -> WallConfig:
     return WallConfig(corners=((0.0, 0.0), (width, 0.0), (width, height), (0.0, height)), closed=True)
 
 
+class ZoneConfig(Closed):
+    """A rectangle of the ground in which messages are lost or robots are slow; where zones overlap the worse counts."""
+
+    name: Name
+    """Name of the zone in pictures."""
+    area: tuple[Point, Point]
+    """Lower left and upper right corner [m]."""
+    loss: Share = 0.0
+    """Probability that a receiver misses a message from or to a robot inside [-]."""
+    speed: Annotated[float, Field(strict=True, ge=0.01, le=1.0)] = 1.0
+    """Share of its largest speed that a robot has inside [-]."""
+
+
 class WorldConfig(Closed):
     """The ground and its physics."""
 
@@ -54,6 +67,8 @@ class WorldConfig(Closed):
     """Walls inside of the torus, the field, or the part of open land in which robots start."""
     walls_block: Annotated[tuple[Blocked, ...], Field(max_length=len(get_args(Blocked)))] = ()
     """What walls block besides bodies: `sight`, so that robots see no items behind them."""
+    zones: Annotated[tuple[ZoneConfig, ...], Field(max_length=100)] = ()
+    """Zones in which messages are lost or robots are slow."""
     contacts: Literal["solid", "pass_through"] = "solid"
     """Whether robots are solid, or drive through each other as in the paper's simulator."""
     physics_rate: Rate = 20.0
@@ -69,6 +84,15 @@ class WorldConfig(Closed):
         if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
             expected = f"a rate that divides physics_rate {self.physics_rate:g} Hz into whole steps"
             raise impossible("control_rate", expected, self.control_rate)
+        return self
+
+    @model_validator(mode="after")
+    def _zones_on_the_ground(self) -> Self:
+        for k, zone in enumerate(self.zones):
+            (left, bottom), (right, top) = zone.area
+            if not (0.0 <= left < right <= self.width and 0.0 <= bottom < top <= self.height):
+                expected = f"a lower left and an upper right corner on {self.width:g} m x {self.height:g} m"
+                raise impossible(f"zones.{k}.area", expected, [list(corner) for corner in zone.area])
         return self
 
     @property

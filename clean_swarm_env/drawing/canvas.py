@@ -32,6 +32,16 @@ def no_places() -> Floats:
     return np.zeros((0, 2))
 
 
+class Zone(NamedTuple):
+    """A rectangle of the ground: its name, lower left and upper right corner [m]."""
+
+    name: str
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+
 class Area(NamedTuple):
     """A place that means something to robots: its name, middle and radius [m], and whether it repels them."""
 
@@ -67,6 +77,7 @@ class Canvas:
     station_kinds: tuple[int, ...] = (0, 1)  # (S,) numbers of `LOOK.stations`
     station_radius: float = 0.5  # [m] within which a robot is at a station
     areas: tuple[Area, ...] = ()  # what else lies in the world
+    zones: tuple[Zone, ...] = ()  # in which messages are lost or robots are slow
     walls: Floats = field(default_factory=lambda: np.zeros((0, 4)))  # (K, 4) x, y of either end [m]
     pheromones: Floats = field(default_factory=no_places)  # (M, 2) [m]
     pheromone_diffusions: Floats = field(default_factory=lambda: np.zeros(0))  # (M,) [m]

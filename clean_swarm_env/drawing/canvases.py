@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Annotated, Literal
 
@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import AliasChoices, AliasPath, BaseModel, Field
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
+from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, Zone, between, no_places
 from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.sampled import things_of, walls_shown
+from clean_swarm_env.recording.sampled import things_of, walls_shown, zones_shown
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.movers import PHEROMONES
 from clean_swarm_env.tasks.cleaning.settings import StationsConfig
@@ -107,6 +107,8 @@ class _Shown(BaseModel):
     """Of open land the square is shown in which the robots have been."""
     shown: Annotated[tuple[Positive, ...], Field(max_length=2)] = ()
     """Width and height of the part that is shown of a walled field's torus [m]."""
+    zones: tuple[tuple[str, Number, Number, Number, Number], ...] = ()
+    """Name, lower left and upper right corner of each zone [m]."""
     walls: tuple[tuple[Number, Number, Number, Number], ...] = ()
     """x, y of either end of each wall [m]."""
 
@@ -205,10 +207,16 @@ class RecordedCourse:
             station_kinds=self._shown.stations.kinds,
             station_radius=self._shown.stations.reach,
             areas=areas_of(self._things, self._corner, np.stack([now["thing_x"], now["thing_y"]], axis=1)),
+            zones=moved_zones(self._shown.zones, self._corner),
             walls=self._walls - np.tile(self._corner, 2),
             pheromones=traces.positions[trail] - self._corner,
             pheromone_diffusions=traces.diffusion[trail],
         )
+
+
+def moved_zones(zones: Iterable[tuple[str, float, float, float, float]], corner: Floats) -> tuple[Zone, ...]:
+    """Return the zones of a picture whose lower left `corner` (2,) [m] is given."""
+    return tuple(Zone(name, *(np.array(corners) - np.tile(corner, 2)).tolist()) for name, *corners in zones)
 
 
 def areas_of(things: Sequence[DrawnThing], corner: Floats, moved: Floats) -> tuple[Area, ...]:
@@ -246,6 +254,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
         options=coordinator.model.options if coordinator else (),
         held=coordinator.held[rows].copy() if coordinator else None,
         areas=areas_of(things, corner, no_places()),
+        zones=moved_zones(zones_shown(worlds), corner),
         walls=walls_shown(worlds) - np.tile(corner, 2),
         pheromones=trail - corner,
         pheromone_diffusions=diffusions,

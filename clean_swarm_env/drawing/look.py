@@ -70,6 +70,7 @@ class Appearance:
     """By their kinds."""
     pheromones: Sign = Sign("pheromones", "#56B4E9", opacity=0.66)
     """In their middle, where they have just been left."""
+    zone: Sign = Sign("zone of lost messages or slow ground", "#999933", "square", 0.16, opacity=0.15)
     wall: Sign = Sign("wall", "#2b2b2b", "stroke")
     wall_width: float = 3.0
     """Width of walls [pixels]."""
@@ -95,7 +96,9 @@ class Appearance:
 LOOK: Final = Appearance()
 
 
-def legend(options: Sequence[str], cleans: bool, models: Sequence[str] = (), walled: bool = False) -> list[Sign]:
+def legend(
+    options: Sequence[str], cleans: bool, models: Sequence[str] = (), walled: bool = False, zoned: bool = False
+) -> list[Sign]:
     """Return the entries of a legend: options, models of robots, and what else there is to see."""
     held = [Sign(name, OPTION_COLOURS[k % len(OPTION_COLOURS)]) for k, name in enumerate(options)]
     marks = [LOOK.marks[k % len(LOOK.marks)] for k in range(len(models))]
@@ -106,5 +109,6 @@ def legend(options: Sequence[str], cleans: bool, models: Sequence[str] = (), wal
         LOOK.failed,
         *((LOOK.item, LOOK.leftovers, *LOOK.stations) if cleans else LOOK.areas),
         LOOK.pheromones,
+        *((LOOK.zone,) if zoned else ()),
         *((LOOK.wall,) if walled else ()),
     ]

@@ -103,8 +103,8 @@ class _Picture:
         self._scale = (side - 2 * MARGIN) / max(canvas.width, canvas.height)
         self._across, self._up = (max(round(length * self._scale), 1) for length in (canvas.width, canvas.height))
         self.width = max(_even(self._across + 2 * MARGIN), _even(side / 2))
-        walled = len(canvas.walls) > 0
-        self._entries = legend(canvas.options, len(canvas.stations) > 0, canvas.model_names, walled)
+        walled, zoned = len(canvas.walls) > 0, len(canvas.zones) > 0
+        self._entries = legend(canvas.options, len(canvas.stations) > 0, canvas.model_names, walled, zoned)
         self._column = max(_length(sign.word) for sign in self._entries) + 5 * KEY
         self._columns = max(int((self.width - 2 * MARGIN) // self._column), 1)
         self.height = _even(TITLE + self._up + ceil(len(self._entries) / self._columns) * ENTRY + MARGIN)
@@ -134,8 +134,14 @@ class _Picture:
         self._pen.restore()
 
     def _draw_things(self) -> None:
-        """Draw areas, stations and items."""
+        """Draw zones, areas, stations and items."""
         canvas = self._canvas
+        for name, left, bottom, right, top in canvas.zones:
+            x, y = 0.5 * (left + right) * self._scale + self._left, 0.5 * (bottom + top) * self._scale + self._bottom
+            wide, high = 0.5 * (right - left) * self._scale, 0.5 * (top - bottom) * self._scale
+            place = Affine2D.from_values(wide, 0.0, 0.0, high, x, y)
+            self._outline(OUTLINES["square"], place, (LOOK.zone.colour, LOOK.zone.opacity), LOOK.zone.colour)
+            self._write(name, x - wide + KEY, y - high + KEY)
         for name, x, y, radius, repels in canvas.areas:
             for _, right, up in self._places(np.array([[x, y]]), radius):
                 self._area(right, up, radius, LOOK.repels if repels else LOOK.attracts)

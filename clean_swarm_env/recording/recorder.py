@@ -16,7 +16,15 @@ import numpy as np
 from clean_swarm_env.recording.channels import MILLI, Channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
-from clean_swarm_env.recording.sampled import floor_arrays, mind_arrays, networks_of, points, things_of, walls_shown
+from clean_swarm_env.recording.sampled import (
+    floor_arrays,
+    mind_arrays,
+    networks_of,
+    points,
+    things_of,
+    walls_shown,
+    zones_shown,
+)
 from clean_swarm_env.recording.stepping import copy_poses
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
 from clean_swarm_env.tasks.cleaning.cost import cost_terms
@@ -125,6 +133,8 @@ class MissionRecorder:
         if not kept:
             facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)
             facts["things"] = list(things_of(worlds, world))
+        if mission.world.zones:
+            facts["zones"] = zones_shown(worlds)
         if mission.world.has_walls:
             facts["walls"] = walls_shown(worlds).tolist()
         if mission.world.ground == "walled":

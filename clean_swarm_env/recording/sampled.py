@@ -84,6 +84,13 @@ def walls_shown(worlds: Worlds) -> Floats:
     return segments
 
 
+def zones_shown(worlds: Worlds) -> list[tuple[str, float, float, float, float]]:
+    """Return name, lower left and upper right corner of each zone [m]."""
+    x, y = worlds.floor.ground.corner.tolist()
+    areas = [(zone.name, *zone.area[0], *zone.area[1]) for zone in worlds.mission.world.zones]
+    return [(name, left + x, bottom + y, right + x, top + y) for name, left, bottom, right, top in areas]
+
+
 def points(
     name: str, axes: tuple[tuple[str, int], ...], places: Floats, about: str, order: Literal[1, 2] = 1
 ) -> Iterator[Sampled]:

@@ -13,7 +13,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
-from clean_swarm_env.world.ground import Ground, walls_of
+from clean_swarm_env.world.ground import Ground, walls_of, zones_of
 from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
@@ -48,6 +48,7 @@ class Floor:
         self.extent = self.ground.extent
         width, height = self.extent.tolist()
         self.walls = walls_of(mission)
+        self._zones = zones_of(mission)
         self.physics = Physics(
             PhysicsSettings(
                 worlds=worlds,
@@ -85,4 +86,6 @@ class Floor:
             given = commands.record
             turned = self._holonomic & given.commanded & ~given.in_place & (given.vectors != 0.0).any(axis=1)
             self.physics.headings[turned] = directions(given.vectors[turned])
+        if self._zones.slow:
+            self._zones.slow_down(commands, self.physics.positions, self.drive.max_speed)
         self.physics.tick(now, self._substeps, commands, self.drive, self.collisions)

@@ -13,6 +13,7 @@ import numpy as np
 from clean_swarm_env.config.free_places import images_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.world import GroundKind
+from clean_swarm_env.physics.zones import Zones
 from selforg.arrays import READ, Floats
 from selforg.compiler.records import Packed
 from selforg.space import Euclidean, Space, Torus
@@ -89,3 +90,11 @@ def walls_of(mission: MissionConfig) -> Packed[Walls]:
     beyond = near if world.ground == "open" else 0.0
     low, high = corner - beyond, corner + mission.size + beyond
     return packed_walls(segments, low.tolist(), high.tolist(), near)
+
+
+def zones_of(mission: MissionConfig) -> Zones:
+    """Return the zones of a mission, at their places on the torus of the physics."""
+    zones = mission.world.zones
+    corners = np.array([[*zone.area[0], *zone.area[1]] for zone in zones]).reshape(-1, 4)
+    losses, speeds = np.array([zone.loss for zone in zones]), np.array([zone.speed for zone in zones])
+    return Zones(corners + np.tile(Ground.of(mission).corner, 2), losses, speeds)

@@ -143,6 +143,7 @@ class Minds:
 
     def spread_poses(self, positions: Floats, headings: Floats, now: float) -> None:
         """Spread the poses that robots at positions (R, 2) [m] with headings (R,) [rad] take for their own."""
+        self.reception.locate(positions)
         self.poses.update(self._localisation.believed(positions), headings, now)
 
     def receive(self, now: float) -> None:

@@ -16,6 +16,7 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.world.ground import zones_of
 from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints
 from selforg.gradients.delivery import Delivery, PoseDelivery
 from selforg.gradients.poses import OwnPoses
@@ -43,8 +44,11 @@ class Reception:
     losses: Annotated[Floats, "W", KEPT]
     _ranges: Annotated[Floats, "R", READ]  # farthest receivers of what robots spread [m]
     _generators: Annotated[list[np.random.Generator], "R", KEPT]  # which messages get lost
+    _in_zones: Annotated[Floats, "R", SCRATCH]  # losses by the zones in which robots are; empty without such zones
 
     def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
+        self._zones = zones_of(mission)
+        self._in_zones = np.zeros(rows if self._zones.silent else 0)
         self.own_contents, self.delay_ticks, self._delay = (
             mission.own_contents,
             mission.delay_ticks,
@@ -59,13 +63,15 @@ class Reception:
         """Return the delivery of robots' deposits."""
         if not self.own_contents:
             return Delivery()
-        return Delivery(self.reaches, self.losses, self._delay, self._generators, self._ranges)
+        return Delivery(self.reaches, self.losses, self._delay, self._generators, self._ranges, self._in_zones)
 
     def of_poses(self, poses: OwnPoses) -> PoseDelivery | None:
         """Return the delivery of `poses`; None if robots share one content."""
         if not self.own_contents:
             return None
-        return PoseDelivery(poses, self.reaches, self.losses, self._generators, self.delay_ticks, self._ranges)
+        delivery = PoseDelivery(poses, self.reaches, self.losses, self._generators, self.delay_ticks, self._ranges)
+        delivery.in_zones = self._in_zones
+        return delivery
 
     def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Set range, losses and random draws of a world that is reset."""
@@ -73,6 +79,11 @@ class Reception:
             robots = len(self._generators) // len(self.losses)
             self._generators[world * robots : (world + 1) * robots] = generators_of(seed, LOSSES, robots)
             self.set(world, mission.delivery.reach, mission.delivery.loss)
+
+    def locate(self, positions: Floats) -> None:
+        """Note in which zones robots at `positions` (R, 2) [m] are."""
+        if self._zones.silent:
+            self._zones.write_losses(positions, self._in_zones)
 
     def set(self, world: int, reach: float, loss: float) -> None:
         """Set the delivery of a world: messages reach robots within `reach` [m] and get lost with probability `loss`.

@@ -35,6 +35,7 @@ class Delivery:
         delay: from spreading to storing [s].
         generators: one per team, or one per row for what it spreads; needed if `loss` is neither 0 nor 1.
         ranges: (N,) farthest receiver of what each row spreads [m], if `reach` is larger; empty: only `reach` counts.
+        in_zones: (N,) probability that a message from or to each row gets lost where it is; empty: only `loss` counts.
 
     Reach and loss may be arrays (T,), one for each team, which their owner may change: then delivery is never taken for
     ideal, and every row has a content of its own.
@@ -46,6 +47,7 @@ class Delivery:
     delay: float = 0.0
     generators: Sequence[np.random.Generator] = field(default=(), repr=False)
     ranges: Annotated[Floats, "N", READ] = field(default_factory=lambda: np.zeros(0))
+    in_zones: Annotated[Floats, "N", READ] = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         """Check every field."""
@@ -110,13 +112,19 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
         of_message = np.minimum(of_message, delivery.ranges[tags[:, c.TAG_SOURCE]])
     sizes = np.bincount(poses.teams)
     draws = np.ones((len(messages), int(sizes[teams].max(initial=0))))
-    for index in np.flatnonzero((losses[teams] > 0) & (losses[teams] < 1)).tolist():
+    chances = np.repeat(losses[teams][:, None], draws.shape[1], axis=1)
+    silent = len(delivery.in_zones) > 0
+    for index in range(len(messages)) if silent else ():
+        at = delivery.in_zones[poses.members(int(teams[index]))]
+        chances[index, : len(at)] = np.maximum(chances[index, : len(at)], at)
+        chances[index] = np.maximum(chances[index], delivery.in_zones[tags[index, c.TAG_SOURCE]])
+    for index in np.flatnonzero(silent | ((losses[teams] > 0) & (losses[teams] < 1))).tolist():
         # every row has a draw, in range or not, so that a move does not change the draws
         source, count = int(tags[index, c.TAG_SOURCE]), int(sizes[teams[index]])
         by_row = len(delivery.generators) == poses.rows
         draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
     which, receivers = np.empty(draws.size, dtype=np.int64), np.empty(draws.size, dtype=np.int64)
-    found = find_receivers(messages, tags, of_message, losses[teams], draws, poses.packed.words, which, receivers)
+    found = find_receivers(messages, tags, of_message, chances, draws, poses.packed.words, which, receivers)
     copies = tags[which[:found]]
     copies[:, c.TAG_SPACE] = receivers[:found]
     return messages[which[:found]], copies
@@ -135,7 +143,7 @@ def find_receivers(
 ) -> int:
     """List which message goes to which row, message by message, and return how many there are.
 
-    reaches (M,) [m], losses (M,), draws (M, most members) of each message; see `address`.
+    reaches (M,) [m], losses and draws (M, most members) of each message; see `address`.
     """
     p = open_poses(poses)
     found = 0
@@ -150,7 +158,7 @@ def find_receivers(
             distance = np.sqrt(squared_length(dx, dy, dz, p.extent))
             hears = p.rows[row, c.ROW_POSES] > 0 and p.rows[row, c.ROW_DEAF] == 0
             near = hears and distance <= reaches[message]
-            received = near and losses[message] < 1.0 and draws[message, index] >= losses[message]
+            received = near and losses[message, index] < 1.0 and draws[message, index] >= losses[message, index]
             if row == source:
                 received = tags[message, c.TAG_MOVING] == 0
             if received:
@@ -166,6 +174,7 @@ class PoseDelivery:
         reaches: (T,) farthest receiver in each team [m]; the owner may change it.
         losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
         ranges: (N,) farthest receiver of the pose of each row [m], if `reaches` is larger.
+        in_zones: (N,) probability that a pose from or to each row gets lost where it is; empty: only `losses` count.
         generators: one for each row, for the losses of what it spreads; the owner may change it.
         delay: age of a pose on its arrival [updates].
 
@@ -175,6 +184,7 @@ class PoseDelivery:
     """
 
     ranges: Annotated[Floats, "N", READ]
+    in_zones: Annotated[Floats, "N", READ]
     _draws: Annotated[Floats, "N MEMBERS", SCRATCH]
 
     def __init__(
@@ -193,6 +203,7 @@ class PoseDelivery:
         self.poses, self.delay = poses, delay
         self.reaches, self.losses, self.generators = reaches, losses, generators
         self.ranges = np.full(poses.rows, np.inf) if ranges is None else ranges
+        self.in_zones = np.zeros(0)
         self._draws = np.zeros((poses.rows, (poses.row_table.shape[1] - c.ROW_HEARD) // 2))
 
     def deliver(self) -> None:
@@ -200,21 +211,28 @@ class PoseDelivery:
 
         Losses are drawn, and ranges measured from where the pose was sent, on its arrival.
         """
-        lossy = (self.losses > 0.0) & (self.losses < 1.0)
+        lossy = (self.losses > 0.0) & (self.losses < 1.0) | (len(self.in_zones) > 0)
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        deliver_poses(self.poses.packed.words, self.reaches, self.ranges, self.losses, self._draws, self.delay)
+        losses, in_zones = self.losses, self.in_zones
+        deliver_poses(self.poses.packed.words, self.reaches, self.ranges, losses, in_zones, self._draws, self.delay)
 
 
 @kernel
 def deliver_poses(
-    poses: Written[Poses], reaches: Floats, ranges: Floats, losses: Floats, draws: Floats, delay: int
+    poses: Written[Poses],
+    reaches: Floats,
+    ranges: Floats,
+    losses: Floats,
+    in_zones: Floats,
+    draws: Floats,
+    delay: int,
 ) -> None:
     """Write for each pair of a team the ages of the last two poses received, -1 for none that is still remembered.
 
-    reaches (T,) and ranges (N,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads,
-    delay [updates].
+    reaches (T,) and ranges (N,) [m], losses (T,), in_zones (N,) or none, draws (N, most members) uniform in [0, 1) of
+    the row that spreads, delay [updates].
     """
     p = open_poses(poses)
     room = (p.rows.shape[1] - c.ROW_HEARD) // 2
@@ -229,7 +247,10 @@ def deliver_poses(
                 dx = p.own[other, delay, c.X] - p.own[row, 0, c.X]
                 dy = p.own[other, delay, c.Y] - p.own[row, 0, c.Y]
                 dz = p.own[other, delay, c.Z] - p.own[row, 0, c.Z]
-                lost = losses[team] >= 1.0 or (losses[team] > 0.0 and draws[other, receiver] < losses[team])
+                loss = losses[team]
+                if len(in_zones) > 0:
+                    loss = max(loss, in_zones[row], in_zones[other])
+                lost = loss >= 1.0 or (loss > 0.0 and draws[other, receiver] < loss)
                 reach = min(reaches[team], ranges[other])
                 if not lost and squared_length(dx, dy, dz, p.extent) <= reach * reach:
                     age, before = delay, age

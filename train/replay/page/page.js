@@ -115,6 +115,7 @@ export class Page {
         if (shape) entries.set(model, [keyOf({ ...LOOK.failed, colour: LOOK.ink, shape, half: LOOK.item.half }), `Robots of the model ${model} have this mark.`]);
       });
     for (const sign of LOOK.legends[cleans ? 1 : 0]) entries.set(sign.word, [keyOf(sign), WORDS[sign.word] ?? sign.word]);
+    if (runs.some((run) => run.head.zones)) entries.set(LOOK.zone.word, [keyOf(LOOK.zone), WORDS.zones]);
     if (runs.some((run) => run.head.walls)) entries.set(LOOK.wall.word, [keyOf(LOOK.wall), WORDS.walls]);
     for (const [name, sign] of LOOK.layers) entries.set(sign.word, [keyOf(sign), WORDS[name]]);
     element("legend").innerHTML = [...entries].map(([word, [key, told]]) => `<span title="${plain(told)}">${key}${plain(word)}</span>`).join(" ");

@@ -9,7 +9,7 @@
  * @typedef {{about: Record<string, any>, period: number, width: number, height: number, robots: number, items: number,
  *   minds: boolean, options: Record<string, string[]>, views: Record<string, number[]>, mission: any,
  *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
- *   networks?: Record<string, NetworkNames>, models?: number[], walls?: [number, number, number, number][], shown?: [number, number], field?: number,
+ *   networks?: Record<string, NetworkNames>, models?: number[], walls?: [number, number, number, number][], zones?: [string, number, number, number, number][], shown?: [number, number], field?: number,
  *   things?: Thing[], option_words?: Record<string, string[]>, inputs?: string[],
  *   policies?: Record<string, import("./policy.js").Policy>,
  *   prices?: {event: number, sample: number, limit: number, left: number, items: number}}} Head; models: number of each robot's model, if they differ; of tasks other than cleaning: field, the longer

@@ -35,6 +35,7 @@ export const WORDS = {
   paths: "Where robots were in the last 20 seconds; the thick one is that of the chosen robot.",
   contacts: "A red ring around robots that touch.",
   numbers: "The number of each robot.",
+  zones: "Places where messages get lost, or where robots drive slowly.",
   walls: "Walls, which bodies cannot cross.",
   command: "The velocity that the robot was told to drive, as long as its way in a second.",
   added: "What the mechanism of its option has added to what the robot wanted.",

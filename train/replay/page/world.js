@@ -12,7 +12,7 @@ import { Field, seenPairs, shorter } from "./course.js";
  * @type {{options: string[], ink: string, paper: string, edge: string, attracts: string, repels: string, contact: string, area_opacity: number,
  *   least_area: number, front_angle: number, front_length: number, cargo_behind: number, cargo_half: number, marks: string[], mark_half: number, letter_size: number,
  *   most_numbered: number, least_numbered: number, failed: Sign, item: Sign, leftovers: Sign, stations: Sign[], pheromones: Sign,
- *   wall: Sign, wall_width: number, layers: [string, Sign][], legends: [Sign[], Sign[]]}}
+ *   zone: Sign, wall: Sign, wall_width: number, layers: [string, Sign][], legends: [Sign[], Sign[]]}}
  */
 export const LOOK = JSON.parse(document.getElementById("look")?.textContent ?? "");
 
@@ -154,6 +154,7 @@ export class WorldView {
     c.fillStyle = colours.paper;
     c.fillRect(0, 0, this.wide, this.high);
     if (layers.fields) this.drawField(c, frame);
+    this.drawZones(c, colours);
     this.drawStations(c, frame);
     for (const thing of run.head.things ?? []) this.drawThing(c, thing, frame, share, colours);
     if (layers.paths) this.drawPaths(c, frame, chosen, colours);
@@ -175,6 +176,21 @@ export class WorldView {
       c.setLineDash([6, 6]);
       c.strokeRect(x, y - up * this.scale, across * this.scale, up * this.scale);
       c.setLineDash([]);
+    }
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {Colours} colours */
+  drawZones(c, colours) {
+    for (const [name, left, bottom, right, top] of this.run.head.zones ?? []) {
+      const wide = (right - left) * this.scale, high = (top - bottom) * this.scale;
+      this.images((left + right) / 2, (bottom + top) / 2, Math.max(right - left, top - bottom) / 2, (x, y) => {
+        c.fillStyle = faded(LOOK.zone.colour, LOOK.zone.opacity);
+        c.fillRect(x - wide / 2, y - high / 2, wide, high);
+        c.fillStyle = colours.ink;
+        c.font = `${LOOK.letter_size}px sans-serif`;
+        c.textAlign = "left";
+        c.fillText(name, x - wide / 2 + 6, y + high / 2 - 6);
+      });
     }
   }
 
