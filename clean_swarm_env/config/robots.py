@@ -15,7 +15,7 @@ from clean_swarm_env.config.delivery import EVERYWHERE
 from clean_swarm_env.config.events import Event, Join, in_order
 from clean_swarm_env.config.types import Index, Length, Robots
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Name, NonNegative, Positive
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive
 from selforg.arrays import Floats, Ints
 
 SUMMED_UP: Final = ("radius", "max_speed", "max_turn_rate", "pose_goal_radius", "pose_diffusion", "pose_noise")
@@ -52,6 +52,8 @@ class RobotModel(Closed):
 
     Its mechanisms begin at that place, and others see its pose there.
     """
+    document: DocumentName | Literal[""] = ""
+    """Name of the document of these robots in `configs/robots`; empty: that of `network.robot`."""
     message_range: Positive = EVERYWHERE
     """Farthest receiver of what the robot spreads, if `delivery` reaches so far [m]."""
     sight: NonNegative = 0.0

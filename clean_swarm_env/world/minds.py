@@ -110,8 +110,14 @@ class Minds:
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
         self.memory: RobotMemory = host_memory([*configurations, *robot.all_specs()], self.rows)
+        named = [model.document or mission.network.robot for model in mission.robots.models]
+        order = list(dict.fromkeys([mission.network.robot, *named]))
+        of_model = np.array([order.index(name) for name in named], dtype=np.int64)
+        documents = np.tile(of_model[mission.models], self.rows // mission.rows)
         host = Host(self.poses, self.buffers, self.directions, self._chances, self.memory)
-        self.robots = CoordinatedRobots(models, host, network=robot, planner=planner, explained=explained)
+        self.robots = CoordinatedRobots(
+            models, host, network=robot, planner=planner, explained=explained, documents=documents
+        )
         self.network, self.coordinators, self.nested = self.robots.network, self.robots.coordinators, self.robots.inner
 
     def coordinator_of(self, goal: str) -> Coordinator:

@@ -22,6 +22,7 @@ networks around it, and must not give their names another meaning. An inner netw
 behaviour that holds it runs; behaviours of an inner network may hold further networks. In the root network, a behaviour
 `G: {type: Coordinator, goal: G}` holds the configuration that serves the goal G now and adds its sensors; with
 `during: [A, B]` its options only steer what the behaviours A and B command.
+A file with `base: NAME` has what differs from that document; null leaves a part of it out.
 `$reach` in place of a value stands for the parameter of that name, which the reader of the file may override.
 """
 
@@ -35,7 +36,8 @@ from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.robot_network import Coordinators, InnerNetworkSpec, NetworkSpec, RobotNetwork
 from selector.documents.errors import DocumentError, shown, validated, within
-from selector.documents.fields import Closed, Name
+from selector.documents.fields import Closed, Name, checked_name
+from selector.documents.find import find_file
 from selector.documents.parameters import Content, check_parameters_used, resolved
 from selector.documents.plain import short
 from selector.documents.reading import read_mapping
@@ -78,7 +80,39 @@ def load_network(
             conditions or sensors.
 
     """
-    return network_from(read_mapping(path), shown(path), coordinators, parameters, settings)
+    return network_from(read_robot(path), shown(path), coordinators, parameters, settings)
+
+
+def read_robot(path: Path, below: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return the content of a YAML file, laid over that of the document that its `base` names.
+
+    Mappings are merged, and what is null is left out. `below` names the documents that are based on it.
+    """
+    content = read_mapping(path)
+    if "base" not in content:
+        return content
+    where = f"{shown(path)}: base"
+    name = checked_name(content["base"], where)
+    if path.stem in below:
+        raise DocumentError(f"{where}: expected no circle of documents, got {' > '.join((*below, path.stem, name))}")
+    base = read_robot(find_file("robots", name, (path.parent.parent,), f"{where}: "), (*below, path.stem))
+    return laid_over(base, {key: value for key, value in content.items() if key != "base"}, shown(path))
+
+
+def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Return `base` with `changes`: mappings are merged, and what is null is left out; `where` begins errors."""
+    merged = dict(base)
+    for key, value in changes.items():
+        if value is None and key not in merged:
+            raise DocumentError(f"{where}: {key}: expected a part of the base to leave out, got an unknown one")
+        below = merged.get(key)
+        if value is None:
+            del merged[key]
+        elif isinstance(below, Mapping) and isinstance(value, Mapping):
+            merged[key] = laid_over(below, value, f"{where}: {key}")
+        else:
+            merged[key] = value
+    return merged
 
 
 def network_from(
@@ -98,7 +132,7 @@ def network_from(
 
 def coordinated_goals(path: Path) -> tuple[str, ...]:
     """Return the goals that the coordinators of the root network of a YAML file serve, in the order of the file."""
-    content = read_mapping(path)
+    content = read_robot(path)
     networks, root = content.get("networks"), content.get("root")
     network = networks.get(root) if isinstance(networks, dict) and isinstance(root, str) else None
     behaviours = network.get("behaviours") if isinstance(network, dict) else None

@@ -5,9 +5,9 @@ The cleaning robot's document is `configs/robots/cleaning.yaml`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -18,11 +18,12 @@ from selector.documents.fields import Closed, Name
 from selector.vocabulary.components import ActionSpecs, SensorSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
-from selforg.network.model.behaviours import Behaviour, NetworkSettings, Sensor
+from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
 from selforg.network.model.model import NestedModel, NetworkModel
 from selforg.registry import unknown
 
 Coordinators = Mapping[str, CoordinatorModel]
+_Part = TypeVar("_Part", Sensor, Behaviour, Goal)
 
 
 class HoldingBehaviourSpec(BehaviourSpec):
@@ -130,6 +131,13 @@ class InnerNetworkSpec(ActingNetworkSpec[InnerSensor, InnerBehaviourSpec]):
         return tuple(spec.build_with(name, {}) for name, spec in self.behaviours.items())
 
 
+class LeftOut(NamedTuple):
+    """Behaviours and goals of a network that robots of one document do not have, by name."""
+
+    behaviours: tuple[str, ...]
+    goals: tuple[str, ...]
+
+
 @dataclass(frozen=True)
 class RobotNetwork(NestedModel):
     """A network whose inner networks sense and act through components.
@@ -137,6 +145,7 @@ class RobotNetwork(NestedModel):
     Attributes:
         inner: the networks inside, by behaviour.
         during: goals of coordinators that steer only while certain behaviours run, and these behaviours.
+        left_out: of a network for robots of several documents, what those of each do not have.
         spec: components of a network inside; None for the root, whose behaviours the host of the robot carries out.
 
     """
@@ -144,6 +153,7 @@ class RobotNetwork(NestedModel):
     inner: Mapping[str, RobotNetwork] = field(default_factory=dict)
     during: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     spec: InnerNetworkSpec | None = None
+    left_out: tuple[LeftOut, ...] = ()
 
     def all_specs(self) -> Iterator[InnerNetworkSpec]:
         """Yield the documents of all networks inside, at any depth."""
@@ -151,3 +161,54 @@ class RobotNetwork(NestedModel):
             if held.spec is not None:
                 yield held.spec
             yield from held.all_specs()
+
+
+def merged_networks(networks: Mapping[str, RobotNetwork]) -> RobotNetwork:
+    """Return one network for robots of several documents, by their names: each robot has the parts of its own.
+
+    Raises:
+        DocumentError: parts of one name that differ, or documents that coordinate different goals.
+
+    """
+    names, models = list(networks), [network.model for network in networks.values()]
+    if len(models) == 1:
+        return networks[names[0]]
+    sensors = _all_of("sensor", names, [model.sensors for model in models])
+    behaviours = _all_of("behaviour", names, [model.behaviours for model in models])
+    goals = _all_of("goal", names, [model.goals for model in models])
+    inner: dict[str, RobotNetwork] = {}
+    during: dict[str, tuple[str, ...]] = {}
+    for name, network in networks.items():
+        for holder, held in network.inner.items():
+            if inner.setdefault(holder, held).spec != held.spec:
+                raise DocumentError(f"robots of {name}: behaviour {holder}: expected {_SAME}")
+        for goal, behaved in network.during.items():
+            if during.setdefault(goal, behaved) != behaved:
+                raise DocumentError(f"robots of {name}: behaviour {goal}: during: expected {_SAME}")
+    for name, network in networks.items():
+        for behaviour in network.model.behaviours:
+            if (behaviour.name in inner) != (behaviour.name in network.inner):
+                raise DocumentError(f"robots of {name}: behaviour {behaviour.name}: expected {_SAME}")
+    left_out = tuple(
+        LeftOut(
+            tuple(one.name for one in behaviours if one.name not in model.behaviour_index),
+            tuple(one.name for one in goals if one.name not in model.goal_index),
+        )
+        for model in models
+    )
+    return RobotNetwork(
+        NetworkModel(sensors, behaviours, goals, models[0].settings), inner, during=during, left_out=left_out
+    )
+
+
+_SAME = "the same as in the documents of the mission's other robots, or another name"
+
+
+def _all_of(what: str, names: Sequence[str], given: Sequence[Sequence[_Part]]) -> list[_Part]:
+    """Return the sensors, behaviours or goals of all documents, each once."""
+    found: dict[str, _Part] = {}
+    for name, parts in zip(names, given, strict=True):
+        for part in parts:
+            if found.setdefault(part.name, part) != part:
+                raise DocumentError(f"robots of {name}: {what} {part.name}: expected {_SAME}")
+    return list(found.values())

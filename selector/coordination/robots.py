@@ -30,6 +30,7 @@ class CoordinatedRobots:
             only, of which all that are ready run.
         planner: plans for the network.
         explained: whether the networks note why each behaviour runs or does not.
+        documents: (R,) the number of each robot's document, where the network is for several.
 
     Attributes:
         network: decides which coordinators run; a host writes the readings of its own sensors into `readings`.
@@ -39,6 +40,7 @@ class CoordinatedRobots:
     """
 
     _all: Annotated[Ints, "R", READ]
+    _documents: Annotated[Ints, "R", READ]
 
     def __init__(
         self,
@@ -48,6 +50,7 @@ class CoordinatedRobots:
         network: RobotNetwork | None = None,
         planner: Planner | None = None,
         explained: bool = False,
+        documents: Ints | None = None,
     ) -> None:
         listed = (models,) if isinstance(models, CoordinatorModel) else tuple(models)
         self.host = host
@@ -61,6 +64,9 @@ class CoordinatedRobots:
         self._inside: tuple[Coordinator | InnerNetwork, ...] = (*self.coordinators, *self.inner)
         self._commands = Commands(host.rows, host.poses.space.dim)
         self._all: Ints = np.arange(host.rows)
+        self._left_out = robot.left_out
+        self._documents = np.zeros(host.rows, dtype=np.int64) if documents is None else documents
+        self._leave_out(self._all)
 
     def sense(self, now: float) -> None:
         """Write the sensors of coordinators at `now` [s] into the readings of the network."""
@@ -84,8 +90,19 @@ class CoordinatedRobots:
         """Clear all networks of `rows` (K,) or of all rows; each row keeps the options that it holds."""
         chosen = self._all if rows is None else rows
         self.network.reset(chosen)
+        self._leave_out(chosen)
         for inside in self._inside:
             inside.reset(chosen)
+
+    def _leave_out(self, rows: Ints) -> None:
+        """Take behaviours and goals that are not in the documents of `rows` (K,) out of their networks."""
+        model = self.network.model
+        for number, left_out in enumerate(self._left_out):
+            own = rows[self._documents[rows] == number]
+            for name in left_out.behaviours:
+                self.network.remove(own, model.behaviour_index[name])
+            for name in left_out.goals:
+                self.network.enable_goal(own, model.goal_index[name], False)
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
         """Give `options` (K, C), or (K,) for one coordinator, to the coordinators in `rows` (K,) or in all rows."""

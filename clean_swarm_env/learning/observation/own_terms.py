@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from clean_swarm_env.learning.observation.around import Around
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term, compiled_term
 from clean_swarm_env.learning.progress import MEMORY
-from selforg.arrays import Floats, Ints
+from selforg.arrays import READ, Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.network.state import EXECUTING
 
@@ -73,6 +75,7 @@ class ModelTerm(Term):
     """One flag for each model of the mission's robots: is the robot of it?"""  # noqa: D400
 
     name = "model"
+    _models: Annotated[Ints, "R", READ]
 
     def __init__(self, observed: Observed) -> None:
         super().__init__(observed)

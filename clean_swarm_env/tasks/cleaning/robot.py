@@ -8,10 +8,11 @@ from typing import Final
 
 import numpy as np
 
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.network import NetworkConfig
 from selector.coordination.model import CoordinatorModel
-from selector.coordination.robot_document import load_network
-from selector.coordination.robot_network import RobotNetwork
+from selector.coordination.robot_document import coordinated_goals, load_network
+from selector.coordination.robot_network import RobotNetwork, merged_networks
 from selector.documents.errors import DocumentError, shown
 from selector.documents.find import find_file
 from selforg.arrays import Floats, Ints
@@ -48,18 +49,58 @@ OWN_SENSORS = (
 
 BEHAVIOURS = ("MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump")
 """Behaviours that the world carries out; a document may add others, and may coordinate `Patrol`."""
+WHERE = "mission.network.robot: "
+"""Where a mission names the document of its robots."""
+PATROL = "Patrol"
+"""A behaviour that the world carries out unless a document replaces it."""
+
+
+def documents_of(mission: MissionConfig) -> dict[str, bool]:
+    """Return the documents of a mission's robots, that of the network first, and whether robots of each carry items."""
+    found = {mission.network.robot: False}
+    for model in mission.robots.models:
+        name = model.document or mission.network.robot
+        found[name] = found.get(name, False) or model.carries > 0
+    return found
+
+
+def goals_of(mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
+    """Return the goals that the documents of a mission's robots coordinate; DocumentError if they differ."""
+    found = {name: coordinated_goals(find_file("robots", name, directories, WHERE)) for name in documents_of(mission)}
+    first = found[mission.network.robot]
+    for name, goals in found.items():
+        if set(goals) != set(first):
+            expected = f"a robot that coordinates {', '.join(first)} as {mission.network.robot} does"
+            raise DocumentError(f"{WHERE}{name}: expected {expected}, got {', '.join(goals)}")
+    return first
+
+
+def network_of_robots(
+    mission: MissionConfig, coordinators: Sequence[CoordinatorModel], directories: Sequence[Path]
+) -> RobotNetwork:
+    """Return the network of all documents of a mission's robots."""
+    network, networks = mission.network, {}
+    for name, carries in documents_of(mission).items():
+        named = network.model_copy(update={"robot": name})
+        networks[name] = robot_network(named, coordinators, directories, carries=carries)
+    return merged_networks(networks)
 
 
 def robot_network(
-    config: NetworkConfig, coordinators: Sequence[CoordinatorModel], directories: Sequence[Path] = ()
+    config: NetworkConfig,
+    coordinators: Sequence[CoordinatorModel],
+    directories: Sequence[Path] = (),
+    *,
+    carries: bool = True,
 ) -> RobotNetwork:
     """Return the network of a cleaning robot, as `configs/robots/<config.robot>.yaml` declares it.
 
     Raises:
-        DocumentError: a mistake in the file, or sensors that are not those which `read_sensors` writes.
+        DocumentError: a mistake in the file, sensors that are not those which `read_sensors` writes, a behaviour that
+            does nothing, or, of robots that carry items, one that is missing.
 
     """
-    path = find_file("robots", config.robot, directories, "mission.network.robot: ")
+    path = find_file("robots", config.robot, directories, WHERE)
     parameters = {"transport_full_range": config.transport_full_range}
     by_goal = {coordinator.goal: coordinator for coordinator in coordinators}
     robot = load_network(path, by_goal, parameters, config.build())
@@ -67,8 +108,18 @@ def robot_network(
     if model.sensors[: len(OWN_SENSORS)] != OWN_SENSORS:
         expected, given = (", ".join(s.name for s in sensors) for sensors in (OWN_SENSORS, model.sensors))
         raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {given}")
+    known = {sensor.name for coordinator in coordinators for sensor in coordinator.sensors}
+    for sensor in model.sensors[len(OWN_SENSORS) :]:
+        if sensor.name not in known:
+            expected = "a sensor of the robot itself or of a coordinator's options, which something feeds"
+            raise DocumentError(f"{shown(path)}: networks: sensors.{sensor.name}: expected {expected}, got neither")
+    acting = {*BEHAVIOURS, PATROL, *by_goal, *robot.inner}
+    for behaviour in model.behaviours:
+        if behaviour.name not in acting:
+            expected = f"a network, a coordinator, or one of {', '.join((*BEHAVIOURS, PATROL))}, which act"
+            raise DocumentError(f"{shown(path)}: networks: behaviours.{behaviour.name}: expected {expected}, got none")
     missing = [name for name in BEHAVIOURS if name not in model.behaviour_index]
-    if missing:
+    if missing and carries:
         raise DocumentError(f"{shown(path)}: expected the behaviours {', '.join(BEHAVIOURS)}; {missing[0]} is missing")
     return robot
 

@@ -26,7 +26,7 @@ from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.missions import CleaningMissions
 from clean_swarm_env.tasks.cleaning.movers import Movers
-from clean_swarm_env.tasks.cleaning.robot import CargoMemory, robot_network
+from clean_swarm_env.tasks.cleaning.robot import CargoMemory, goals_of, network_of_robots
 from clean_swarm_env.tasks.cleaning.rounds import Rounds
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
@@ -35,9 +35,7 @@ from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.task_parts import ItemArrays, Recorded, TaskState, WorldStart
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
-from selector.coordination.robot_document import coordinated_goals
 from selector.coordination.robot_network import RobotNetwork
-from selector.documents.find import find_file
 from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.gradients.buffer import SoBuffer
@@ -85,15 +83,15 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
 
     @classmethod
     def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
-        """Return the goals that the robot's document coordinates."""
-        return coordinated_goals(find_file("robots", mission.network.robot, directories, "mission.network.robot: "))
+        """Return the goals that the robots' documents coordinate."""
+        return goals_of(mission, directories)
 
     @classmethod
     def robot(
         cls, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
     ) -> RobotNetwork:
-        """Return the network of the robot's document."""
-        return robot_network(mission.network, models, directories)
+        """Return the network of the robots' documents."""
+        return network_of_robots(mission, models, directories)
 
     @classmethod
     def buffers(cls, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:

@@ -8,6 +8,7 @@ from clean_swarm_env.tasks.cleaning.cargo import read_sensors
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING, NOTHING, Garbage
 from clean_swarm_env.tasks.cleaning.records import FLOOR, MINDS
 from clean_swarm_env.tasks.cleaning.robot import OWN_SENSORS, robot_network
+from selector.documents.errors import DocumentError
 from selforg.walls.segments import no_walls
 from tests.clean_swarm_env.courses import avoidance
 from tests.clean_swarm_env.world.records import floor_record, minds_record
@@ -87,3 +88,20 @@ def test_stations_by_distance():
     assert (readings["at_recycling"], readings["at_dump"]) == (1.0, 0.0)
     assert _read([2.75, 6.01], [], [])["at_recycling"] == 0.0
     assert _read([8.25, 5.1], [], [])["at_dump"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("sensors: {weather: fact}", r"own\.yaml: networks: sensors\.weather: expected a sensor .* something feeds"),
+        ("behaviours: {Dance: {effects: []}}", r"own\.yaml: networks: behaviours\.Dance: expected a network, .*act"),
+        ("behaviours: {Dump: null}", r"own\.yaml: expected the behaviours .*; Dump is missing"),
+    ],
+)
+def test_what_does_not_fit_into_a_document_is_one_line(change, message, tmp_path):
+    path = tmp_path / "robots" / "own.yaml"
+    path.parent.mkdir()
+    path.write_text(f"base: cleaning\nnetworks: {{robot: {{{change}}}}}\n")
+    with pytest.raises(DocumentError, match=message) as caught:
+        robot_network(NetworkConfig(robot="own"), [avoidance()], [tmp_path])
+    assert "\n" not in str(caught.value)

@@ -7,7 +7,8 @@ import yaml
 
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
-from selector.coordination.robot_document import load_network, network_from
+from selector.coordination.robot_document import coordinated_goals, load_network, network_from, read_robot
+from selector.coordination.robot_network import merged_networks
 from selector.documents.errors import DocumentError
 from selector.documents.find import SHIPPED
 from selector.knowledge import load_knowledge
@@ -144,3 +145,51 @@ def test_a_name_given_twice_names_the_line(tmp_path):
     path.write_text("root: a\nnetworks:\n  a:\n    sensors: {x: fact}\n    sensors: {y: fact}\n")
     with pytest.raises(DocumentError, match=r"twice\.yaml: line 5: networks\.a: key 'sensors' twice"):
         load_network(path)
+
+
+def based(tmp_path, text, name="own"):
+    path = tmp_path / "robots" / f"{name}.yaml"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text)
+    return path
+
+
+def test_a_document_has_what_differs_from_its_base(tmp_path, coordinators):
+    text = "base: cleaning\nnetworks: {robot: {behaviours: {Dump: null, Patrol: {cost: 2.0}}}}\n"
+    path = based(tmp_path, text)
+    assert coordinated_goals(path) == (GOAL,)
+    own, base = (load_network(one, coordinators).model for one in (path, PATH))
+    assert [b.name for b in own.behaviours] == [b.name for b in base.behaviours if b.name != "Dump"]
+    assert own.behaviours[0].cost == 2.0
+    assert own.behaviours[0].effects == base.behaviours[0].effects
+    further = based(tmp_path, "base: own\nnetworks: {robot: {goals: {GarbageCleaned: null}}}\n", "further")
+    assert list(load_network(further, coordinators).model.goal_index) == ["PatrolEnvironment", GOAL]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("base: own\n", r"own\.yaml: base: expected no circle of documents, got own > own > own"),
+        ("base: nobody\n", r"own\.yaml: base: .*nobody"),
+        ("base: 3\n", r"own\.yaml: base"),
+        ("base: cleaning\nnetworks: {robot: {behaviours: {Fly: null}}}\n",
+         r"own\.yaml: networks: robot: behaviours: Fly: expected a part of the base to leave out"),
+    ],
+)  # fmt: skip
+def test_a_base_that_does_not_fit_is_one_line(text, message, tmp_path):
+    path = based(tmp_path, text)
+    with pytest.raises(DocumentError, match=message) as caught:
+        read_robot(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_documents_of_one_mission_share_what_has_the_same_name(coordinators):
+    whole = network_from(changed("description", to="whole"), coordinators=coordinators)
+    part = network_from(changed("networks", "robot", "behaviours", "Dump", to=None), coordinators=coordinators)
+    both = merged_networks({"whole": whole, "part": part})
+    assert both.model.behaviours == whole.model.behaviours
+    assert [left.behaviours for left in both.left_out] == [(), ("Dump",)]
+    assert merged_networks({"whole": whole}) is whole
+    other = network_from(changed("networks", "robot", "behaviours", "Dump", "cost", to=3.0), coordinators=coordinators)
+    with pytest.raises(DocumentError, match="robots of other: behaviour Dump: expected the same as in the documents"):
+        merged_networks({"whole": whole, "other": other})
