@@ -1,7 +1,7 @@
 """How often robots of the claimed learner take each option, by family and by the state of the world.
 
 No robot sees that state: where garbage falls, and whether collisions are harmless. A fixed choice with one switch would
-show as two rows of single options. Only decisions count whose behaviour then ran.
+show as two rows of single options. Of exploration only decisions count whose behaviour then ran.
 """
 
 from collections import Counter, defaultdict
@@ -9,6 +9,7 @@ from pathlib import Path
 
 from clean_swarm_env.config.families import Scenario, scenario_name
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.tasks.cleaning.task import cleaning_of
 from docs.comparison.manifest import Manifest
 from docs.comparison.runs import trained_first
@@ -55,7 +56,7 @@ def _count(evaluation: FamilyEvaluation, scenario: Scenario, found: dict[tuple[s
         seen = batch.step(actions).observations
         for column in decided.columns:
             goal = list(batch.options)[column]
-            ran = batch.took_part & batch.progress.acted[:, column]
+            ran = batch.took_part & (batch.progress.acted[:, column] | (goal == GOAL))  # steering needs no behaviour
             names = [batch.options[goal][option] for option in actions[ran, column]]
             found[case, goal].update(names)
 
