@@ -125,9 +125,14 @@ def figure_of(value: float) -> str:
 
 
 def error_bar(value: float, ci95: Interval | None) -> list[list[float]]:
-    """Return the lengths of an error bar below and above a value, as Matplotlib asks for them."""
+    """Return the lengths of an error bar below and above a value, as Matplotlib asks for them.
+
+    >>> error_bar(0.0, (1e-18, 0.1))  # the interval of a share, but for rounding
+    [[0.0], [0.1]]
+
+    """
     low, high = ci95 or (value, value)
-    return [[value - low], [high - value]]
+    return [[max(value - low, 0.0)], [max(high - value, 0.0)]]
 
 
 def draw_rows(
