@@ -35,15 +35,8 @@ class CleanSwarmTask(PettingZooClass):
 
         def make() -> EnvBase:
             env = AllRobots(clean_swarm_v0.parallel_env(action=action, **self.config))
-            return PettingZooWrapper(
-                env,
-                return_state=True,
-                group_map=env.agents_by_model,
-                categorical_actions=True,
-                done_on_any=False,
-                seed=seed,
-                device=device,
-            )
+            settings = {"categorical_actions": True, "done_on_any": False, "seed": seed, "device": device}
+            return PettingZooWrapper(env, return_state=True, group_map=env.agents_by_model, **settings)
 
         return make
 

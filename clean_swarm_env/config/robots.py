@@ -5,11 +5,12 @@ for each group; with settings of the whole team, the list is below `groups`.
 """
 
 import math
+import sys
 from collections.abc import Sequence
 from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE
 from clean_swarm_env.config.events import Event, Join, in_order
@@ -25,7 +26,7 @@ SUMMED_UP: Final = ("radius", "max_speed", "max_turn_rate", "pose_goal_radius", 
 class RobotModel(Closed):
     """Number, body, drive, messages and abilities of robots that are alike."""
 
-    model: Name = "robot"
+    model: Annotated[Name, AfterValidator(sys.intern)] = "robot"  # interned: equal missions have equal states
     """Name of these robots, unique in the mission."""
     count: Robots = 5
     """Number of them at the start."""

@@ -70,7 +70,7 @@ class Followed:
         left = np.where(recycled, ways(places, DUMP)[:, 0], ways(places, RECYCLING)[:, 0])
         worlds.tick()
 
-        seen = (ways(places, lying) <= task.site.packed.record.sight).any(axis=1) & (self.blind == 0)
+        seen = (ways(places, lying) <= task.site.packed.record.sight[:, None]).any(axis=1) & (self.blind == 0)
         readings = worlds.network.readings
         assert np.array_equal(readings[:, GARBAGE_SEEN], seen)
         assert np.array_equal(readings[:, GARBAGE_FOUND], seen | (cargo != NOTHING))

@@ -31,6 +31,7 @@ SEARCH = {
         "Pause": {"preconditions": ["roamed"], "network": "pause"},
     },
 }
+IDLE = {"sensors": {"garbage_found": "fact"}, "behaviours": {"Rest": {}}}
 PAUSE = {"sensors": {"roamed": "fact"}, "behaviours": {"Rest": {"preconditions": ["roamed"]}}}
 
 
@@ -46,6 +47,10 @@ def robot(tmp_path):
             behaviours = document["networks"]["robot"]["behaviours"]
             behaviours["Search"]["network"] = "search"
             document["networks"] |= {"search": SEARCH, "pause": PAUSE}
+        else:  # a network that leaves the robot alone
+            behaviours = document["networks"]["robot"]["behaviours"]
+            behaviours["Search"]["network"] = "search"
+            document["networks"] |= {"search": IDLE}
         (tmp_path / "robots").mkdir(exist_ok=True)
         (tmp_path / "robots" / "searching.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
         return tmp_path

@@ -139,7 +139,7 @@ def _experiment(path: Path, **changes: object) -> Path:
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["tabel1"], "unknown experiment 'tabel1' (known: disturbed-crowd, patrol, robustness, table1"),
+        (["tabel1"], "unknown experiment 'tabel1' (known: disturbed-crowd, patrol, robustness, scouts, table1"),
         (["none.yaml"], "none.yaml: no such file"),
         (
             ["--condition", "Gradient"],

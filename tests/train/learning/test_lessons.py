@@ -51,7 +51,10 @@ def test_the_best_option_of_each_situation_is_found_and_exported(tmp_path, monke
         return hardness * np.exp(0.2 * (rules != best).sum(axis=1) + noise.normal(scale=0.1, size=len(rules)))
 
     monkeypatch.setattr(MissionLearning, "_costs", costs)
-    monkeypatch.setattr("train.learning.training.measured", lambda *_: {"random/excess_s": 1.0})
+    monkeypatch.setattr("train.learning.training.results_on", lambda *_: {})
+    monkeypatch.setattr("train.learning.training.figures_of", lambda _: {"random/excess_s": 1.0})
+    monkeypatch.setattr("train.learning.training.excesses", lambda _: {"random": [1.0]})
+    monkeypatch.setattr("train.learning.training.best_fixed", lambda *_: ("none", {"random": [1.0]}))
     training = BanditTraining(job(config, tmp_path / "run"))
     training.advance()
     assert training.decisions == 1600

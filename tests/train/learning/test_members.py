@@ -82,7 +82,10 @@ def fake(monkeypatch, cost_of):
         return costs, np.array([[100.0], [20.0], [54.0]]) * np.ones(features)
 
     monkeypatch.setattr(MembersTraining, "costs", done)
-    monkeypatch.setattr("train.learning.training.measured", lambda *_: {"random/excess_s": 1.0})
+    monkeypatch.setattr("train.learning.training.results_on", lambda *_: {})
+    monkeypatch.setattr("train.learning.training.figures_of", lambda _: {"random/excess_s": 1.0})
+    monkeypatch.setattr("train.learning.training.excesses", lambda _: {"random": [1.0]})
+    monkeypatch.setattr("train.learning.training.best_fixed", lambda *_: ("none", {"random": [1.0]}))
 
 
 def options_of(member, problem, observed):
