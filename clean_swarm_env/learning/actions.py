@@ -56,7 +56,8 @@ class LearnerActions:
 
     """
 
-    def __init__(self, models: Sequence[CoordinatorModel], config: ActionConfig) -> None:
+    def __init__(self, models: Sequence[CoordinatorModel], config: ActionConfig, always: Ints) -> None:
+        """Bind robots to the option of each goal that they always hold, `always` (R, C); -1 for none."""
         self._mode = config.mode
         self.counts = tuple(len(model.options) for model in models)
         self.default: Ints = np.array([int(np.argmax(model.scores)) for model in models], dtype=np.int64)
@@ -76,11 +77,14 @@ class LearnerActions:
         self.masked = not self._table.all()
         self._limits = np.array(self.counts)
         self._firsts = np.cumsum([0, *self.counts])[:-1]
+        self._bound: Flags = np.repeat(always >= 0, self.counts, axis=1)  # (R, O)
+        self._held: Flags = np.repeat(self._firsts + always, self.counts, axis=1) == np.arange(len(names))
+        self._some_bound = bool(self._bound.any())
 
     def masks(self, phases: Ints) -> Flags:
-        """Return which options (R, O) can serve in the `phases` (R,)."""
+        """Return which options (R, O) can serve in the `phases` (R,), or the only one that a robot always holds."""
         masks: Flags = self._table.take(phases, axis=0)
-        return masks
+        return np.where(self._bound, self._held, masks) if self._some_bound else masks
 
     def able(self, options: Ints, phases: Ints) -> Ints:
         """Return `options` (R, C) with stand-ins for those that cannot serve in the `phases` (R,)."""

@@ -119,7 +119,8 @@ class Batch:
         self.rows, self.robots, self.count = self.worlds.rows, self.worlds.robots, worlds
         self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
-        self.choices = LearnerActions(models, self.action)
+        always = np.stack([coordinator.always for coordinator in self.worlds.coordinators], axis=1)
+        self.choices = LearnerActions(models, self.action, always)
         self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
@@ -252,19 +253,10 @@ class Batch:
         return self.end_period()
 
     def masks(self) -> Flags:
-        """Return which options (R, O) of all goals can serve next; ValueError if actions are vectors.
-
-        A robot whose model always holds an option can take no other.
-        """
+        """Return which options (R, O) of all goals can serve next; ValueError if actions are vectors."""
         if self.action.mode == "velocity":
             raise ValueError("masks: expected options as actions, got mode 'velocity'")
-        masks, first = self.choices.masks(self.phases), 0
-        for coordinator in self.worlds.coordinators:
-            options = len(coordinator.model.options)
-            bound = coordinator.always >= 0
-            masks[bound, first : first + options] = coordinator.always[bound, None] == np.arange(options)
-            first += options
-        return masks
+        return self.choices.masks(self.phases)
 
     def ticks(self, actions: NDArray[Any]) -> Iterator[Worlds]:
         """Run one decision period, and yield the worlds after each control period.

@@ -14,7 +14,7 @@ from selforg.arrays import Floats
 from train.analysis.family_report import excesses_of, unfinished_of
 from train.analysis.intervals import Ratio
 from train.analysis.statistics import share_cell
-from train.analysis.verdict import RANDOM
+from train.analysis.verdict import RANDOM, listed
 from train.deciders.named import FIXED
 from train.evaluation.claims import family_runs
 from train.evaluation.headroom import scenario_kinds
@@ -24,8 +24,6 @@ NOT_WORSE = 1.02
 """Largest ratio of what is not worse: the lower end of an interval, or a mean over families."""
 WAY = 0.6
 """Share of the way to a team that is told that is to be reached."""
-MOST_NAMED = 4
-"""Most families that a line names."""
 NOTHING = f"{FIXED}:Off"
 BEST = "best options"
 """Label of the options that the race found."""
@@ -99,7 +97,7 @@ class Results:
                 f for f in families if label != claimed and (r := self.ratio(f, claimed, label)) and _ends(r)[1] >= 1
             ]
             if worse:
-                lost.append(f"not shown to be better than `{label}` on {_families(worse)}")
+                lost.append(f"not shown to be better than `{label}` on {listed([f'`{family}`' for family in worse])}")
         for label in self._manifest.variants:
             found = self._variant_ratio(label)
             if _ends(found)[0] > NOT_WORSE:
@@ -228,12 +226,6 @@ class Results:
             if claimed in left and (count := int(((left[claimed] > 0.0) & (left[BEST] == 0.0)).sum())):
                 found.append(f"`{family}`: {count} missions unfinished that the best options finish")
         return found
-
-
-def _families(names: Sequence[str]) -> str:
-    """Return the names of families, those beyond the first few by their number."""
-    shown = [f"`{name}`" for name in names[:MOST_NAMED]]
-    return ", ".join([*shown, *([f"{len(names) - MOST_NAMED} others"] if len(names) > MOST_NAMED else [])])
 
 
 def _ends(ratio: Ratio | None) -> tuple[float, float]:

@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.decorators import lean_kernel
-from selforg.walls.segments import distances_to
+from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.walls.segments import distances_to, to_line
 
 SQUARES: Final = 4
 """Squares of the raster along the radius of a disc, where MOST_SQUARES allow."""
@@ -118,18 +118,24 @@ def mark_walls(segments: Floats, radius: float, low: Floats, size: Floats, regio
     for k in range(segments.shape[0]):
         ax, ay = segments[k, 0] - low[0], segments[k, 1] - low[1]
         wx, wy = segments[k, 2] - segments[k, 0], segments[k, 3] - segments[k, 1]
-        square = wx * wx + wy * wy
         first = max(int((min(ax, ax + wx) - radius) / across), 0)
         last = min(int((max(ax, ax + wx) + radius) / across) + 1, columns)
         lowest = max(int((min(ay, ay + wy) - radius) / up), 0)
         highest = min(int((max(ay, ay + wy) + radius) / up) + 1, lines)
         for line in range(lowest, highest):
             for column in range(first, last):
-                x, y = (column + 0.5) * across - ax, (line + 0.5) * up - ay
-                share = min(max((x * wx + y * wy) / square, 0.0), 1.0)
-                dx, dy = x - share * wx, y - share * wy
+                dx, dy = to_line((column + 0.5) * across, (line + 0.5) * up, ax, ay, wx, wy)
                 if dx * dx + dy * dy < radius * radius:
                     regions[line, column] = NO_ROOM
+
+
+@inlined
+def neighbour(line: int, column: int, walk: int, lines: int, columns: int, closed: bool) -> tuple[int, int]:
+    """Return one of the nine squares about a square, itself included, `walk` 0 to 8; -1, -1 beyond an open edge."""
+    i, j = line + walk // 3 - 1, column + walk % 3 - 1
+    if closed:
+        return i % lines, j % columns
+    return (i, j) if 0 <= i < lines and 0 <= j < columns else (-1, -1)
 
 
 @lean_kernel
@@ -149,10 +155,8 @@ def number_regions(regions: Ints, closed: bool, stack: Ints) -> int:
             count -= 1
             line, column = stack[count] // columns, stack[count] % columns
             for walk in range(9):
-                i, j = line + walk // 3 - 1, column + walk % 3 - 1
-                if closed:
-                    i, j = i % lines, j % columns
-                if 0 <= i < lines and 0 <= j < columns and regions[i, j] == UNVISITED:
+                i, j = neighbour(line, column, walk, lines, columns, closed)
+                if i >= 0 and regions[i, j] == UNVISITED:
                     regions[i, j] = found
                     stack[count] = i * columns + j
                     count += 1

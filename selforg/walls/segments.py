@@ -102,7 +102,12 @@ def cell_of_walls(x: float, y: float, w: Walls) -> int:
 def to_segment(x: float, y: float, segment: int, w: Walls) -> tuple[float, float]:
     """Return the way [m] from a place to the nearest point of a segment."""
     ax, ay = w.segments[segment, 0], w.segments[segment, 1]
-    wx, wy = w.segments[segment, 2] - ax, w.segments[segment, 3] - ay
+    return to_line(x, y, ax, ay, w.segments[segment, 2] - ax, w.segments[segment, 3] - ay)
+
+
+@inlined
+def to_line(x: float, y: float, ax: float, ay: float, wx: float, wy: float) -> tuple[float, float]:
+    """Return the way from (x, y) to the nearest point of the line from (ax, ay) along (wx, wy)."""
     share = min(max(((x - ax) * wx + (y - ay) * wy) / (wx * wx + wy * wy), 0.0), 1.0)
     return ax + share * wx - x, ay + share * wy - y
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from selforg.arrays import OUTSIDE, READ, SCRATCH, Floats, Ints, Links
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.space import nearest_image
-from selforg.walls.free_ground import FreeGround
+from selforg.walls.free_ground import FreeGround, neighbour
 
 STRAIGHT_STEP, DIAGONAL_STEP = 5, 7  # lengths of a step
 TIGHT: Final = 3  # factor on a step beside a wall, and [squares] how wide that is
@@ -30,7 +30,7 @@ NO_FIELD: Final = -1
 
 
 class Ways:
-    """The ways to targets on a free ground whose lower left corner is the origin.
+    """The ways to targets on a free ground. Its lower left corner is the origin.
 
     Attributes:
         room: (lines, columns) squares from each one to the nearest one on which there is none; 0: there is none here.
@@ -91,10 +91,8 @@ def measure_room(regions: Ints, main: int, closed: bool, room: npt.NDArray[np.ui
             square = k if forwards else lines * columns - 1 - k
             line, column, least = square // columns, square % columns, MOST_ROOM
             for walk in range(9):
-                i, j = line + walk // 3 - 1, column + walk % 3 - 1
-                if closed:
-                    i, j = i % lines, j % columns
-                if not (0 <= i < lines and 0 <= j < columns):
+                i, j = neighbour(line, column, walk, lines, columns, closed)
+                if i < 0:
                     least = min(least, 1)
                 elif i != line or j != column:
                     least = min(least, room[i, j] + 1)
@@ -128,13 +126,10 @@ def fill_field(line: int, column: int, closed: bool, room: npt.NDArray[np.uint8]
         waiting -= 1
         line, column = here // columns, here % columns
         for walk in range(9):
-            down, right = walk // 3 - 1, walk % 3 - 1
-            i, j = line + down, column + right
-            if closed:
-                i, j = i % lines, j % columns
-            if not (0 <= i < lines and 0 <= j < columns) or room[i, j] == 0:
+            i, j = neighbour(line, column, walk, lines, columns, closed)
+            if i < 0 or room[i, j] == 0:
                 continue
-            step = DIAGONAL_STEP if down != 0 and right != 0 else STRAIGHT_STEP
+            step = DIAGONAL_STEP if walk // 3 != 1 and walk % 3 != 1 else STRAIGHT_STEP
             way = length + (TIGHT * step if room[i, j] <= TIGHT else step)
             before = field[i, j]
             if before == UNREACHED or way < before:
@@ -243,12 +238,8 @@ def way_down(
         for _ in range(look):
             best, down, right = field[line, column], 0, 0
             for walk in range(9):
-                i, j = line + walk // 3 - 1, column + walk % 3 - 1
-                if not (0 <= i < lines and 0 <= j < columns):
-                    if extent[0] == 0.0:
-                        continue
-                    i, j = i % lines, j % columns
-                if 0 <= field[i, j] < best:
+                i, j = neighbour(line, column, walk, lines, columns, extent[0] != 0.0)
+                if i >= 0 and 0 <= field[i, j] < best:
                     best, down, right = field[i, j], walk // 3 - 1, walk % 3 - 1
             line, column = (line + down) % lines, (column + right) % columns
             wx, wy = wx + right * pitch[0], wy + down * pitch[1]

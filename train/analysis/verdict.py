@@ -110,13 +110,13 @@ class Ranking:
         alike = [label for label in others if not self.apart(label, best)]
         if len(alike) == len(others):
             names = [self.name(label) for label in self.labels]
-            told = f"{_listed(names)} cannot be told apart {self._would_tell(best, others)}"
+            told = f"{listed(names)} cannot be told apart {self._would_tell(best, others)}"
             return [f"{told}; the lowest mean has {names[0]}, {mean}."]
         yardstick = next((label for label in (*yardsticks, others[-1]) if label in others), others[-1])
         found = [f"{self.name(best)} {self.verb} least: {mean}, {self._less(best, yardstick)}."]
         random = [label for label in tried if label not in alike and label != best and not self.apart(label, RANDOM)]
         parts = [
-            f"{_listed([self.name(label) for label in own])} cannot be told from {what} {self._would_tell(to, own)}"
+            f"{listed([self.name(label) for label in own])} cannot be told from {what} {self._would_tell(to, own)}"
             for own, what, to in ((alike, "it", best), (random, CHANCE, RANDOM))
             if own
         ]
@@ -198,7 +198,7 @@ def interval_words(ends: Interval | None, words: Callable[[float], str]) -> str:
     return "" if ends is None else f" [{words(ends[0])}, {words(ends[1])}]"
 
 
-def _listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
     """Return names in a row, those beyond the first few by their number."""
     if len(names) > MOST_NAMED + 1:
         names = [*names[:MOST_NAMED], f"{len(names) - MOST_NAMED} others"]

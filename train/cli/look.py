@@ -15,7 +15,7 @@ import typer
 from rich.progress import track
 
 from clean_swarm_env.config.types import ConfigurationError
-from train.cli.options import MAY_NAME_CODE, Configs, check_figure, check_whole, error_console
+from train.cli.options import MAY_NAME_CODE, Configs, check_figure, check_whole, error_console, wide_console
 from train.cli.repeat import ConditionOption, ScenarioOption, repeating
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ def report_command(
     from train.replay.page_file import write_page
     from train.report_page.page import curves_of, report_of_results  # imports SciPy
     from train.report_page.results import results_in
-    from train.reports.charts import picture_of
+    from train.reports.text_table import write_figure
 
     check_figure("--figure", figure)
     results = [results_in(directory) for directory in directories]
@@ -161,9 +161,7 @@ def report_command(
             links[f"{about.get('scenario')}-{label}{about.get('condition')}"] = quote(f"{folder.name}/{path.name}")
     write_whole(page, report_of_results(results, links).encode())
     typer.echo(f"{page}: open it in a browser")
-    if figure is not None and (curves := curves_of(results)) is not None:
-        write_whole(figure, picture_of(curves, figure.suffix))
-        typer.echo(f"{figure}: the learning curves")
+    write_figure(curves_of(results) if figure is not None else None, figure, wide_console())
 
 
 RobotOrConfiguration = Annotated[

@@ -80,7 +80,7 @@ def replay_command(
         float | None,
         typer.Option(
             "--what-if",
-            help="Foretell each robot's next 5 s under each option every so many seconds, of a family's run.",
+            help="Foretell each robot's next 5 s under each option, once in so many seconds; runs of a family only.",
         ),
     ] = None,
 ) -> None:

@@ -113,7 +113,7 @@ class WhatIf:
         copy, left = self._copy, round(FORETOLD / self._copy.period)
         per = round(copy.decision_period / copy.period)
         begun = int(copy.worlds.ticks[0])
-        for _ in range(min(-begun % per, left)):  # what is left of the period
+        for _ in range(min(-begun % per, left)):  # up to the end of the period
             copy.progress.note(copy.worlds.tick())
             left -= 1
             yield

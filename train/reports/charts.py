@@ -127,7 +127,7 @@ def figure_of(value: float) -> str:
 def error_bar(value: float, ci95: Interval | None) -> list[list[float]]:
     """Return the lengths of an error bar below and above a value, as Matplotlib asks for them.
 
-    >>> error_bar(0.0, (1e-18, 0.1))  # the interval of a share, but for rounding
+    >>> error_bar(0.0, (1e-18, 0.1))  # by rounding, the interval begins above the share
     [[0.0], [0.1]]
 
     """

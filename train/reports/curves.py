@@ -1,6 +1,6 @@
 """Learning curves: what the validation missions of trainings lose over decisions, beside the best fixed options.
 
-Shapes: S trainings that are alike but for their seeds, T checkpoints at which all of them were measured.
+Shapes: S trainings of one name, each with a seed of its own; T checkpoints that all of them have measured.
 """
 
 from __future__ import annotations

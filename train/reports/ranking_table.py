@@ -1,4 +1,4 @@
-"""The one table of a comparison: strategies by what is compared, the lowest first, with points and intervals."""
+"""The main table of a comparison: strategies from the lowest mean on, with points and intervals."""
 
 from __future__ import annotations
 

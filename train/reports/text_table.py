@@ -21,6 +21,8 @@ from train.request import Request
 from train.running.run_folder import RunFolder
 
 if TYPE_CHECKING:  # the runs need no Matplotlib
+    from pathlib import Path
+
     from matplotlib.figure import Figure
 
 POINT = "●"
@@ -117,17 +119,17 @@ def publish(publication: Publication, folder: RunFolder, console: Console, reque
         console.print(line, highlight=False)
     hidden = f"; {len(more)} more tables with --all and in table.md" if more and not request.every_table else ""
     console.print(f"results in {folder.path}{hidden}", soft_wrap=True, highlight=False)
-    write_figure(publication.figure, request, console)
+    write_figure(publication.figure, request.figure, console)
 
 
-def write_figure(figure: Figure | None, request: Request, console: Console) -> None:
+def write_figure(figure: Figure | None, file: Path | None, console: Console) -> None:
     """Write the figure to the file that `--figure` names, if any."""
-    if request.figure is None:
+    if file is None:
         return
     if figure is None:
         console.print("--figure: these results have no figure", highlight=False)
         return
     from train.reports.charts import picture_of
 
-    write_whole(request.figure, picture_of(figure, request.figure.suffix))
-    console.print(f"figure in {request.figure}", soft_wrap=True, highlight=False)
+    write_whole(file, picture_of(figure, file.suffix))
+    console.print(f"figure in {file}", soft_wrap=True, highlight=False)

@@ -16,7 +16,7 @@ from clean_swarm_env.tasks.cleaning.site import Site
 from clean_swarm_env.world.view import World
 from selforg.arrays import SCRATCH, Floats, Ints, Links
 from selforg.commands import Commanded, Commands, open_commanded
-from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words
 from selforg.network import state as st
 from selforg.walls.ways import NO_FIELD, Ways, shared_square, square_of, to_target, way_down
@@ -103,9 +103,8 @@ def follow_straight(goals: Floats, squares: Ints, commands: Words[Commanded]) ->
     """Command the way of 1 m/s to the targets to which the straight way is open."""
     given = open_commanded(commands)
     for row in range(goals.shape[0]):
-        length = np.sqrt(goals[row, 0] * goals[row, 0] + goals[row, 1] * goals[row, 1])
-        if squares[row, 0] == STRAIGHT_ON and length > 0.0 and given.commanded[row]:
-            given.vectors[row, 0], given.vectors[row, 1] = goals[row, 0] / length, goals[row, 1] / length
+        if squares[row, 0] == STRAIGHT_ON:
+            go(row, goals[row, 0], goals[row, 1], given)
 
 
 @lean_kernel
@@ -127,6 +126,12 @@ def follow_round(
             continue
         squares[row, 0] = LED
         x, y = way_down(places[row, 0], places[row, 1], fields[number], room, pitch, extent)
-        length = np.sqrt(x * x + y * y)
-        if length > 0.0 and given.commanded[row]:
-            given.vectors[row, 0], given.vectors[row, 1] = x / length, y / length
+        go(row, x, y, given)
+
+
+@inlined
+def go(row: int, x: float, y: float, given: Commanded) -> None:
+    """Command 1 m/s along (x, y) to a robot that has a command; none if that is zero."""
+    length = np.sqrt(x * x + y * y)
+    if length > 0.0 and given.commanded[row]:
+        given.vectors[row, 0], given.vectors[row, 1] = x / length, y / length
