@@ -91,7 +91,8 @@ def load() -> None:
                 for place in named_plugins():
                     module_of(place)
                 for entry in installed():
-                    module_of(entry.module)
+                    with told_in_a_line(entry.module):
+                        entry.load()
             except BaseException:
                 _loaded.clear()
                 raise
@@ -119,8 +120,8 @@ def origin_of(module: str) -> str:
     return module.removeprefix(OF_FILE)
 
 
-def is_own(cls: type) -> bool:
-    """Return whether a class is none of ours."""
+def is_own(cls: Any) -> bool:  # noqa: ANN401
+    """Return whether a class or a function is none of ours."""
     return cls.__module__.partition(".")[0] not in OURS
 
 
@@ -145,10 +146,10 @@ def told_in_a_line(place: str) -> Iterator[None]:
 def contract(owner: object, part: str, *inputs: Any) -> Iterator[None]:  # noqa: ANN401  (arrays)
     """Let an error of a plug-in's object become one line, and a change of its input arrays an error."""
     before = [array.copy() for array in inputs]
-    with told_in_a_line(type(owner).__module__):
+    with told_in_a_line(_named(owner).__module__):
         yield
     if not all(map(np.array_equal, inputs, before)):
-        raise _broken(owner, part, "expected to change no array that it reads, got a change")
+        raise broken(owner, part, "expected to change no array that it reads, got a change")
 
 
 def check_answer(owner: object, part: str, answer: Any, shape: tuple[int, ...]) -> None:  # noqa: ANN401
@@ -156,12 +157,18 @@ def check_answer(owner: object, part: str, answer: Any, shape: tuple[int, ...]) 
     given = np.asarray(answer)
     if given.shape != shape or given.dtype.kind not in "biuf" or not np.isfinite(given).all():
         got = f"{given.dtype} {given.shape}" + (" with NaN or infinity" if given.shape == shape else "")
-        raise _broken(owner, part, f"expected finite numbers {shape}, got {got}")
+        raise broken(owner, part, f"expected finite numbers {shape}, got {got}")
 
 
-def _broken(owner: object, part: str, what: str) -> PluginError:
-    cls = type(owner)
-    return PluginError(f"{origin_of(cls.__module__)}: {cls.__name__}.{part}: {what}")
+def broken(owner: Any, part: str, what: str) -> PluginError:  # noqa: ANN401  (a class, a function, or an object)
+    """Return the error of a class, a function or an object of a plug-in that does not keep its contract."""
+    named = _named(owner)
+    return PluginError(f"{origin_of(named.__module__)}: {named.__name__}{part and f'.{part}'}: {what}")
+
+
+def _named(owner: Any) -> Any:  # noqa: ANN401
+    """Return a class or a function as it is, and the class of an object."""
+    return owner if hasattr(owner, "__name__") else type(owner)
 
 
 def _own_files(place: str) -> tuple[Path, ...]:

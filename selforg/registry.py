@@ -35,21 +35,32 @@ class Registry(Generic[Base]):
         kind: word for an entry in messages, such as "mechanism".
         name_of: returns the name of a class; the name of the class itself by default.
         home: package that registers our classes where the module of the registry does not; imported before others'.
+        base: the class that all entries are below; None: they are functions.
 
     """
 
     def __init__(
-        self, kind: str, name_of: Callable[[type[Base]], str] = lambda cls: cls.__name__, home: str = ""
+        self,
+        kind: str,
+        name_of: Callable[[type[Base]], str] = lambda cls: cls.__name__,
+        home: str = "",
+        base: type | None = None,
     ) -> None:
-        self.kind = kind
+        self.kind, self._base = kind, base
         self.name_of = name_of
         self._home = home
         self._classes: dict[str, type[Base]] = {}
         REGISTRIES.append(self)
 
-    def register(self, cls: type[Class]) -> type[Class]:
-        """Enter a class under its name, as a decorator; ValueError if the name is taken."""
-        entry: type[Base] = cls  # type: ignore[assignment]  # a decorator must return the type that it got
+    def register(self, cls: Class) -> Class:
+        """Enter a class (or a function) under its name, as a decorator; ValueError if the name is taken.
+
+        TypeError for what is none of the kind.
+        """
+        entry: Any = cls
+        if not (callable(cls) if self._base is None else isinstance(cls, type) and issubclass(cls, self._base)):
+            expected = "a function" if self._base is None else f"a class below {self._base.__name__}"
+            raise TypeError(f"a {self.kind}: expected {expected}, got {cls!r:.60}")
         if self._home and plugins.is_own(cls):
             import_module(self._home)
         name = self.name_of(entry)

@@ -123,7 +123,7 @@ class TaskKind:
         return family.mission.task, []
 
 
-TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name, TASKS_HOME)
+TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name, TASKS_HOME, TaskKind)
 """Tasks by name."""
 
 

@@ -144,7 +144,7 @@ class EnvSettings(TypedDict, total=False):
     directories: Named | Iterable[Named]
     """The user's configurations, knowledge and robots, searched before the shipped ones."""
     imports: Iterable[Named]
-    """Plug-ins, modules or `path/to/file.py`: what they register, missions may then name (docs/own_task.md)."""
+    """Plug-ins, modules or `path/to/file.py`: what they register, missions may then name (docs/own_plugins.md)."""
     trust: bool
     """Whether the files of the mission or the family may ask for code and databases; by default not (docs/trust.md)."""
     source: EpisodeSource | None

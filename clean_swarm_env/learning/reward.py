@@ -4,6 +4,8 @@ In a mission, the mean payment over the robots of a world adds up to the mission
 weight `cost`: exactly where the mission can be completed; where garbage keeps coming, an item is worth the mean time
 between two arrivals. The price of collisions is shared among the robots that took part in them.
 
+Terms of one's own (`REWARD_TERMS`) have weights beside these: `reward: {cost: -0.01, my_term: 0.5}`.
+
 The shaping terms are plain counts, not differences of a potential. So they may change which behaviour is best: a robot
 paid for picking could carry items about. Their weights are 0 unless given.
 """
@@ -15,22 +17,50 @@ from reprlib import repr as brief
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import create_model
+from pydantic import Field, create_model, model_validator
 
 from clean_swarm_env.learning.given import config_from
 from clean_swarm_env.learning.progress import COLLISIONS, EVENTS, Period, open_period
 from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission_end import COMPLETED
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, unknown_key
 from selector.documents.fields import Closed, Number, Share
-from selector.documents.imported import imported
+from selector.documents.imported import imported, is_import, registered
 from selforg.arrays import READ, Floats
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Recording, Words
+from selforg.plugins import contract
+from selforg.registry import Registry
+
+REWARD_TERMS: Registry[Any] = Registry("reward term")
+"""Functions of a batch at the end of a decision period that return what each robot is paid (R,), by their names.
+
+    @REWARD_TERMS.register
+    def eastward(batch):
+        return batch.worlds.physics.positions[:, 0] / batch.worlds.extent[0]
+"""
 
 
-class RewardConfig(Closed):
+class WeightsConfig(Closed, extra="allow"):
+    """Weights of terms, and of registered reward terms, or of `module:function`."""
+
+    __pydantic_extra__: dict[str, Number] = Field(init=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _are_registered(cls, given: Any) -> Any:  # noqa: ANN401  (whatever YAML holds)
+        """Replace `module:function` by its registered name, and name the known terms beside an unknown one."""
+        if not isinstance(given, Mapping):
+            return given
+        named = {registered(key, REWARD_TERMS) if is_import(str(key)) else key: given[key] for key in given}
+        for key in named.keys() - cls.model_fields.keys():
+            if key not in REWARD_TERMS:
+                raise unknown_key(str(key), (*cls.model_fields, *REWARD_TERMS.names()))
+        return named
+
+
+class RewardConfig(WeightsConfig):
     """Weights of the reward's terms; each robot gets their sum once a decision period."""
 
     cost: Number = -0.01
@@ -76,13 +106,21 @@ def own_rewards(chosen: object) -> OwnRewards | None:
         return None
 
     def rewards(batch: Any) -> Floats:  # noqa: ANN401  (a Batch, which stands above this module)
-        given = function(batch)
+        with contract(function, ""):
+            given = function(batch)
         paid = np.asarray(given, dtype=np.float64)
         if paid.shape != (batch.rows,) or not np.isfinite(paid).all():
-            raise DocumentError(f"reward: expected finite numbers of shape {(batch.rows,)}, got {brief(given)}")
+            where = f"reward: {getattr(function, '__name__', '')}".removesuffix(": ")
+            raise DocumentError(f"{where}: expected finite numbers of shape {(batch.rows,)}, got {brief(given)}")
         return np.where(batch.took_part, paid, 0.0)
 
     return rewards
+
+
+def further_of(config: WeightsConfig) -> list[tuple[OwnRewards, float]]:
+    """Return the registered reward terms that have a weight, each with it."""
+    chosen = ((own_rewards(REWARD_TERMS.find(name)), weight) for name, weight in config.__pydantic_extra__.items())
+    return [(function, weight) for function, weight in chosen if function is not None]
 
 
 class Prices(NamedTuple):
@@ -114,6 +152,7 @@ class Rewards:
         """Turn the weights into prices, or check the function; `period` is the length of a tick [s]."""
         self._own = own_rewards(given)
         config = self.config = config_from(RewardConfig, None if self._own else given, "reward")  # type: ignore[arg-type]
+        self._further = further_of(config)
         own = {
             "picked": config.own_picked,
             "recycled": config.own_recycled,
@@ -144,6 +183,8 @@ class Rewards:
             rewards[:] = self._own(batch)
         else:
             pay(batch.progress.period.words, self.prices.words, rewards)
+        for term, weight in self._further:
+            rewards += weight * term(batch)
 
 
 class MeasureRewards:
@@ -153,7 +194,7 @@ class MeasureRewards:
     of "better". All robots of a world are paid alike. Weights are 1 unless given, that of `collision` 0.
 
     Attributes:
-        weights: key of a measure, or `collision` -> weight.
+        weights: key of a measure, `collision`, or a registered reward term -> weight.
 
     """
 
@@ -162,8 +203,9 @@ class MeasureRewards:
         self._worlds, measures = worlds, worlds.task.measures
         keys = [key_of(measure.name) for measure in measures]
         fields: dict[str, Any] = dict.fromkeys(keys, (Number, 1.0)) | {OWN_COLLISION: (Number, 0.0)}
-        chosen = config_from(create_model("MeasureWeights", __base__=Closed, **fields), given, "reward")
+        chosen = config_from(create_model("MeasureWeights", __base__=WeightsConfig, **fields), given, "reward")
         self.weights: dict[str, float] = chosen.model_dump()
+        self._further = further_of(chosen)
         signs = [1.0 if measure.better == "higher" else -1.0 for measure in measures]
         units = [abs(measure.target) or 1.0 for measure in measures]
         self._prices = np.array([self.weights[key] for key in keys]) * signs / units
@@ -182,6 +224,8 @@ class MeasureRewards:
                 now[:, end.world] = list(end.result.measures.values())
             own = np.repeat(self._prices @ (now - self._before), self._worlds.robots)
         rewards[:] = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
+        for term, weight in self._further:
+            rewards += weight * term(batch)
 
     def _measured(self) -> Floats:
         """Return the present measures (K, W)."""

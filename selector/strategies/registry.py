@@ -17,7 +17,7 @@ from selector.strategies.streams import Keys
 from selforg.arrays import Ints
 from selforg.registry import Registry, UnknownNameError
 
-STRATEGIES: Registry[DecisionStrategy] = Registry("strategy")
+STRATEGIES: Registry[DecisionStrategy] = Registry("strategy", base=DecisionStrategy)
 
 
 class StrategySpec(Closed):

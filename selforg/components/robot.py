@@ -31,6 +31,10 @@ class OrganisedRobots:
         actions: one or several by behaviour.
         dim: dimensions of the space, D.
 
+    Attributes:
+        sensors: each component with its column of the readings.
+        actions: each component with the number of its behaviour.
+
     Raises:
         ValueError: the model lacks a sensor or behaviour, or a sensor has another kind than its component.
 
@@ -43,8 +47,8 @@ class OrganisedRobots:
         self, network: BehaviourNetwork, sensors: Mapping[str, SensorComponent], actions: Actions, dim: int = 2
     ) -> None:
         self.network, model = network, network.model
-        self._sensors = [(model.sensor(name, "sensor component"), component) for name, component in sensors.items()]
-        for column, component in self._sensors:
+        self.sensors = [(model.sensor(name, "sensor component"), component) for name, component in sensors.items()]
+        for column, component in self.sensors:
             sensor = model.sensors[column]
             if sensor.kind != component.kind:
                 what = f"{type(component).__name__} reads a {component.kind}"
@@ -53,13 +57,13 @@ class OrganisedRobots:
         if unknown:
             raise ValueError(f"action: unknown behaviour {unknown[0]!r} (known: {', '.join(model.behaviour_index)})")
         each = [(name, [act] if isinstance(act, Action) else list(act)) for name, act in actions.items()]
-        self._actions = [(model.behaviour_index[name], action) for name, all_of in each for action in all_of]
-        self._sensed = _each_once([], [component for _, component in self._sensors])
-        self._asked_late = [_each_once(self._sensed, [action]) for _, action in self._actions]
-        self._vector_readings = _by_source(self._sensors, self.network.readings)
-        self._others = [(column, one) for column, one in self._sensors if not isinstance(one, VectorSensor)]
+        self.actions = [(model.behaviour_index[name], action) for name, all_of in each for action in all_of]
+        self._sensed = _each_once([], [component for _, component in self.sensors])
+        self._asked_late = [_each_once(self._sensed, [action]) for _, action in self.actions]
+        self._vector_readings = _by_source(self.sensors, self.network.readings)
+        self._others = [(column, one) for column, one in self.sensors if not isinstance(one, VectorSensor)]
         self._of_plugins: list[SensorComponent | Action] = [one for _, one in self._others if is_own(type(one))]
-        self._of_plugins += [action for _, action in self._actions if is_own(type(action))]
+        self._of_plugins += [action for _, action in self.actions if is_own(type(action))]
         self._shown = None
         self._acted: list[tuple[Action, Ints]] = []
         self._all, self._dim = np.arange(network.rows), dim
@@ -101,7 +105,7 @@ class OrganisedRobots:
     def act(self, now: float, rows: Ints, commands: Commands) -> None:
         """Run the actions of the behaviours that run in `rows` (K,); movements go into `commands`."""
         self._acted = []
-        for (b, action), sources in zip(self._actions, self._asked_late, strict=True):
+        for (b, action), sources in zip(self.actions, self._asked_late, strict=True):
             acting, started = self.network.running(b, rows)
             if not len(acting):
                 continue
@@ -139,7 +143,8 @@ def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | A
     """Return the sources of all components, without those `known`, in order and each once."""
     found: list[Source] = []
     for component in components:
-        found += [source for source in component.sources if not any(source is one for one in (*known, *found))]
+        each = (one for source in component.sources for one in (*source.parts, source))
+        found += [one for one in each if not any(one is other for other in (*known, *found))]
     return found
 
 

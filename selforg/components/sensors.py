@@ -117,7 +117,7 @@ class SensorComponent(ABC):
         """Return the readings (K,) of `rows` (K,) as bool or number."""
 
 
-SENSORS: Registry[SensorComponent] = Registry("sensor")
+SENSORS: Registry[SensorComponent] = Registry("sensor", base=SensorComponent)
 
 
 class VectorSensor(SensorComponent):

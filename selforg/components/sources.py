@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
@@ -22,7 +23,12 @@ CLOCK_TOLERANCE = 1e-6
 
 
 class Source(ABC):
-    """Base class of sources, which are asked once in a tick before sensors read; answers are valid until the next."""
+    """Base class of sources, which are asked once in a tick before sensors read; answers are valid until the next.
+
+    parts: sources whose answers it reads, which are asked before it.
+    """
+
+    parts: Sequence[Source] = ()
 
     @abstractmethod
     def ask(self, now: float, rows: Ints) -> None:
@@ -58,6 +64,7 @@ class MovementSource(Source):
         self._asked = np.full(rows, -np.inf)
         self._holds = np.full(rows, self.hold)
         self._own = is_own(type(mechanism))
+        self.parts = getattr(mechanism, "parts", ())
 
     def forget(self, rows: Ints) -> None:
         """Drop the kept answers of `rows` (K,), so that the next tick asks the mechanism."""

@@ -88,7 +88,7 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
         return MECHANISMS.register(type(name, (cls,), {"__doc__": says, "__module__": module, **attributes}))
 
 
-MECHANISMS: Registry[Mechanism] = Registry("mechanism")
+MECHANISMS: Registry[Mechanism] = Registry("mechanism", base=Mechanism)
 """The name of the class is the name by which configurations find a mechanism."""
 
 

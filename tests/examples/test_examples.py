@@ -1,8 +1,11 @@
 """Each example runs where its framework is installed, and its model is compared by `clean-swarm evaluate`."""
 
 import os
+import re
+import signal
 import subprocess
 import sys
+import urllib.request
 from importlib.util import find_spec
 
 import pytest
@@ -82,3 +85,47 @@ def test_the_notebook_runs(tmp_path):
     shown = [output for cell in notebook.cells for output in cell.get("outputs", ())]
     assert any("image/png" in output.get("data", {}) for output in shown)
     assert not [output for output in shown if output["output_type"] == "error"]
+
+
+@pytest.fixture
+def with_plugin(tmp_path):
+    """Python of a fresh environment in which the wheel of the plug-in is installed; nothing comes from the network."""
+    pytest.importorskip("hatchling", reason="needs hatchling: make examples")
+    alone = ("--no-index", "--no-deps", "--quiet")
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "env"], check=True)
+    (packages,) = (tmp_path / "env").glob("lib/python*/site-packages")
+    beside = [path for path in sys.path if path.endswith("site-packages")]  # NumPy and the others
+    (packages / "beside.pth").write_text("\n".join((str(ROOT), *beside)))
+    pip = [sys.executable, "-m", "pip"]
+    wheel = [*alone, "--no-build-isolation", "--wheel-dir", str(tmp_path / "wheel"), str(ROOT / "examples" / "plugin")]
+    subprocess.run([*pip, "wheel", *wheel], check=True, capture_output=True)
+    python = tmp_path / "env" / "bin" / "python"
+    (built,) = (tmp_path / "wheel").glob("*.whl")
+    subprocess.run([*pip, "--python", python, "install", *alone, built], check=True, capture_output=True)
+    return python
+
+
+def test_a_plugin_works_as_a_wheel_in_a_fresh_environment(with_plugin, tmp_path):
+    page = (ROOT / "docs" / "own_plugins.md").read_text(encoding="utf-8")
+    lines = re.findall(r"```sh\n(.*?)```", page, flags=re.DOTALL)[0].splitlines()[1:]
+    start = [with_plugin, "-m", "clean_swarm_env"]
+    own = os.environ | {"OMP_NUM_THREADS": "1"}
+    own.pop("PYTHONPATH", None)
+    said = ["Pushed ", "KeepApart", "Second", ""]
+    (tmp_path / "my" / "training").mkdir(parents=True)
+    (tmp_path / "my" / "training" / "parting.yaml").write_text(page.split("```yaml\n")[1].split("```")[0])
+    if find_spec("stable_baselines3"):
+        lines[-1:-1] = ["clean-swarm train ppo --config parting --configs my"]
+        said[-1:-1] = ["parting"]
+    for line, expected in zip(lines[:-1], said[:-1], strict=True):
+        words = line.replace("--scenarios 10", "--scenarios 2").split()[1:]
+        done = subprocess.run([*start, *words], cwd=tmp_path, env=own, capture_output=True, text=True, timeout=1800)
+        assert done.returncode == 0, done.stderr
+        assert expected in done.stdout
+    assert lines[-1] == "clean-swarm play KeepApart"
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with subprocess.Popen([*start, "play", "KeepApart", "--no-browser"], cwd=tmp_path, env=own, **pipes) as playing:
+        address = playing.stdout.readline().strip()
+        assert b"<html" in urllib.request.urlopen(address).read()
+        playing.send_signal(signal.SIGINT)
+        assert "clean-swarm play results" in playing.stdout.read()

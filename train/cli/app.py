@@ -189,7 +189,7 @@ def _common(
         str | None,
         typer.Option(
             IMPORT_PLUGIN,
-            help="Import a plug-in: a module or FILE.py (docs/own_task.md); anywhere on the line.",
+            help="Import a plug-in: a module or FILE.py (docs/own_plugins.md); anywhere on the line.",
             metavar="NAME",
         ),
     ] = None,

@@ -20,25 +20,34 @@ from selforg.plugins import installed, named_plugins
 from selforg.registry import unknown
 from train.cli.options import Configs, wide_console
 
+CLASS = r"(?s)@{}\.register\n(?:@[^\n]*\n)?class (?P<name>\w+).*?\"\"\"(?P<line>.*?)(?:\n|\"\"\")"
 DECLARED = {
-    "strategy-classes": (
-        "selector/strategies",
-        r"(?s)@STRATEGIES\.register\nclass (?P<name>\w+).*?\"\"\"(?P<line>.*?)(?:\n|\"\"\")",
+    "action-classes": ("selforg/components/**/*.py", CLASS.format("ACTIONS")),
+    "activator-classes": ("selforg/network/model/**/*.py", CLASS.format("ACTIVATORS")),
+    "sensor-classes": ("selforg/components/**/*.py", CLASS.format("SENSORS")),
+    "strategy-classes": ("selector/strategies/**/*.py", CLASS.format("STRATEGIES")),
+    "reward-terms": (
+        "clean_swarm_env/learning/reward.py",
+        r"(?m)^    (?P<name>\w+): (?:Number|Share) = -?[\d.]+\n    \"\"\"(?P<line>[^\n]*?)(?:\n|\"\"\")",
     ),
     "mechanism-classes": (
-        "selforg/mechanisms",
+        "selforg/mechanisms/**/*.py",
         r"(?sm)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(?P<name>\w+)"
         r"(?:\"|[^\n]*:\n    \"\"\"(?P<line>.*?)(?:\n|\"\"\"))",
     ),
     "terms": (
-        "clean_swarm_env/learning/observation",
+        "clean_swarm_env/learning/observation/**/*.py",
         r"(?sm)@compiled_term\(\s*\"(?P<name>\w+)\"(?:(?!\ndef ).)*\ndef [^\n]*:\n    \"\"\"(?P<line>.*?)(?:\n|\"\"\")",
         r"(?sm)^class \w+\([^\n]*\):\n    \"\"\"(?P<line>[^\n]*?)(?:\n|\"\"\")(?:(?!^class ).)*?"
         r"^    name = \"(?P<name>\w+)\"",
     ),
 }
-"""Kind -> folder and patterns of the sources that declare it, with a name and a line."""
+"""Kind -> places and patterns of the sources that declare it, with a name and a line."""
 REGISTERED = {
+    "action-classes": "action",
+    "activator-classes": "activator",
+    "reward-terms": "reward term",
+    "sensor-classes": "sensor",
     "strategy-classes": "strategy",
     "mechanism-classes": "mechanism",
     "terms": "observation term",
@@ -46,6 +55,8 @@ REGISTERED = {
 }
 """Kind -> what the registry of it calls a class."""
 LINES = {
+    "action-classes": "actions in code: `type:` of an action of a behaviour",
+    "activator-classes": "activators in code: `type:` of an activator of a condition",
     "experiments": "one mission under several conditions: evaluate NAME",
     "families": "scenarios drawn at random, to compare strategies on: evaluate --family NAME",
     "knowledge": "options of each goal, with the scores of experts: --knowledge NAME",
@@ -54,7 +65,9 @@ LINES = {
     "mechanisms": "configurations of mechanisms: look draw NAME",
     "missions": "one world with its robots and its task: play NAME",
     "policies": "trained networks that choose or drive: --strategy policy:NAME",
+    "reward-terms": "what robots can be paid for: keys of a reward",
     "robots": "sensors, behaviours and goals of a robot: look draw NAME",
+    "sensor-classes": "sensors in code: `type:` of a sensor of a configuration",
     "starts": "start configurations of experiments",
     "strategies": "strategies that have learned: --strategy learned:NAME",
     "strategy-classes": "ways to choose and to learn: --strategy NAME",
@@ -98,8 +111,8 @@ def _names_of_ours(kind: str, directories: Sequence[Path]) -> dict[str, tuple[st
     if kind in KINDS:
         line = _conditions if kind == "experiments" else _line
         return {name: (line(path),) for name, path in files_of(kind, directories).items()}
-    folder, *patterns = DECLARED[kind]
-    texts = [path.read_text(encoding="utf-8") for path in (SHIPPED.parent / folder).rglob("*.py")]
+    places, *patterns = DECLARED[kind]
+    texts = [path.read_text(encoding="utf-8") for path in SHIPPED.parent.glob(places)]
     found = (match for text in texts for pattern in patterns for match in re.finditer(pattern, text))
     return {match["name"]: (match["line"] or "",) for match in found}
 

@@ -17,7 +17,6 @@ from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import Size
 from clean_swarm_env.learning.joined import family_batches
-from clean_swarm_env.learning.reward import RewardConfig
 from selector.documents.errors import DocumentError
 from train.learning.config import TrainingConfig
 
@@ -49,7 +48,7 @@ class Curriculum:
                 task.worlds,
                 sizes=_sizes(family),
                 observation=config.observation,
-                reward=None if config.reward == RewardConfig() else config.reward,  # tasks have rewards of their own
+                reward=given if isinstance(given := config.reward, str) else given.model_dump(exclude_unset=True),
                 action=config.action,
                 directories=directories,
             )

@@ -159,6 +159,7 @@ class IdentityTerm(Term):
 
     name = "identity"
     components = ("identity",)
+    numbers_rows = True
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the numbers."""

@@ -66,10 +66,12 @@ class Term(ABC):
         name: name of the term.
         components: names of the components; the class or the constructor sets them.
         observed: the data that the term reads.
+        numbers_rows: whether it tells robots apart that are alike, by the number of their row.
 
     """
 
     name: ClassVar[str]
+    numbers_rows: ClassVar[bool] = False
     components: tuple[str, ...] = ()
 
     def __init__(self, observed: Observed) -> None:
@@ -106,7 +108,7 @@ class CompiledTerm(Term):
         """Do nothing: the kernel of `Observer` has written the components already."""
 
 
-TERMS: Registry[Term] = Registry("observation term", lambda term: term.name)
+TERMS: Registry[Term] = Registry("observation term", lambda term: term.name, base=Term)
 
 
 def compiled_term(name: str, *components: str) -> Callable[[RowWriter], RowWriter]:

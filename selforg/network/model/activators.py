@@ -50,7 +50,7 @@ class Activator(ABC):
         return self.parameters[2]
 
 
-ACTIVATORS: Registry[Activator] = Registry("activator")
+ACTIVATORS: Registry[Activator] = Registry("activator", base=Activator)
 
 
 @ACTIVATORS.register

@@ -19,8 +19,9 @@ from clean_swarm_env.learning.progress import (
     RECYCLINGS,
     Period,
 )
-from clean_swarm_env.learning.reward import RewardConfig, Rewards
+from clean_swarm_env.learning.reward import REWARD_TERMS, RewardConfig, Rewards
 from clean_swarm_env.tasks.cleaning.cost import cost_terms
+from clean_swarm_env.testing import check_reward_term
 from clean_swarm_env.world.mission_end import COMPLETED, RUNNING
 from tests.clean_swarm_env.courses import long_course
 
@@ -104,6 +105,54 @@ def test_collisions_that_cost_nothing_have_no_price():
 def test_misspelt_weights_are_refused():
     with pytest.raises(ValueError, match="colision"):
         RewardConfig(colision=1.0)
+
+
+LUCK = np.random.default_rng(1)
+"""Random numbers that no seed decides, for classes that break their promises."""
+
+
+def eastward(batch):
+    """Return how far east each robot is, as a share of the ground."""
+    return batch.worlds.physics.positions[:, 0] / batch.worlds.extent[0]
+
+
+@pytest.fixture
+def registered():
+    REWARD_TERMS.register(eastward)
+    yield "eastward"
+    REWARD_TERMS._classes.pop("eastward")
+
+
+def test_a_reward_term_of_ones_own_has_a_weight_beside_others(registered):
+    check_reward_term(eastward)
+    for mission, usual in (("table1", {"cost": 0.0, "time": -0.5}), ("Foraging", {"collision": -0.25})):
+        plain, own = (Batch(mission, 2, reward=usual | more) for more in ({}, {registered: 2.0}))
+        for batch in (plain, own):
+            batch.reset([1, 2])
+        for _ in range(3):
+            paid, more = (batch.step(np.tile(batch.choices.default, (batch.rows, 1))).rewards for batch in (plain, own))
+            np.testing.assert_allclose(more, paid + 2.0 * eastward(own))
+    with pytest.raises(ValueError, match=r"reward: eastwards: unknown key 'eastwards' .*did you mean 'eastward'"):
+        Batch(reward={"eastwards": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (lambda batch: np.zeros(3), "mine: expected finite numbers"),
+        (lambda batch: np.full(batch.rows, np.inf), "mine: expected finite numbers"),
+        (lambda batch: batch.luck, "AttributeError: 'Batch' object has no attribute 'luck'"),
+        (lambda batch: batch.observations.fill(0) or np.zeros(batch.rows), "expected to change no array that it reads"),
+        (lambda batch: LUCK.random(batch.rows), "the same if it is asked twice"),
+        (lambda batch: np.full(batch.rows, batch.rows), "the same in a world alone and among others"),
+    ],
+)
+def test_a_reward_term_that_breaks_its_contract_is_one_line(function, said, monkeypatch):
+    function.__name__ = "mine"
+    monkeypatch.setitem(REWARD_TERMS._classes, "mine", function)
+    with pytest.raises(ValueError, match=said) as raised:
+        check_reward_term(function)
+    assert "\n" not in str(raised.value)
 
 
 SCENARIOS = 3

@@ -5,13 +5,13 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from clean_swarm_env.config.mission import StartConfiguration
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.around import open_around
 from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS, Term
+from clean_swarm_env.testing import check_term
 from selforg.compiler.decorators import kernel
-from tests.clean_swarm_env.courses import mission, moved
+from tests.clean_swarm_env.courses import mission
 
 CROWD = mission(robots={"count": 12}, garbage={"count": 30})
 
@@ -62,49 +62,43 @@ def course(batch, periods=25):
         yield batch.step(chosen).observations
 
 
-OF_OTHER_TASKS = ("command", "things", "facts", "task")
-"""Terms without a meaning where robots clean: tests/clean_swarm_env/tasks/test_thing_terms.py."""
-CLEANING_TERMS = tuple(name for name in TERMS.names() if name not in OF_OTHER_TASKS)
+LUCK = np.random.default_rng(1)
+"""Random numbers that no seed decides, for classes that break their promises."""
+OF_OTHER_TASKS = ("command", "things", "facts")
+"""Terms without a meaning where robots clean; `task` is in tests/clean_swarm_env/tasks/test_thing_terms.py."""
 
 
-@pytest.mark.parametrize("name", CLEANING_TERMS)
-class TestEveryTerm:
-    def test_it_says_what_it_is(self, name):
-        batch = batch_of(name)
-        assert TERMS.find(name).meaning()
-        assert batch.observer.names
-        assert len(set(batch.observer.names)) == batch.observer.width == len(batch.observer.bounds)
+@pytest.mark.parametrize("name", [name for name in TERMS.names() if name != "task"])
+def test_a_term_keeps_its_contract(name):
+    check_term(TERMS.find(name), **({"mission": {"task": "Foraging"}} if name in OF_OTHER_TASKS else {}))
 
-    def test_components_lie_within_their_bounds_and_something_is_seen(self, name):
-        batch = batch_of({"name": name, "weight": -0.5})
-        most = np.zeros(batch.observer.width)
-        for period, seen in enumerate(course(batch, 100)):
-            assert seen.shape == (batch.rows, batch.observer.width)
-            assert np.isfinite(seen).all()
-            most = np.maximum(most, np.abs(seen).max(axis=0))
-            if period >= 25 and most.any():
-                break
-        assert (most <= 0.5).all()
-        assert most.any()
 
-    def test_it_sees_the_same_alone_and_among_others(self, name):
-        others = [other for other in CLEANING_TERMS if other != name]
-        alone, whole = batch_of(name), batch_of(*others[:3], name, *others[3:])
-        columns = [whole.observer.names.index(component) for component in alone.observer.names]
-        for one, all_ in zip(course(alone), course(whole), strict=True):
-            assert_array_equal(one, all_[:, columns])
+def of_the_world(self, rows, out):
+    out[0, rows] = rows / (1.0 + rows.max(initial=0))
 
-    def test_rows_in_another_order_see_the_same_in_that_order(self, name):
-        if name == "identity":
-            pytest.skip("it is the number of the row")
-        start, order = random_start(CROWD, 5, 0), np.random.default_rng(1).permutation(12)
-        seen = batch_of(name, worlds=1).reset([5], [start]).copy()
-        assert_array_equal(batch_of(name, worlds=1).reset([5], [moved(start, order)]), seen[order])
 
-    def test_robots_that_are_not_there_see_nothing(self, name):
-        config = mission(robots={"count": 3, "capacity": 5})
-        for seen in course(batch_of(name, worlds=1, config=config), 5):
-            assert not seen[3:].any()
+@pytest.mark.parametrize(
+    ("write", "said"),
+    [
+        (lambda self, rows, out: out[0].fill(np.nan), "finite numbers|NaN"),
+        (lambda self, rows, out: out[0].fill(7.0), r"mine.write: expected components within \[-1, 1\], got 7"),
+        (lambda self, rows, out: None, "expected something else than zeros in 300 periods"),
+        (lambda self, rows, out: out[0, rows].__iadd__(1) is rows.fill(0), "to change no array that it reads"),
+        (
+            lambda self, rows, out: out.__setitem__((0, rows), LUCK.random(len(rows))),
+            "the same beside other terms",
+        ),
+        (of_the_world, "rows in another order|in a world alone"),
+        (lambda self, rows, out: self.nothing, "AttributeError: 'mine' object has no attribute 'nothing'"),
+        (lambda self, rows, out: out[:, rows].__add__(np.zeros(5)), "ValueError: operands could not be broadcast"),
+    ],
+)
+def test_a_term_that_breaks_its_contract_is_one_line(write, said, monkeypatch):
+    members = {"name": "mine", "components": ("mine",), "write": write, "__doc__": "Mine.", "__module__": __name__}
+    monkeypatch.setitem(TERMS._classes, "mine", cls := type("mine", (Term,), members))
+    with pytest.raises(ValueError, match=said) as raised:
+        check_term(cls)
+    assert "\n" not in str(raised.value)
 
 
 def test_the_default_is_the_sixteen_terms_in_their_order():

@@ -3,20 +3,23 @@
 import copy
 import gc
 import pickle
+from typing import Annotated
 
 import gymnasium
 import numpy as np
 import pettingzoo
 import pytest
 from gymnasium.utils.env_checker import check_env
-from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
+from pettingzoo.test import api_test, parallel_api_test
 
 import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
-from clean_swarm_env.tasks import TASKS
+from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState
+from clean_swarm_env.testing import check_task
 from clean_swarm_env.wrappers import AllRobots, MaskedObservations
+from selforg.arrays import SCRATCH, Floats
 from tests.clean_swarm_env.courses import long_course
 from tests.object_graph import arrays_of, pointing_into
 
@@ -60,10 +63,51 @@ def course(env, steps):
     return seen
 
 
-@each_case
-def test_pettingzoos_tests_pass(task, mode):
-    parallel_api_test(environment(task, mode), num_cycles=10)
-    parallel_seed_test(lambda: environment(task, mode), num_cycles=3)
+LUCK = np.random.default_rng(1)
+"""Random numbers that no seed decides, for classes that break their promises."""
+
+
+@pytest.mark.parametrize("task", TASKS.names())
+def test_a_task_keeps_its_contract(task):
+    check_task(TASKS.find(task))
+
+
+class Waiting(Task[TaskSettings, TaskState]):
+    """Robots wait; the measure is the time."""
+
+    measures = (Measure("waited", "s", "higher", 2.0, "half of the time"),)
+    goal = "CollectiveExploration"
+
+    def result(self):
+        return {"waited": self.world.ticks * 0.2}
+
+
+class Hidden(TaskState):
+    """A number of each world."""
+
+    hidden: Annotated[Floats, "W", SCRATCH]  # it is kept, though nobody says so
+
+
+@pytest.mark.parametrize(
+    ("members", "said"),
+    [
+        ({"result": lambda self: {}}, "result: expected the measure 'waited'"),
+        ({"result": lambda self: {"waited": np.full(self.world.worlds, np.nan)}}, "result: waited: expected finite"),
+        ({"result": lambda self: {"waited": np.zeros(9)}}, "result: waited: expected"),
+        ({"result": lambda self: {"waited": self.world.ticks.sum() + 0.0 * self.world.ticks}}, "same bits alone"),
+        ({"observe": lambda self: {"much": np.full(self.world.rows, 7.0)}}, "components in their spaces|within"),
+        ({"reward": lambda self: LUCK.random(self.world.rows)}, "AssertionError|same bits"),
+        ({"after_moving": lambda self: self.nothing}, "AttributeError: 'Mine' object has no attribute 'nothing'"),
+        ({"things": lambda self: 7}, "TypeError"),
+        ({"State": Hidden, "after_moving": lambda self: self.state.hidden.__iadd__(1.0),
+          "result": lambda self: {"waited": self.state.hidden + 0.0}}, "to go on with the same bits"),
+    ],
+)  # fmt: skip
+def test_a_task_that_breaks_its_contract_is_one_line(members, said, monkeypatch):
+    monkeypatch.setitem(TASKS._classes, "Mine", type("Mine", (Waiting,), {**members, "__module__": __name__}))
+    with pytest.raises(ValueError, match=said) as raised:
+        check_task(TASKS.find("Mine"))
+    assert "\n" not in str(raised.value)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # remarks on observations, such as not being normalised pictures
@@ -76,19 +120,6 @@ def test_the_turn_based_environment_passes_pettingzoos_test(task):
 @every_task
 def test_gymnasiums_check_passes(task):
     check_env(gymnasium.make("CleanSwarm-v0", mission=mission_of(task)).unwrapped, skip_render_check=True)
-
-
-@each_case
-def test_all_components_lie_in_their_spaces_and_names_are_single(task, mode):
-    env = environment(task, mode)
-    observations, _ = env.reset(seed=2)
-    assert len(set(env.observation_names)) == len(env.observation_names)
-    assert len(set(env.state_names)) == len(env.state_names)
-    while env.agents:
-        for agent in env.agents:
-            assert env.observation_space(agent).contains(observations[agent])
-        assert env.state_space.contains(env.state())
-        observations, *_ = env.step(sampled(env))
 
 
 @every_task

@@ -8,6 +8,7 @@ from clean_swarm_env.borders.infos import team_infos
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState
+from clean_swarm_env.testing import check_term
 
 
 class Eastward(Task[TaskSettings, TaskState]):
@@ -86,5 +87,6 @@ def test_facts_are_those_that_options_know_of():
 def test_a_task_shows_what_it_wants_to_show(eastward):
     batch, observations = seen(eastward, "task")
     assert batch.observer.names == ("east", "place_0", "place_1")
+    check_term(TERMS.find("task"), mission=eastward)
     assert_allclose(observations[:, 1], 2.0 * observations[:, 0] - 1.0, atol=1e-6)
     assert team_infos(batch)["share_in_the_east"][0] == (observations[:, 0] > 0.5).mean()

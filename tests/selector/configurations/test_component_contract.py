@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
+from clean_swarm_env.testing import check_activator
+from clean_swarm_env.testing.components import PARTS, declared
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
 from selector.documents.errors import DocumentError, validated
 from selector.vocabulary.conditions import ActivatorSpec
-from selector.vocabulary.constructors import references_of
 from selector.vocabulary.settings import SettingsSpec
-from selforg.commands import Commands
 from selforg.components import ACTIONS, SENSORS, Action, MovementSource, SensorComponent
-from selforg.mechanisms import DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.network.model.activators import ACTIVATORS, THRESHOLD_RULE, Activator
 from selforg.network.model.behaviours import NetworkSettings
 from selforg.parameters import AtLeastZero
+from selforg.plugins import PluginError
 from tests.selforg.components import test_contract as own_components  # registers components of its own
 
 
@@ -41,28 +41,10 @@ class Low(Activator):
     parameters = (1.0, 0.0, -1.0)
 
 
-def declared(cls):
-    """Return how a document declares a component: its example, and the names of what it refers to."""
-    names = {"target": "goal", "knowledge": "told", "call": "ring"}
-    kinds = {MovementMechanism: "go", DecisionMechanism: "quorum", SteeringMechanism: "steering"}
-    content = {"type": cls.__name__, **cls.example}
-    for name, reference in references_of(cls).items():
-        if name in content or name not in ("target", "mechanism") or "target" not in cls.example:
-            content[name] = names.get(reference.what) or kinds.get(reference.mechanism, "light")
-    return content
-
-
 def document(sensors=(), actions=()):
     """Return the content of a configuration with these sensors and one behaviour with these actions."""
     return {
-        "mechanisms": {
-            "go": {"type": "ChemotaxisBalch"},
-            "quorum": {"type": "Quorum", "parameters": {"threshold": 2.0}},
-            "steering": {"type": "PredictiveSteering"},
-            "light": {"type": "SpreadGradient", "parameters": {"carried": {"channel": "light"}}},
-        },
-        "targets": {"goal": {}},
-        "knowledge": {"told": False},
+        **PARTS,
         "sensors": {f"sensor {k}": sensor for k, sensor in enumerate(sensors)},
         "behaviours": {"Do": {"action": list(actions) or {"type": "Move", "mechanism": "go"}}},
     }
@@ -73,28 +55,10 @@ def running(content):
     return RunningConfiguration(spec, trial_host(spec), "mine.yaml")
 
 
-@pytest.mark.parametrize("cls", list(SENSORS), ids=SENSORS.names())
-def test_every_sensor_can_be_declared(cls):
-    made = running(document([declared(cls)]))
-    (sensor,) = made.network.model.sensors
-    assert sensor.kind == ("fact" if cls.kind_of else cls.kind)
-    made.robots.sense(1.0, np.array([0]))
-    assert np.isfinite(made.network.readings).all()
-
-
-@pytest.mark.parametrize("cls", list(ACTIONS), ids=ACTIONS.names())
-def test_every_action_can_be_declared(cls):
-    made = running(document(actions=[declared(cls)]))
-    made.robots.sense(1.0, np.array([0]))
-    made.network.step(guarantee=True)
-    made.robots.act(1.0, np.array([0]), Commands(1, 2))
-    made.robots.leave(1.0)
-
-
 @pytest.mark.parametrize("cls", [*SENSORS, *ACTIONS], ids=lambda cls: cls.__name__)
 def test_what_a_class_does_not_take_is_refused_with_its_place(cls):
     sensor = issubclass(cls, SensorComponent)
-    content = declared(cls) | {"luck": 7}
+    content = declared(cls, {}) | {"luck": 7}
     whole = document([content]) if sensor else document(actions=[content])
     place = "sensors.sensor 0" if sensor else "behaviours.Do.action.0"
     with pytest.raises(DocumentError, match=rf"^mine.yaml: {place}.{cls.__name__}.luck: unknown key 'luck'"):
@@ -118,16 +82,29 @@ def test_a_mistake_about_ones_own_class_is_told_as_about_any(content, message):
 
 
 @pytest.mark.parametrize("cls", list(ACTIVATORS), ids=ACTIVATORS.names())
-def test_every_activator_can_be_declared(cls):
+def test_an_activator_keeps_its_contract_and_what_it_does_not_take_is_refused(cls):
+    check_activator(cls)
     content = {"type": cls.__name__, **cls.example, "low": 0.25, "high": 0.75}
-    built = validated(ActivatorSpec, content, "mine.yaml").build()
-    assert built == cls(**cls.example, low=0.25, high=0.75)
-    assert len(built.parameters) == 3
-    assert built.direction in (-1.0, 1.0)
+    assert validated(ActivatorSpec, content, "mine.yaml").build() == cls(**cls.example, low=0.25, high=0.75)
     with pytest.raises(DocumentError, match=rf"mine.yaml: {cls.__name__}.luck: unknown key 'luck'"):
         validated(ActivatorSpec, content | {"luck": 7}, "mine.yaml")
     with pytest.raises(DocumentError, match="expected 0 <= low <= high <= 1"):
         validated(ActivatorSpec, content | {"low": 0.8}, "mine.yaml")
+
+
+@pytest.mark.parametrize(
+    ("members", "said"),
+    [
+        ({"kind": 7}, "Odd.kind: expected one of our rules, got 7"),
+        ({"parameters": (np.nan, 0.0, 1.0)}, "Odd.parameters: expected two finite numbers and the sign"),
+        ({"parameters": (1.0, 0.0, 0.5)}, "Odd.parameters: expected two finite numbers and the sign"),
+    ],
+)
+def test_an_activator_that_breaks_its_contract_is_one_line(members, said, monkeypatch):
+    cls = type("Odd", (Low,), {**members, "__module__": __name__})
+    monkeypatch.setitem(ACTIVATORS._classes, "Odd", cls)
+    with pytest.raises(PluginError, match=said):
+        check_activator(cls)
 
 
 def test_settings_that_a_document_leaves_out_are_those_of_a_network():

@@ -8,32 +8,70 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from clean_swarm_env.testing import check_strategy
+from clean_swarm_env.testing.strategies import FEATURES, KEYS, PROBLEM, SHARED_BY
 from selector.strategies.bandits.value_table import ValueTable
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
+from selector.strategies.unlearned import MaxScore
+from selforg.plugins import PluginError
 
-ROWS, FEATURES = 6, 3
-SCORES = np.array([0.2, 1.0, -0.5, 1.0])
-PROBLEM = Problem("Goal", ("a", "b", "c", "d"), SCORES, ("x", "y", "z"))
-KEYS = row_keys(np.random.SeedSequence(7), 320)
-GROUPS = {
-    "all": lambda rows: np.zeros(rows, int),
-    "team": lambda rows: np.arange(rows) // 3,
-    "robot": np.arange,
-}
+LUCK = np.random.default_rng(1)
+"""Random numbers that no seed decides, for classes that break their promises."""
+ROWS = 6
+SCORES = PROBLEM.scores
 
-pytestmark = [
-    pytest.mark.parametrize("name", STRATEGIES.names()),
-    pytest.mark.parametrize("sharing", list(GROUPS)),
-]
+each_sharing = pytest.mark.parametrize("sharing", list(SHARED_BY))
+each_strategy = pytest.mark.parametrize("name", STRATEGIES.names())
+
+
+@each_strategy
+def test_a_strategy_keeps_its_contract(name):
+    check_strategy(STRATEGIES.find(name))
+
+
+def broken(monkeypatch, **members):
+    """Register a strategy that takes the highest score, but for some of its members."""
+    cls = type("Mine", (MaxScore,), {**members, "__module__": __name__})
+    monkeypatch.setitem(STRATEGIES._classes, "Mine", cls)
+    return cls
+
+
+@pytest.mark.parametrize(
+    ("select", "said"),
+    [
+        (lambda self, decisions: np.zeros(3, np.int64), r"Mine._select: expected integers \(320,\), got \(3,\)"),
+        (lambda self, decisions: np.full(len(decisions.rows), 7), r"Mine._select: expected options 0\.\.3, got 7\.\.7"),
+        (lambda self, decisions: np.ones(len(decisions.rows), int), "Mine._select: option 1 cannot serve row"),
+        (lambda self, decisions: decisions.rows % 4, "rows in another order to get the same in that order"),
+        (lambda self, decisions: LUCK.integers(0, 4, len(decisions.rows)), "the same for the same seed"),
+        (lambda self, decisions: decisions.context.fill(0), "ValueError: assignment destination is read-only"),
+        (lambda self, decisions: self.luck, "AttributeError: 'Mine' object has no attribute 'luck'"),
+    ],
+)
+def test_a_strategy_that_breaks_its_contract_is_one_line(select, said, monkeypatch):
+    with pytest.raises(ValueError, match=said) as raised:
+        check_strategy(broken(monkeypatch, _select=select))
+    assert "\n" not in str(raised.value)
+
+
+def test_a_strategy_whose_learned_arrays_or_state_are_wrong_is_one_line(monkeypatch):
+    with pytest.raises(PluginError, match=r"Mine\._first_state: expected groups as the first axis of .*many"):
+        check_strategy(broken(monkeypatch, _first_state=lambda self: {"many": np.zeros((self.groups + 1, 2))}))
+    lucky = {
+        "_prepare": lambda self: setattr(self, "seen", 0),
+        "_select": lambda self, d: (setattr(self, "seen", self.seen + 1), np.full(len(d.rows), self.seen % 3))[1],
+    }
+    with pytest.raises(PluginError, match="expected to go on from a saved state exactly, got others"):
+        check_strategy(broken(monkeypatch, **lucky))
 
 
 @pytest.fixture
 def fresh(name, sharing):
     def make(problem=PROBLEM, keys=KEYS[:ROWS], groups=None):
         parameters = STRATEGIES.find(name).example(problem)
-        groups = GROUPS[sharing](len(keys)) if groups is None else groups
+        groups = SHARED_BY[sharing][: len(keys)] if groups is None else groups
         return create(name, problem, keys, parameters, groups=groups)
 
     return make
@@ -59,49 +97,8 @@ def same(first, second):
         np.testing.assert_array_equal(second[key], value, err_msg=key)
 
 
-def test_options_have_the_right_shape_and_range(fresh):
-    chosen = live(fresh(), contexts())
-    assert chosen.shape == (8, ROWS)
-    assert chosen.dtype == np.int64
-    assert chosen.min() >= 0
-    assert chosen.max() < len(SCORES)
-
-
-def test_same_seed_same_decisions(fresh):
-    first, second = fresh(), fresh()
-    np.testing.assert_array_equal(live(first, contexts()), live(second, contexts()))
-    same(first.state_dict(), second.state_dict())
-
-
-def test_a_permutation_of_rows_permutes_decisions_and_nothing_else(fresh, sharing):
-    order = np.random.default_rng(3).permutation(300)
-    steps, groups = contexts(5, 300), GROUPS[sharing](300)
-    straight, permuted = fresh(keys=KEYS[:300]), fresh(keys=KEYS[:300][order], groups=groups[order])
-    np.testing.assert_array_equal(live(permuted, steps, order), live(straight, steps)[:, order])
-    same(straight.learned(), permuted.learned())  # bit for bit, whatever the order of the sums
-
-
-def test_a_row_that_learns_for_itself_decides_alike_alone(fresh, sharing):
-    if sharing != "robot":
-        pytest.skip("rows that share estimates learn from each other")
-    steps = contexts(12, 320)
-    many = fresh(keys=KEYS)
-    together, state = live(many, steps), many.state_dict()
-    for row in (0, 1, 7, 100, 319):
-        alone = fresh(keys=KEYS[row : row + 1])
-        np.testing.assert_array_equal(live(alone, steps, slice(row, row + 1))[:, 0], together[:, row])
-        same({key: value[row : row + 1] for key, value in state.items()}, alone.state_dict())
-
-
-def test_a_team_decides_alike_alone(fresh, sharing):
-    if sharing != "team":
-        pytest.skip("only teams are alone with themselves")
-    steps = contexts(12, 9)
-    together = live(fresh(keys=KEYS[:9]), steps)
-    alone = live(fresh(keys=KEYS[3:6]), steps, slice(3, 6))
-    np.testing.assert_array_equal(alone, together[:, 3:6])
-
-
+@each_strategy
+@each_sharing
 def test_rows_that_do_not_decide_are_as_if_they_were_not_there(fresh, sharing):
     some, few = np.array([4, 1]), fresh(groups=np.arange(ROWS) if sharing == "robot" else np.zeros(ROWS, int))
     only = fresh(keys=KEYS[some], groups=np.arange(2) if sharing == "robot" else np.zeros(2, int))
@@ -113,16 +110,8 @@ def test_rows_that_do_not_decide_are_as_if_they_were_not_there(fresh, sharing):
         only.update(chosen, reward, context[some])
 
 
-def test_options_that_cannot_serve_are_never_taken(fresh):
-    generator, strategy = np.random.default_rng(5), fresh(keys=KEYS)
-    for context in contexts(20, 320):
-        allowed = generator.random((320, 4)) < 0.4
-        allowed[np.arange(320), generator.integers(4, size=320)] = True
-        chosen = strategy.select(context, allowed)
-        assert allowed[np.arange(320), chosen].all()
-        strategy.update(chosen, generator.normal(size=320), context)
-
-
+@each_strategy
+@each_sharing
 def test_the_chance_of_a_choice_is_how_often_it_is_made(fresh):
     rows = 4000
     strategy = fresh(keys=row_keys(np.random.SeedSequence(5), rows), groups=np.zeros(rows, int))
@@ -138,23 +127,8 @@ def test_the_chance_of_a_choice_is_how_often_it_is_made(fresh):
         assert abs((chosen == option).mean() - stated) < 5 * np.sqrt(stated * (1 - stated) / rows) + 1e-12
 
 
-def test_inputs_are_left_alone_and_not_kept(fresh):
-    strategy = fresh()
-    context = contexts()[0]
-    options, reward = np.arange(ROWS) % len(SCORES), np.linspace(-1, 1, ROWS)
-    allowed = np.ones((ROWS, 4), dtype=bool)
-    before = [array.copy() for array in (context, options, reward, allowed)]
-    strategy.select(context, allowed)
-    strategy.update(options, reward, context)
-    for array, kept in zip((context, options, reward, allowed), before, strict=True):
-        np.testing.assert_array_equal(array, kept)
-        assert array.flags.writeable
-    state = strategy.state_dict()
-    for array in (context, options, reward, allowed):
-        array[...] = 0
-    same(strategy.state_dict(), state)
-
-
+@each_strategy
+@each_sharing
 def test_late_rewards_of_several_decisions_come_together(fresh):
     strategy, steps = fresh(), contexts(3)
     pending = []
@@ -170,23 +144,8 @@ def test_late_rewards_of_several_decisions_come_together(fresh):
     same(strategy.learned(), other.learned())
 
 
-def test_what_was_learned_begins_with_the_groups(fresh):
-    strategy = fresh()
-    for array in strategy.learned().values():
-        assert isinstance(array, np.ndarray)
-        assert array.dtype != object
-        assert array.shape[0] == strategy.groups
-
-
-def test_state_is_data_and_a_strategy_goes_on_from_it_exactly(fresh):
-    first, second = fresh(), fresh(keys=KEYS[ROWS : 2 * ROWS])
-    live(first, contexts())
-    second.load_state(first.state_dict())
-    later = contexts()[::-1]
-    np.testing.assert_array_equal(live(first, later), live(second, later))
-    same(first.state_dict(), second.state_dict())
-
-
+@each_strategy
+@each_sharing
 def test_what_one_group_learned_is_given_to_many(fresh):
     teacher = fresh(groups=np.zeros(ROWS, int))
     live(teacher, contexts())
@@ -197,6 +156,8 @@ def test_what_one_group_learned_is_given_to_many(fresh):
         np.testing.assert_array_equal(value, np.broadcast_to(teacher.learned()[key], value.shape))
 
 
+@each_strategy
+@each_sharing
 def test_saved_state_does_not_move_with_the_strategy(fresh):
     strategy = fresh()
     state = strategy.state_dict()
@@ -205,6 +166,8 @@ def test_saved_state_does_not_move_with_the_strategy(fresh):
     same(before, state)
 
 
+@each_strategy
+@each_sharing
 def test_reseeding_with_what_a_new_one_knows_begins_anew(fresh):
     strategy, new = fresh(), fresh(keys=KEYS[100 : 100 + ROWS])
     live(strategy, contexts())
@@ -214,11 +177,15 @@ def test_reseeding_with_what_a_new_one_knows_begins_anew(fresh):
     np.testing.assert_array_equal(live(strategy, contexts()), live(new, contexts()))
 
 
+@each_strategy
+@each_sharing
 def test_one_option_is_always_taken(fresh):
     problem = Problem("Goal", ("a",), np.array([-3.0]), PROBLEM.features)
     assert (live(fresh(problem), contexts()) == 0).all()
 
 
+@each_strategy
+@each_sharing
 def test_no_rows_no_decisions(fresh):
     strategy, nothing = fresh(), np.zeros(0, int)
     before = strategy.state_dict()
@@ -230,6 +197,8 @@ def test_no_rows_no_decisions(fresh):
 REWARDS = np.array([[4, 0, 1, 9], [1.0, 7.0, -1.0, 0.5], [0.25, 3.0, 0.0, 1.0]])  # count, mean, variance
 
 
+@each_strategy
+@each_sharing
 def test_what_a_store_knows_is_where_a_strategy_begins(fresh):
     strategy, other = fresh(replace(PROBLEM, rewards=REWARDS)), fresh()
     if not isinstance(strategy, ValueTable):  # the scores that count are then all it knows
@@ -279,6 +248,8 @@ NONE = np.zeros((ROWS, FEATURES))
         (lambda s: s.load_learned({"wisdom": np.zeros(3)}), r"state: expected the arrays .*, got \['wisdom'\]"),
     ],
 )
+@each_strategy
+@each_sharing
 def test_what_does_not_fit_is_refused(fresh, use, message):
     strategy = fresh()
     before = strategy.state_dict()
@@ -288,6 +259,8 @@ def test_what_does_not_fit_is_refused(fresh, use, message):
 
 
 @pytest.mark.parametrize("way", [deepcopy, lambda strategy: pickle.loads(pickle.dumps(strategy))])
+@each_strategy
+@each_sharing
 def test_a_copy_learns_on_by_itself_and_decides_as_the_original(fresh, way):
     strategy = fresh()
     live(strategy, contexts(4))

@@ -3,12 +3,18 @@
 import numpy as np
 import pytest
 
+from clean_swarm_env.testing import check_mechanism
 from selforg import mechanisms
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, Carried, DecisionMechanism, FormulaMechanism, MovementMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
+from selforg.parameters import parameters_of
+from selforg.plugins import PluginError
 from tests.selforg.worlds import directions, make_world, scatter, set_pose
+
+LUCK = np.random.default_rng(1)
+"""Random numbers that no seed decides, for classes that break their promises."""
 
 
 @MECHANISMS.register
@@ -22,7 +28,6 @@ class Spring(FormulaMechanism):
 
 MOVEMENTS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), MovementMechanism)]
 DECISIONS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), DecisionMechanism)]
-FIXED_ROWS = ("Exploration", "DepositPheromonesRandom")  # their answer is the luck of the row, not its place
 
 
 def crowded(space="torus", rows=6, order=None, seed=1):
@@ -42,24 +47,60 @@ def crowded(space="torus", rows=6, order=None, seed=1):
 
 
 def build(name, world, seed=3):
-    parameters = dict(MECHANISMS.find(name).example)
-    if name in MOVEMENTS:
+    example = MECHANISMS.find(name).example
+    parameters = {key: one(world.buffer) if callable(one) else one for key, one in example.items()}
+    if "directions" in parameters_of(MECHANISMS.find(name)):
         parameters["directions"] = directions(world.poses.rows, world.space.dim, seed)
     return MECHANISMS.create(name, world.buffer, **parameters)
 
 
-@pytest.mark.parametrize("space", ["torus", "plane", "volume"])
-@pytest.mark.parametrize("name", MOVEMENTS)
-def test_movements_are_finite_of_the_promised_shape_and_zero_where_inactive(name, space):
-    world = crowded(space)
-    world.poses.forget([2])
-    vectors, active = build(name, world).move(1.0)
-    assert (vectors.shape, vectors.dtype) == ((6, world.space.dim), np.float64)
-    assert (active.shape, active.dtype) == ((6,), np.bool_)
-    assert np.isfinite(vectors).all()
-    assert not active[2]
-    assert not vectors[~active].any()
-    assert active.any()
+@pytest.mark.parametrize("name", MECHANISMS.names())
+def test_a_mechanism_keeps_its_contract(name):
+    check_mechanism(MECHANISMS.find(name))
+
+
+def of_breaking(move):
+    """A mechanism that moves as promised, and then breaks a promise."""
+
+    def move_into(self, now, rows, vectors, active):
+        active[rows] = self.poses.known[rows]
+        vectors[rows] = active[rows, None] * 0.5
+        move(self, rows, vectors, active)
+
+    return type("Mine", (MovementMechanism,), {"move_into": move_into, "__module__": __name__})
+
+
+def put(array, place, value):
+    array[place] = value
+
+
+@pytest.mark.parametrize(
+    ("move", "said"),
+    [
+        (lambda self, rows, vectors, active: put(vectors, rows, np.nan), "finite numbers, got NaN or infinity"),
+        (lambda self, rows, vectors, active: put(vectors, rows, rows[:, None]), "rows in another order"),
+        (lambda self, rows, vectors, active: put(vectors, rows, len(rows)), "for some of the rows what all of them"),
+        (lambda self, rows, vectors, active: put(active, rows, False), "no vector without a movement|a movement of"),
+        (lambda self, rows, vectors, active: put(active, 2, True), "rows in another order|no vector without"),
+        (lambda self, rows, vectors, active: put(rows, 0, 1), "expected to change no array that it reads"),
+        (lambda self, rows, vectors, active: put(self.poses.positions, 0, 0.0), "to change nothing in the world"),
+        (lambda self, rows, vectors, active: [].pop(), "IndexError: pop from empty list"),
+        (lambda self, rows, vectors, active: put(vectors, rows, LUCK.random()), "the same for the same seed"),
+    ],
+)  # fmt: skip
+def test_a_mechanism_that_breaks_its_contract_is_one_line(move, said, monkeypatch):
+    cls = of_breaking(move)
+    monkeypatch.setitem(MECHANISMS._classes, "Mine", cls)
+    with pytest.raises(PluginError, match=said) as raised:
+        check_mechanism(cls)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_mechanism_that_is_not_registered_is_one_line():
+    with pytest.raises(PluginError, match=r"test_contract: Mine: expected to be registered as a mechanism$"):
+        check_mechanism(of_breaking(lambda *_: None))
+    with pytest.raises(PluginError, match="expected a class of a mechanism"):
+        check_mechanism(np.zeros)
 
 
 @pytest.mark.parametrize("name", MOVEMENTS)
@@ -73,50 +114,6 @@ def test_speeds_are_kept(name):
     assert (lengths <= highest * (1 + 1e-12)).all()
     lowest = 0.0 if name.startswith("Repulsion") else getattr(mechanism, "min_speed", 0.0)
     assert (lengths[lengths > 0] >= lowest * (1 - 1e-12)).all()
-
-
-@pytest.mark.parametrize("name", MOVEMENTS)
-def test_permuted_rows_give_permuted_movements(name):
-    order = np.array([3, 0, 5, 1, 4, 2])
-    one, other = (build(name, crowded(order=o)) for o in (None, order))
-    vectors, active = one.move(1.0)
-    permuted, permuted_active = other.move(1.0)
-    np.testing.assert_array_equal(active[order], permuted_active)
-    if name not in FIXED_ROWS:
-        np.testing.assert_allclose(vectors[order], permuted, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", MOVEMENTS)
-def test_the_same_seed_moves_the_same_and_moving_changes_nothing(name):
-    first, second = crowded(), crowded()
-    one, other = build(name, first), build(name, second)
-    before = first.buffer.table.record.near[: len(first.buffer)].copy()
-    np.testing.assert_array_equal(one.move(1.0)[0], other.move(1.0)[0])
-    np.testing.assert_array_equal(one.move(1.2)[0], other.move(1.2)[0])
-    np.testing.assert_array_equal(first.buffer.table.record.near[: len(first.buffer)], before)
-
-
-@pytest.mark.parametrize("name", MOVEMENTS)
-def test_a_subset_of_rows_in_any_order(name):
-    vectors, active = (array.copy() for array in build(name, crowded()).move(1.0))
-    some, some_active = build(name, crowded()).move(1.0, np.array([4, 1], dtype=np.int32))
-    np.testing.assert_array_equal(some, vectors[[4, 1]])
-    np.testing.assert_array_equal(some_active, active[[4, 1]])
-
-
-@pytest.mark.parametrize("name", MOVEMENTS)
-@pytest.mark.parametrize("space", ["torus", "volume"])
-def test_coincident_centres_and_infinite_radii_move_finitely(name, space):
-    world = make_world(space, rows=3, settings=BufferSettings(aggregation_distance=0.0))
-    spot = np.ones((3, world.space.dim))
-    for stamp in (1.0, 2.0):
-        world.poses.update(spot, None, stamp)
-    for sign in (-1, 0, 1):
-        world.buffer.store_static(0, "here", spot[:1], 2.0, attraction=sign, diffusion=[np.inf], goal_radius=0.5)
-        world.buffer.store_static(0, "there", spot[:1] * 3, 2.0, attraction=sign, diffusion=[np.inf])
-        world.buffer.store_static(0, "point", spot[:1], 2.0, attraction=sign, diffusion=[1.0])
-    vectors, _ = build(name, world).move(2.0)
-    assert np.isfinite(vectors).all()
 
 
 @pytest.mark.parametrize("name", [n for n in MOVEMENTS if issubclass(MECHANISMS.find(n), DepositingMechanism)])
@@ -158,7 +155,7 @@ def test_wrong_parameters_are_named(name):
     world = make_world()
     with pytest.raises(TypeError, match="maximal_speed"):
         MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example, maximal_speed=1.0)
-    if name != "SpreadGradient":
+    if name not in ("SpreadGradient", "WeightedSum"):
         with pytest.raises(ValueError, match="view_distance must be at least 0"):
             MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example, view_distance=float("nan"))
 

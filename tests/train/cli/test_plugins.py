@@ -2,14 +2,18 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 import zipfile
 
 import pytest
+import yaml
 
+from clean_swarm_env.learning.reward import RewardConfig
 from tests.paths import ROOT
+from train.learning.config import TrainingConfig
 
 TEMPLATE = ROOT / "examples" / "plugin"
 
@@ -65,7 +69,11 @@ def test_an_installed_plugin_is_known_to_commands_and_their_workers(installed):
 
 
 def test_the_list_says_where_names_come_from(installed):
-    for kind, name in {"mechanism-classes": "KeepDistance", "families": "parting", "tasks": "KeepApart"}.items():
+    names = {
+        "mechanism-classes": "KeepDistance", "families": "parting", "tasks": "KeepApart", "sensor-classes": "Pushed",
+        "strategy-classes": "Second",
+    }  # fmt: skip
+    for kind, name in names.items():
         (line,) = [line for line in run(installed, "list", kind).stdout.splitlines() if line.startswith(f"{name} ")]
         assert line.endswith("(from my-swarm 0.1.0)")
 
@@ -117,6 +125,124 @@ def test_names_have_their_origin(installed):
     }
 
 
+KINDS = """
+import numpy as np
+from clean_swarm_env import TERMS, Term
+from clean_swarm_env.learning.reward import REWARD_TERMS
+from selforg.components import ACTIONS, Action
+from selforg.network.model.activators import ACTIVATORS, THRESHOLD_RULE, Activator
+
+@ACTIONS.register
+class North(Action):
+    "Command 1 m/s to the north."
+    def act(self, now, rows, started, commands):
+        commands.vectors[rows], commands.commanded[rows] = (0.0, 1.0), True
+
+@ACTIVATORS.register
+class Low(Activator):
+    "Fulfilled at or below 1."
+    kind, parameters = THRESHOLD_RULE, (1.0, 0.0, -1.0)
+
+@TERMS.register
+class East(Term):
+    "How far east the robot is."
+    name, components = "east", ("east",)
+    def write(self, rows, out):
+        around = self.observed.around.record
+        out[0, rows] = around.positions[rows, 0] / around.extent[0]
+
+@REWARD_TERMS.register
+def northward(batch):
+    "What each robot is paid for where it is."
+    return batch.worlds.physics.positions[:, 1] / batch.worlds.extent[1]
+"""
+HOP = """
+mechanisms: {shy: {type: RepulsionGradient}}
+sensors: {push: {type: VectorLength, mechanism: shy}}
+behaviours:
+  Hop: {action: {type: North}, preconditions: [{sensor: push, activator: {type: Low}}]}
+"""
+
+
+@pytest.fixture
+def kinds(site):
+    """A file with an action, an activator, an observation term and a reward term, and YAML files that name them."""
+    folder = site.parent
+    (folder / "kinds.py").write_text(KINDS)
+    for name in ("mechanisms/Hop", "knowledge/kinds", "families/kinds", "training/kinds"):
+        (folder / name).parent.mkdir()
+    (folder / "mechanisms" / "Hop.yaml").write_text(HOP)
+    (folder / "knowledge" / "kinds.yaml").write_text(
+        "goals: {CollectiveExploration: [{configuration: Hop, score: 1.0}]}"
+    )
+    mission = "{task: CollectiveExploration, time_limit: 20.0, knowledge: kinds}"
+    (folder / "families" / "kinds.yaml").write_text(
+        f"{{name: kinds, description: Few., mission: {mission}, robots: [3, 3], items: [0, 0]}}"
+    )
+    (folder / "training" / "kinds.yaml").write_text(
+        "{name: kinds, description: Few., tasks: [{family: parting, worlds: 2}], goal: KeepApart, checkpoints: 1, "
+        "decisions: 200, observation: {terms: [east, command]}, reward: {northward: 0.5}, validation: {scenarios: 2}, "
+        "ppo: {minibatch: 64}}"
+    )
+    return folder
+
+
+def test_every_kind_comes_from_a_file_that_a_command_names(site, kinds):
+    words = ("evaluate", "--family", "kinds", "--configs", ".", "--strategy", "fixed", "--strategy", "MaxScore")
+    words = (*words, "--scenarios", "2", "--workers", "2", "--output", "r")
+    assert "unknown action 'North' (known: Act, " in refused(run(site, *words))
+    done = run(site, *words, "--import", "kinds.py")
+    assert done.returncode == 0, done.stderr
+    for kind, name in {"action-classes": "North", "activator-classes": "Low", "terms": "east"}.items():
+        (line,) = [line for line in run(site, "list", kind, "--import", "kinds.py").stdout.splitlines() if name in line]
+        assert line.endswith(f"(from {kinds / 'kinds.py'})")
+    code = """
+from clean_swarm_env import Batch
+batch = Batch(observation={"terms": ["cargo", "east"]}, reward={"cost": 0.0, NAME: 2.0}, imports=["kinds.py"])
+batch.reset([1])
+step = batch.step([0] * batch.rows)
+north = batch.worlds.physics.positions[:, 1]
+print(batch.observer.names, (step.rewards * 5.5).round(6).tolist() == north.round(6).tolist())
+"""
+    for name in ('"northward"', '"kinds.py:northward"'):
+        done = run(site, start=("-c", code.replace("NAME", name)))
+        assert done.stdout.split(") ")[-1].strip() == "True", done.stderr
+
+
+def test_ppo_learns_with_terms_of_a_plugin(installed, kinds):
+    pytest.importorskip("stable_baselines3")
+    words = ("train", "ppo", "--config", "kinds", "--configs", ".", "--output", "r")
+    assert "reward.northward: unknown key 'northward'" in refused(run(installed, *words)).replace("reward: ", "reward.")
+    done = run(installed, *words, "--import", "kinds.py")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("entries", "said"),
+    [
+        ("a = no_such_swarm", "no_such_swarm: No module named 'no_such_swarm'"),
+        ("a = my_swarm:Nothing", "my_swarm: AttributeError: module 'my_swarm' has no attribute 'Nothing'"),
+        ("a = my_swarm\nb = my_swarm:KeepApart", ""),
+    ],
+)
+def test_entry_points_that_lead_nowhere_are_one_line_and_two_to_one_module_are_one_plugin(installed, entries, said):
+    (path,) = installed.glob("*.dist-info/entry_points.txt")
+    path.write_text(f"[clean_swarm]\n{entries}\n")
+    done = run(installed, "run", "KeepApart", "--runs", "2")
+    assert said in refused(done) if said else done.returncode == 0
+
+
+def test_a_package_that_brings_names_of_another_is_one_line(installed):
+    other = installed / "other_swarm-1.dist-info"
+    other.mkdir()
+    (other / "METADATA").write_text("Metadata-Version: 2.1\nName: other-swarm\nVersion: 1\n")
+    (other / "entry_points.txt").write_text("[clean_swarm]\nother = other_swarm\n")
+    shutil.copytree(installed / "my_swarm", installed / "other_swarm")
+    line = refused(run(installed, "run", "KeepApart"))
+    assert "other_swarm/__init__.py:" in line
+    assert "mechanism 'KeepDistance' is registered already, by my_swarm" in line
+
+
 @pytest.mark.parametrize(
     ("code", "said"),
     [
@@ -132,6 +258,15 @@ def test_names_have_their_origin(installed):
             "@TASKS.register\nclass Mine(TaskKind):\n    name = 'Foraging'\n",
             "__init__.py:3: ValueError: task 'Foraging' is registered already, by clean_swarm_env.tasks.foraging",
         ),
+        (
+            "from selforg.mechanisms import MECHANISMS\n\nMECHANISMS.register(7)",
+            "__init__.py:3: TypeError: a mechanism: expected a class below Mechanism, got 7",
+        ),
+        (
+            "from selforg.components import SENSORS, Action\n\n@SENSORS.register\nclass Mine(Action): ...\n",
+            "TypeError: a sensor: expected a class below SensorComponent, got <class 'my_swarm.Mine'>",
+        ),
+        ("raise SystemExit(3)", "__init__.py:1: SystemExit: 3"),
     ],
 )
 def test_a_plugin_that_cannot_be_imported_is_one_line_once_it_is_needed(installed, code, said):
@@ -210,3 +345,13 @@ def test_a_strategy_that_breaks_its_contract_is_one_line_from_a_worker_too(insta
     assert done.returncode == 2
     assert said in done.stderr.splitlines()[-1]
     assert "Traceback" not in done.stderr
+
+
+def test_the_page_of_plugins_runs(installed):
+    page = (ROOT / "docs" / "own_plugins.md").read_text(encoding="utf-8")
+    for number, example in enumerate(re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)):
+        (installed.parent / f"example_{number}.py").write_text(example)
+        done = run(installed, start=(f"example_{number}.py",))
+        assert done.returncode == 0, done.stderr
+    (shown,) = re.findall(r"```yaml\n(.*?)```", page, flags=re.DOTALL)
+    assert TrainingConfig.model_validate(yaml.safe_load(shown)).reward == RewardConfig()
