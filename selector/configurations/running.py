@@ -17,8 +17,12 @@ from selforg.components import DecisionSource, GoalSource, MovementSource, Organ
 from selforg.gradients.queries import Filter
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.mechanisms.base import Mechanism
+from selforg.mechanisms.weighted_sum import MovementWeights
 from selforg.network.network import BehaviourNetwork
 from selforg.parameters import parameters_of
+from selforg.registry import unknown
+
+MOVEMENT = Reference("mechanism", MovementSource, MovementMechanism)
 
 
 class RunningConfiguration:
@@ -41,9 +45,11 @@ class RunningConfiguration:
         host.check(spec, where)
         self._memory = RobotMemory(host.rows, spec.knowledge)
         self._first_values: list[tuple[DecisionMechanism, Remembered]] = []  # with the source of their first values
-        self.mechanisms = {name: self._mechanism(name, declared) for name, declared in spec.mechanisms.items()}
-        self._decisions_made = [m for m in self.mechanisms.values() if isinstance(m, DecisionMechanism)]
         self._movements: dict[str, MovementSource] = {}
+        self.mechanisms: dict[str, Mechanism] = {}
+        for name, mechanism in spec.mechanisms.items():
+            self.mechanisms[name] = self._mechanism(name, mechanism)
+        self._decisions_made = [m for m in self.mechanisms.values() if isinstance(m, DecisionMechanism)]
         self._decisions: dict[str, DecisionSource] = {}
         self._targets = {name: self._target(declared) for name, declared in spec.targets.items()}
         sensors = {name: self._component(f"sensors.{name}", sensor) for name, sensor in spec.own_sensors.items()}
@@ -92,6 +98,10 @@ class RunningConfiguration:
                 expected = f"a number or a name under expects ({', '.join(self.spec.expects) or 'there is none'})"
                 raise DocumentError(f"{where}.parameters.value: expected {expected}, got {known!r}")
             del arguments["value"]
+        for name in (part for part, one in parameters_of(cls).items() if one.annotation == MovementWeights):
+            arguments[name] = {
+                self._summand(one, f"{where}.parameters.{name}"): arguments[name][one] for one in arguments[name]
+            }
         for given, value in (("directions", self._host.directions), ("generators", self._host.generators)):
             if given in parameters_of(cls):
                 arguments[given] = value
@@ -100,6 +110,14 @@ class RunningConfiguration:
         if isinstance(known, str) and isinstance(made, DecisionMechanism):
             self._first_values.append((made, self._remembered(known)))
         return made
+
+    def _summand(self, name: str, where: str) -> MovementSource:
+        """Return the source of a mechanism in a sum; DocumentError unless it is a movement, and declared above."""
+        if not isinstance(self.mechanisms.get(name), MovementMechanism):
+            known = [one for one, mechanism in self.mechanisms.items() if isinstance(mechanism, MovementMechanism)]
+            raise DocumentError(f"{where}: {unknown('movement mechanism above it', name, known)}")
+        source: Any = self._referred(MOVEMENT, name)
+        return source  # type: ignore[no-any-return]
 
     def _target(self, declared: TargetSpec) -> GoalSource:
         look = Filter(declared.channels, declared.static, declared.moving, declared.view_distance)

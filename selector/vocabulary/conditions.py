@@ -148,6 +148,25 @@ class BehaviourSpec(Closed):
     planner_independent: Flag = False
     """Whether the planner leaves the behaviour out."""
 
+    @model_validator(mode="after")
+    def _can_start(self) -> Self:
+        """Refuse mandatory preconditions that want one fact to be both true and false: nobody can ever act so."""
+        wanted: dict[str, bool] = {}
+        for spec in self.preconditions:
+            plain, turned = (spec.of, True) if isinstance(spec, NegationSpec) else (spec, False)
+            if spec.optional or not isinstance(plain, ConditionSpec) or plain.activator.type != "Boolean":
+                continue
+            given = plain.activator.given
+            desired = given.get("desired", True) is not turned
+            if (
+                wanted.setdefault(plain.sensor, desired) is not desired
+                and self.ready_threshold
+                and not given.get("low")
+            ):
+                expected = "conditions that can be true together"
+                raise ValueError(f"preconditions: expected {expected}, got {plain.sensor!r} both true and false")
+        return self
+
     def build(self, name: str) -> behaviours.Behaviour:
         """Return the behaviour under a name."""
         return behaviours.Behaviour(

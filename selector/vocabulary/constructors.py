@@ -22,6 +22,7 @@ from selforg.components.actions import Call
 from selforg.mechanisms import DecisionMechanism, MovementMechanism, Pheromone, SteeringMechanism
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.spreading import Carried
+from selforg.mechanisms.weighted_sum import MovementWeights
 from selforg.parameters import REQUIRED, parameters_of
 
 FROM_HOST = ("buffer", "directions", "generators")
@@ -48,6 +49,7 @@ _FIELDS: dict[object, object] = {
     str: Annotated[str, Field(strict=True)],
     Iterable[str]: tuple[str, ...],
     npt.ArrayLike: _Real | str,  # a number, or the name of what each robot knows
+    MovementWeights: dict[fields.Name, fields.Number],  # by the names of mechanisms
 }
 """Annotation of a parameter -> type of the values that a document may give."""
 

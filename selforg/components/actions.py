@@ -46,7 +46,7 @@ class Action:
         """Spread and deposit gradients in `rows` (K,) at `now` [s]; others perceive them from the next tick on."""
 
 
-ACTIONS: Registry[Action] = Registry("action")
+ACTIONS: Registry[Action] = Registry("action", base=Action)
 
 
 @ACTIONS.register
@@ -63,21 +63,19 @@ class Act(Action):
 
 @ACTIONS.register
 class Move(Action):
-    """Command the movement vector of a mechanism, plus that of another; a depositing first one also deposits."""
+    """Command the movement vector of a mechanism; one that deposits, or a part of a sum that does, also deposits."""
 
-    def __init__(self, mechanism: MovementSource, plus: MovementSource | None = None) -> None:
-        self.source, self._plus = mechanism, plus
-        self.sources = (mechanism,) if plus is None else (mechanism, plus)
+    def __init__(self, mechanism: MovementSource) -> None:
+        self.source = mechanism
+        self.sources = (mechanism,)
 
     def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         command_movements(rows, self.source.vectors, self.source.active, commands.packed.words)
-        if self._plus is not None:
-            commands.vectors[rows] += self._plus.vectors[rows]
-            commands.commanded[rows] |= self._plus.active[rows]
 
     def leave(self, now: float, rows: Ints) -> None:
-        if isinstance(self.source.mechanism, DepositingMechanism):
-            self.source.mechanism.deposit(now, rows)
+        for source in (*self.source.parts, self.source):
+            if isinstance(source, MovementSource) and isinstance(source.mechanism, DepositingMechanism):
+                source.mechanism.deposit(now, rows)
 
 
 @lean_kernel

@@ -36,6 +36,7 @@ from selforg.mechanisms.steering.approach_least_busy import ApproachLeastBusy as
 from selforg.mechanisms.steering.base import SteeringMechanism as SteeringMechanism
 from selforg.mechanisms.steering.orca import ORCA as ORCA
 from selforg.mechanisms.steering.predictive_steering import PredictiveSteering as PredictiveSteering
+from selforg.mechanisms.weighted_sum import WeightedSum as WeightedSum
 from selforg.registry import import_modules
 
 import_modules(__name__)

@@ -1,20 +1,26 @@
 """Configurations that use every component: what each becomes, and mistakes with their places."""
 
+import re
+
 import numpy as np
 import pytest
 import yaml
 
+from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import Host, host_memory
 from selector.configurations.library import Library
+from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, validated
 from selector.knowledge import knowledge_from, load_knowledge
+from selforg.commands import Commands
 from selforg.components import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
+from selforg.randomness import DirectionStream
 from selforg.space import Euclidean
 
 EVERYTHING = """
@@ -287,3 +293,53 @@ def commands_of(model, places, teams, options, steps=40):
         positions = positions + 0.2 * commands.vectors
         told.append(np.column_stack([commands.vectors, commands.commanded]))
     return np.array(told)
+
+
+@pytest.mark.parametrize(
+    ("of", "said"),
+    [
+        ("{go: 1.0, quorum: 1.0}", "of: unknown movement mechanism above it 'quorum' (known: go, patrol)"),
+        ("{light: 1.0}", "of: unknown movement mechanism above it 'light'"),
+        ("{both: 1.0}", "of: unknown movement mechanism above it 'both'"),
+        ("{}", "of: expected the weights of one or more movement mechanisms, got none"),
+        ("{go: much}", "of.go: expected a valid number, got 'much'"),
+        ("{go: .inf}", "of.go: "),
+        ("go", "of: expected a valid dictionary, got 'go'"),
+    ],
+)
+def test_a_sum_of_what_is_no_movement_is_one_line(tmp_path, of, said):
+    content = EVERYTHING.replace("targets:", f"  both: {{type: WeightedSum, parameters: {{of: {of}}}}}\ntargets:", 1)
+    (tmp_path / "mechanisms").mkdir()
+    (tmp_path / "mechanisms" / "Mine.yaml").write_text(content)
+    with pytest.raises(DocumentError, match=re.escape(said)) as raised:
+        Library([tmp_path])
+    assert "mechanisms.both.parameters" in str(raised.value)
+
+
+def test_a_sum_asks_its_parts_once_for_all_who_read_them(tmp_path):
+    """A held random walk is the same alone and in a sum that is read beside it."""
+    content = {
+        "mechanisms": {
+            "walk": {"type": "Exploration", "hold": 1.0},
+            "away": {"type": "RepulsionGradient"},
+            "both": {"type": "WeightedSum", "parameters": {"of": {"walk": 0.5, "away": -2.0}}},
+        },
+        "sensors": {"length": {"type": "VectorLength", "mechanism": "walk"}},
+        "behaviours": {"Go": {"action": {"type": "Move", "mechanism": "both"}}},
+    }
+    spec = validated(ConfigurationSpec, content, "mine.yaml")
+    poses = OwnPoses(Euclidean(2), 3, goal_radius=0.25, diffusion=1.0)
+    poses.update(np.array([[0.0, 0.0], [0.7, 0.0], [9.0, 9.0]]), np.zeros(3), 0.0)
+    drawn = DirectionStream([np.random.default_rng(row) for row in range(3)])
+    made = RunningConfiguration(
+        spec, Host(poses, {"gradients": SoBuffer(BufferSettings(), poses.space, poses)}, drawn), ""
+    )
+    walk, away, _ = (made._movements[name] for name in ("walk", "away", "both"))
+    for tick in range(1, 12):
+        commands = Commands(3, 2)
+        made.robots.sense(0.2 * tick, np.arange(3))
+        made.network.step(guarantee=True)
+        made.robots.act(0.2 * tick, np.arange(3), commands)
+        assert commands.commanded.all()
+        assert np.array_equal(commands.vectors, 0.5 * walk.vectors + -2.0 * away.vectors)
+        assert drawn.cursor.tolist() == [1 + (tick - 1) // 5] * 3

@@ -21,7 +21,7 @@ def blocks(language):
 
 @pytest.fixture
 def mine(tmp_path):
-    configuration, knowledge, _ = blocks("yaml")
+    configuration, knowledge, *_ = blocks("yaml")
     for kind, name, text in (("mechanisms", "Shy", configuration), ("knowledge", "mine", knowledge)):
         (tmp_path / kind).mkdir()
         (tmp_path / kind / f"{name}.yaml").write_text(text)
@@ -62,3 +62,9 @@ def test_all_words_are_explained():
     types = [cls.__name__ for cls in (*SENSORS, *ACTIONS) if cls.__module__.startswith("selforg.")]
     assert len(types) == 19
     assert [name for name in types if f"`{name}`" not in PAGE] == []
+
+
+def test_the_page_of_sums_shows_a_configuration(tmp_path):
+    (tmp_path / "mechanisms").mkdir()
+    (tmp_path / "mechanisms" / "Mine.yaml").write_text(blocks("yaml")[3])
+    assert Library([tmp_path]).configuration("Mine", {"push": 2.0}).mechanisms["both"].type == "WeightedSum"

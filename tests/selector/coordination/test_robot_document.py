@@ -81,6 +81,13 @@ def test_a_coordinator_may_have_conditions_and_a_priority_of_its_own(coordinator
     assert coordinator.alternatives == coordinators[GOAL].behaviour().alternatives
 
 
+def test_conditions_that_exclude_each_other_may_be_optional_or_count_a_little(coordinators):
+    away = {"sensor": "garbage_at", "activator": {"type": "Boolean", "desired": False}}
+    for other in ({**away, "optional": True}, {**away, "activator": {"type": "Boolean", "desired": False, "low": 0.9}}):
+        network_from(behaviour("Rest", preconditions=["at garbage", other]), "my.yaml", coordinators)
+    network_from(behaviour("Rest", preconditions=["at garbage", away], ready_threshold=0.0), "my.yaml", coordinators)
+
+
 @pytest.mark.parametrize(
     ("document", "message"),
     [
@@ -112,6 +119,14 @@ def test_a_coordinator_may_have_conditions_and_a_priority_of_its_own(coordinator
         (
             behaviour("Rest", preconditions=[{"sensor": "at_dump", "activator": {"type": "Bolean"}}]),
             "behaviours.Rest.preconditions.0.Condition.activator.type: ",
+        ),
+        (
+            behaviour("Rest", preconditions=["at garbage", "not at garbage"]),
+            "behaviours.Rest: preconditions: expected conditions that can be true together, got 'garbage_at' both true",
+        ),
+        (
+            behaviour("Rest", preconditions=["at garbage", {"type": "Negation", "of": "at garbage"}]),
+            "behaviours.Rest: preconditions: expected conditions that can be true together, got 'garbage_at' both true",
         ),
         (changed("parameters", "idle", to=1.0), "parameters.idle: nothing in the configuration uses $idle"),
     ],

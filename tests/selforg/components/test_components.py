@@ -31,7 +31,16 @@ from selforg.components import (
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import Exploration, FollowAll, GossipMax, Patrol, Pheromone, Quorum, RepulsionGradient
+from selforg.mechanisms import (
+    Exploration,
+    FollowAll,
+    GossipMax,
+    Patrol,
+    Pheromone,
+    Quorum,
+    RepulsionGradient,
+    WeightedSum,
+)
 from selforg.network.step.readings import ReadingError
 from selforg.randomness import DirectionStream
 from selforg.space import Euclidean
@@ -221,13 +230,28 @@ def test_move_and_turn_command_what_their_source_says(buffer):
     assert commands.in_place.tolist() == [False, True, True]
 
 
-def test_a_move_adds_the_movement_of_another_mechanism(buffer):
+def test_a_sum_adds_movements_with_their_weights(buffer):
     away, towards = (asked(MovementSource(kind(buffer))) for kind in (RepulsionGradient, FollowAll))
-    commands = Commands(3, 2)
-    Move(away, plus=towards).act(1.0, ALL, ALL, commands)
-    assert np.array_equal(commands.vectors, away.vectors + towards.vectors)
-    assert not np.array_equal(commands.vectors, away.vectors)
-    assert np.array_equal(commands.commanded, away.active | towards.active)
+    both = MovementSource(WeightedSum(buffer, of={away: 1.0, towards: -0.5}))
+    assert both.parts == [away, towards]
+    both.ask(1.0, ALL)
+    assert np.array_equal(both.vectors, away.vectors - 0.5 * towards.vectors)
+    assert not np.array_equal(both.vectors, away.vectors)
+    assert np.array_equal(both.active, away.active | towards.active)
+    alone = WeightedSum(buffer, of={RepulsionGradient(buffer): 1.0, FollowAll(buffer): -0.5})
+    assert np.array_equal(alone.move(1.0)[0], both.vectors)
+    nested = MovementSource(WeightedSum(buffer, of={both: 2.0, away: 1.0}))
+    assert nested.parts == [away, towards, both, away]
+    nested.ask(1.0, ALL)
+    assert np.array_equal(nested.vectors, 2.0 * both.vectors + away.vectors)
+
+
+def test_a_part_of_a_sum_deposits(buffer):
+    trail = Pheromone("trail", -1, 1.0, 0.9, 30.0)
+    patrol = asked(MovementSource(Patrol(buffer, pheromone=trail, channels=("trail",))))
+    move = Move(MovementSource(WeightedSum(buffer, of={patrol: 1.0})))
+    move.leave(1.0, np.array([1]))
+    assert FollowAll(buffer, channels=("trail",)).move(1.0)[1].any()
 
 
 def test_a_depositing_mechanism_deposits_when_all_movements_are_known(buffer):
