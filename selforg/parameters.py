@@ -17,6 +17,8 @@ REQUIRED = Parameter.empty
 def parameters_of(cls: type) -> dict[str, Parameter]:
     """Return the parameters of a constructor by name, including those of unpacked options (a TypedDict)."""
     found: dict[str, Parameter] = {}
+    if cls.__init__ is object.__init__:  # type: ignore[misc]
+        return found  # of a class without a constructor
     for name, parameter in inspect.signature(cls.__init__, eval_str=True).parameters.items():  # type: ignore[misc]
         if parameter.kind is Parameter.VAR_KEYWORD:
             (options,) = get_args(parameter.annotation)

@@ -3,7 +3,6 @@
 import copy
 import gc
 import pickle
-from typing import Annotated
 
 import gymnasium
 import numpy as np
@@ -19,7 +18,6 @@ from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorE
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState
 from clean_swarm_env.testing import check_task
 from clean_swarm_env.wrappers import AllRobots, MaskedObservations
-from selforg.arrays import SCRATCH, Floats
 from tests.clean_swarm_env.courses import long_course
 from tests.object_graph import arrays_of, pointing_into
 
@@ -82,12 +80,6 @@ class Waiting(Task[TaskSettings, TaskState]):
         return {"waited": self.world.ticks * 0.2}
 
 
-class Hidden(TaskState):
-    """A number of each world."""
-
-    hidden: Annotated[Floats, "W", SCRATCH]  # it is kept, though nobody says so
-
-
 @pytest.mark.parametrize(
     ("members", "said"),
     [
@@ -95,12 +87,9 @@ class Hidden(TaskState):
         ({"result": lambda self: {"waited": np.full(self.world.worlds, np.nan)}}, "result: waited: expected finite"),
         ({"result": lambda self: {"waited": np.zeros(9)}}, "result: waited: expected"),
         ({"result": lambda self: {"waited": self.world.ticks.sum() + 0.0 * self.world.ticks}}, "same bits alone"),
-        ({"observe": lambda self: {"much": np.full(self.world.rows, 7.0)}}, "components in their spaces|within"),
         ({"reward": lambda self: LUCK.random(self.world.rows)}, "AssertionError|same bits"),
         ({"after_moving": lambda self: self.nothing}, "AttributeError: 'Mine' object has no attribute 'nothing'"),
         ({"things": lambda self: 7}, "TypeError"),
-        ({"State": Hidden, "after_moving": lambda self: self.state.hidden.__iadd__(1.0),
-          "result": lambda self: {"waited": self.state.hidden + 0.0}}, "to go on with the same bits"),
     ],
 )  # fmt: skip
 def test_a_task_that_breaks_its_contract_is_one_line(members, said, monkeypatch):

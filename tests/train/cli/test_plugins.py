@@ -190,7 +190,7 @@ def kinds(site):
 def test_every_kind_comes_from_a_file_that_a_command_names(site, kinds):
     words = ("evaluate", "--family", "kinds", "--configs", ".", "--strategy", "fixed", "--strategy", "MaxScore")
     words = (*words, "--scenarios", "2", "--workers", "2", "--output", "r")
-    assert "unknown action 'North' (known: Act, " in refused(run(site, *words))
+    assert "unknown activator 'Low' (known: Boolean, " in refused(run(site, *words))
     done = run(site, *words, "--import", "kinds.py")
     assert done.returncode == 0, done.stderr
     for kind, name in {"action-classes": "North", "activator-classes": "Low", "terms": "east"}.items():
