@@ -107,6 +107,8 @@ class FamilyConfig(Closed):
     """Widths and heights of tori, one of which is drawn; if empty, the torus of the mission [m]."""
     robots: tuple[Robots, Robots] = (5, 5)
     """Least and largest number of robots at the start."""
+    groups: dict[Name, tuple[Robots, Robots]] = Field(default={})
+    """Instead of `robots`: least and largest number of robots of some of the models of the mission."""
     items: tuple[Items, Items] = (10, 10)
     """Least and largest number of items at the start."""
     respawn: Span = (0.0, 0.0)
@@ -130,6 +132,7 @@ class FamilyConfig(Closed):
     def _possible(self) -> Self:
         if self.station_places is not None and self.stations == "given":
             raise impossible("station_places", "stations: random", "stations: given")
+        self._sum_groups()
         for name in ("robots", "items", "respawn", "spots", "station_places"):
             least, most = getattr(self, name) or (0, 0)
             if least > most:
@@ -138,8 +141,9 @@ class FamilyConfig(Closed):
             counts = {len(getattr(start, name)) for start in self.starts}
             if counts and counts != set(getattr(self, name)):
                 raise impossible(name, f"the numbers of the given starts, {sorted(counts)}", list(getattr(self, name)))
-        if self.mission.robots.groups and (set(self.robots) != {self.mission.robots.count} or self._draws_joins):
-            expected = f"{self.mission.robots.count}, as in the groups of the mission, and no joins drawn"
+        as_given = bool(self.groups) or set(self.robots) == {self.mission.robots.count}
+        if self.mission.robots.groups and (not as_given or self._draws_joins):
+            expected = f"{self.mission.robots.count}, as in the groups of the mission, or `groups`; and no joins drawn"
             raise impossible("robots", expected, list(self.robots))
         self._check_scenarios()
         return self
@@ -174,6 +178,28 @@ class FamilyConfig(Closed):
         """The mission with the most robots, on the first torus and without events; items have room in it as in all."""
         return self._largest_on(self.tori[0])
 
+    def _sum_groups(self) -> None:
+        """Check the numbers of robots of models, if they are drawn, and let `robots` be their sums."""
+        names = [model.model for model in self.mission.robots.groups]
+        for name, (least, most) in self.groups.items():
+            if name not in names:
+                expected = f"models of the mission's groups ({', '.join(names) or 'it has none'})"
+                raise impossible("groups", expected, repr(name))
+            if least > most:
+                raise impossible(f"groups.{name}", "the least before the largest", f"[{least}, {most}]")
+        totals = tuple(sum(spans) for spans in zip(*self._spans, strict=True))
+        if self.groups and "robots" in self.model_fields_set and self.robots != totals:
+            raise impossible("robots", "nothing beside `groups`", list(self.robots))
+        self.__dict__["robots"] = totals
+
+    @property
+    def _spans(self) -> list[tuple[int, int]]:
+        """Least and largest number of robots: of all, or of each group of the mission if they are drawn."""
+        if not self.groups:
+            return [self.robots]
+        groups = self.mission.robots.groups
+        return [self.groups.get(group.model, (group.count, group.count)) for group in groups]
+
     def _check_scenarios(self) -> None:
         """Raise the error of the first torus on which the largest team or the given stations do not fit.
 
@@ -193,7 +219,8 @@ class FamilyConfig(Closed):
     def _largest_on(self, size: Point) -> MissionConfig:
         task, _ = find_task(self.mission.task.name).draw_scenario(self, size, self._rows, np.random.default_rng(0))
         joining = [event.model_dump() for event in self.mission.events if isinstance(event, Join)]
-        return self._made(size, self._rows, task, joining if self.mission.robots.groups else [])
+        counts = [most for _, most in self._spans] if self.groups else [self._rows]
+        return self._made(size, counts, task, joining if self.mission.robots.groups else [])
 
     @property
     def tori(self) -> tuple[tuple[float, float], ...]:
@@ -203,22 +230,31 @@ class FamilyConfig(Closed):
     def _mission(self, rng: np.random.Generator) -> MissionConfig:
         sizes = self.sizes or self.tori
         size = sizes[int(rng.integers(len(sizes)))]
-        robots = int(rng.integers(self.robots[0], self.robots[1] + 1))
-        task, drawn = find_task(self.mission.task.name).draw_scenario(self, size, robots, rng)
-        return self._made(size, robots, task, [event.model_dump() for event in self.mission.events] or drawn)
+        counts = [int(rng.integers(least, most + 1)) for least, most in self._spans]
+        task, drawn = find_task(self.mission.task.name).draw_scenario(self, size, sum(counts), rng)
+        return self._made(size, counts, task, [event.model_dump() for event in self.mission.events] or drawn)
 
-    def _made(self, size: Point, robots: int, task: TaskSettings, events: list[dict[str, Any]]) -> MissionConfig:
-        """Return the mission on a torus of a `size` [m]; DocumentError if it is impossible."""
+    def _made(self, size: Point, counts: list[int], task: TaskSettings, events: list[dict[str, Any]]) -> MissionConfig:
+        """Return the mission on a torus of a `size` [m] with the numbers of robots that `_spans` has the bounds of.
+
+        Raises:
+            DocumentError: it is impossible.
+
+        """
         base = self.mission
+        robots: dict[str, Any] = {} if base.robots.groups else {"count": counts[0]}
+        if self.groups:
+            pairs = zip(base.robots.groups, counts, strict=True)
+            robots = {"groups": [{**group.model_dump(), "count": count} for group, count in pairs]}
         parts: dict[str, dict[str, Any]] = {
             "world": {"width": size[0], "height": size[1]},
-            "robots": {"capacity": self._rows} | ({} if base.robots.groups else {"count": robots}),
+            "robots": {"capacity": self._rows, **robots},
             "delivery": {"own_contents": base.own_contents or "deliver" in self.changes.kinds},
         }
         merged = {name: {**getattr(base, name).model_dump(), **change} for name, change in parts.items()}
         own = {"name": self.name, "task": task.model_dump(), "events": events}
         whole = {**base.model_dump(), **merged, **own}
-        return validated(MissionConfig, whole, f"{robots} robots on {size[0]:g} m x {size[1]:g} m", own=True)
+        return validated(MissionConfig, whole, f"{sum(counts)} robots on {size[0]:g} m x {size[1]:g} m", own=True)
 
     @property
     def _draws_joins(self) -> bool:

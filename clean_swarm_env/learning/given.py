@@ -18,7 +18,7 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import with_changes
-from selector.documents.errors import M, validated
+from selector.documents.errors import DocumentError, M, validated
 from selforg.registry import unknown
 
 Named = str | os.PathLike[str]
@@ -47,13 +47,22 @@ def mission_from(given: GivenMission, directories: tuple[Path, ...] = ()) -> Mis
 
 
 def family_from(given: GivenFamily, directories: tuple[Path, ...] = ()) -> FamilyConfig:
-    """Return the family of scenarios; DocumentError or TypeError if there is no such one."""
+    """Return the family of scenarios; DocumentError or TypeError if there is no such one.
+
+    Worlds of one batch have the same robots: a family that draws how many there are of a model is refused.
+    """
     if isinstance(given, str | os.PathLike):
-        return load_family(os.fspath(given), directories)
-    if isinstance(given, Mapping):
-        mission = mission_from(given["mission"], directories) if "mission" in given else MissionConfig()
-        given = {**given, "mission": mission}
-    return config_from(FamilyConfig, given, "family", "a name, a path, ")
+        family = load_family(os.fspath(given), directories)
+    else:
+        if isinstance(given, Mapping):
+            mission = mission_from(given["mission"], directories) if "mission" in given else MissionConfig()
+            given = {**given, "mission": mission}
+        family = config_from(FamilyConfig, given, "family", "a name, a path, ")
+    for name, (least, most) in family.groups.items():
+        if least < most:
+            expected = "one number of robots of each model for worlds that learners share"
+            raise DocumentError(f"family {family.name}: groups.{name}: expected {expected}, got {least} to {most}")
+    return family
 
 
 def config_from(model: type[M], given: M | Mapping[str, Any] | None, where: str, other: str = "") -> M:

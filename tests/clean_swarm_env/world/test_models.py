@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import yaml
 from pettingzoo.test import parallel_api_test
 
 from clean_swarm_env import clean_swarm_v0
@@ -12,10 +13,11 @@ from clean_swarm_env.config.robots import RobotConfig, RobotModel
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
 from clean_swarm_env.drawing.picture import pixels_of
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
-from selector.documents.errors import validated
+from selector.documents.errors import DocumentError, validated
 from tests.clean_swarm_env.courses import CROWD, course, difference, mission, worlds_at_start
 from tests.clean_swarm_env.physics.substeps import count
 
@@ -102,6 +104,56 @@ def test_groups_are_agents_of_an_environment_and_a_family_of_random_starts():
     family = random_starts(config)
     assert family.robots == (5, 5)
     assert family.scenario(0, 0, "test").mission.robots == config.robots.model_copy(update={"capacity": 5})
+
+
+MIXED = {"name": "mixed", "description": "", "mission": {"base": "scouts"}, "items": [24, 24]}
+
+
+def family_of(folder, **changes):
+    (folder / "mixed.yaml").write_text(yaml.safe_dump(MIXED | changes))
+    return load_family(str(folder / "mixed.yaml"))
+
+
+def test_a_family_draws_the_numbers_of_robots_of_models(tmp_path):
+    family, drawn = family_of(tmp_path, groups={"scout": [1, 3], "carrier": [2, 5]}), set()
+    assert (family.robots, family.largest.robots.count, family.largest.rows) == ((3, 8), 8, 8)
+    for index in range(40):
+        scenario = family.scenario(0, index, "test")
+        counts = tuple(group.count for group in scenario.mission.robots.groups)
+        assert len(scenario.start.robots) == sum(counts) == (scenario.mission.models[: sum(counts)] >= 0).sum()
+        assert scenario.mission.rows == 8
+        drawn.add(counts)
+    assert {carriers for carriers, _ in drawn} == {2, 3, 4, 5}
+    assert {scouts for _, scouts in drawn} == {1, 2, 3}
+    others = family_of(tmp_path, groups={"scout": [2, 2]}).scenario(0, 0, "test").mission.robots.groups
+    assert [group.count for group in others] == [4, 2]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"groups": {"robot": [1, 2]}},
+            "groups: expected models of the mission's groups (carrier, scout)",
+        ),
+        ({"groups": {"scout": [3, 1]}}, "groups.scout: expected the least before the largest, got [3, 1]"),
+        ({"groups": {"scout": [0, 1]}}, "groups.scout.0: expected greater than or equal to 1, got 0"),
+        ({"groups": {"scout": [1, 2]}, "robots": [7, 7]}, "robots: expected nothing beside `groups`, got [7, 7]"),
+        ({"robots": [5, 9]}, "robots: expected 7, as in the groups of the mission, or `groups`; and no joins drawn"),
+    ],
+)
+def test_impossible_numbers_of_models_are_one_line(changes, message, tmp_path):
+    with pytest.raises(DocumentError) as error:
+        family_of(tmp_path, **changes)
+    assert f"mixed.yaml: {message}" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_an_environment_has_the_same_numbers_of_models_in_all_worlds(tmp_path):
+    family = family_of(tmp_path, groups={"scout": [1, 3]})
+    with pytest.raises(DocumentError, match=r"^family mixed: groups\.scout: expected one number .*, got 1 to 3$"):
+        Batch(family=family)
+    assert Batch(family=family_of(tmp_path, groups={"scout": [2, 2]})).worlds.robots == 6
 
 
 def test_one_group_is_a_team_and_a_mapping_is_one_model():
