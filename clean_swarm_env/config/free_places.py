@@ -17,12 +17,17 @@ MAX_COVERED_SHARE = 0.45
 """Largest share of the free ground that solid discs may cover [-]; random sequential placement ends at 0.547."""
 MARGIN: Final = 1.0
 """Width of the open land around the field that counts as one with it [m]."""
+MOST_PIECES: Final = 2000
+"""Corners of all walls of a mission, above which each start would take seconds."""
 LEAST_LENGTH: Final = 1e-3
 """Least length of a piece of wall [m]."""
 
 
 def check_walls(world: WorldConfig, radius: float) -> None:
     """Raise the error of the first wall that is impossible, or of walls among which robots of `radius` have no room."""
+    pieces = sum(len(wall.corners) for wall in world.walls)
+    if pieces > MOST_PIECES:
+        raise impossible("world.walls", f"walls of at most {MOST_PIECES} corners together", pieces)
     for k, wall in enumerate(world.walls):
         for n, (x, y) in enumerate(wall.corners):
             if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):

@@ -36,6 +36,13 @@ def with_walls(*walls, **world):
         (with_walls({"corners": [[3.0, 5.0], [35.0, 5.0]]}), "world.walls.4.corners.1: expected a point on 24 m x 12"),
         (with_walls({"corners": [[3.0, 5.0]] * 2}), "world.walls.4.corners: expected corners at least 0.001 m from"),
         (with_walls({"from": [3.0, 5.0]}), "world.walls.4.from: unknown key 'from' (known: closed, corners)"),
+        (with_walls({"corners": [[3.0, float("nan")], [4.0, 5.0]]}), "world.walls.4.corners.0.1: expected a finite"),
+        (
+            with_walls(*[{"corners": [[3.0, 5.0], [4.0, 5.0]] * 3}] * 996),
+            "world.walls: expected walls of at most 2000 corners together, got 5984",
+        ),
+        (with_walls(*[{"corners": [[3.0, 5.0], [4.0, 5.0]]}] * 10_000), "world.walls: expected at most 1000 items"),
+        ({"robots": [{"model": "a", "count": 0}]}, "robots.groups.0.count: expected greater than or equal to 1"),
         ({"world": {"width": 0.4, "ground": "walled"}}, "world.walls: expected room for robots of radius 0.25 m, got"),
         (
             with_changes(with_walls(), {"robots": {"count": 700}}),
