@@ -217,5 +217,5 @@ class MissionConfig(Closed):
         """Whether each robot stores its own messages, because delivery is not ideal or may change."""
         changes = any(isinstance(event, SetDelivery) for event in self.events)
         near = any(model.message_range < EVERYWHERE for model in self.robots.models)
-        silent = any(zone.loss > 0.0 for zone in self.world.zones)
+        silent = self.world.blocks("messages") or any(zone.loss > 0.0 for zone in self.world.zones)
         return self.delivery.own_contents or not self.delivery.ideal or changes or near or silent

@@ -17,7 +17,7 @@ MOST_STEPS = 1000
 GroundKind = Literal["torus", "open", "walled"]
 
 
-Blocked = Literal["sight"]
+Blocked = Literal["sight", "messages", "pheromones"]
 
 
 class WallConfig(Closed):
@@ -66,7 +66,8 @@ class WorldConfig(Closed):
     walls: Annotated[tuple[WallConfig, ...], Field(max_length=1000)] = ()
     """Walls inside of the torus, the field, or the part of open land in which robots start."""
     walls_block: Annotated[tuple[Blocked, ...], Field(max_length=len(get_args(Blocked)))] = ()
-    """What walls block besides bodies: `sight`, so that robots see no items behind them."""
+    """What walls block besides bodies: `sight`, so that robots see no items behind them; `messages` between robots;
+    `pheromones`, so that robots sense none behind them."""
     zones: Annotated[tuple[ZoneConfig, ...], Field(max_length=100)] = ()
     """Zones in which messages are lost or robots are slow."""
     contacts: Literal["solid", "pass_through"] = "solid"
@@ -99,6 +100,10 @@ class WorldConfig(Closed):
     def has_walls(self) -> bool:
         """Whether there are walls, that around a field included."""
         return self.ground == "walled" or len(self.walls) > 0
+
+    def blocks(self, what: Blocked) -> bool:
+        """Return whether there are walls, and they block `what`."""
+        return self.has_walls and what in self.walls_block
 
     @property
     def physics_steps_per_tick(self) -> int:

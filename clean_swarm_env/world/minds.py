@@ -12,6 +12,7 @@ from typing import Annotated, Protocol
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.rays import BodiesAround
 from clean_swarm_env.world.ground import Ground, walls_of
 from clean_swarm_env.world.reception import Localisation, Reception, pose_history
 from selector.configurations.host import Host, host_memory
@@ -52,6 +53,7 @@ class Minds:
         buffers: by name; those of the task.
         memory: knowledge of every robot, shared by all options.
         known: returns what robots know from the start on: name -> (R,).
+        surroundings: what rays from the robots meet; the worlds say what that is.
         directions: random directions, one stream a row.
         robot: the network of a robot as it is declared.
         robots: networks, coordinators and nested networks of the robots.
@@ -75,6 +77,7 @@ class Minds:
     ) -> None:
         self.rows, self._always = worlds * mission.rows, task.always_acts
         self.known: Callable[[], Mapping[str, Floats]] = dict
+        self.surroundings = BodiesAround()
         self._build_buffers(mission, worlds, task)
         self._build_network(mission, models, task, directories, explained)
         self.commands = Commands(self.rows, 2)
@@ -114,7 +117,9 @@ class Minds:
         order = list(dict.fromkeys([mission.network.robot, *named]))
         of_model = np.array([order.index(name) for name in named], dtype=np.int64)
         documents = np.tile(of_model[mission.models], self.rows // mission.rows)
-        host = Host(self.poses, self.buffers, self.directions, self._chances, self.memory)
+        host = Host(
+            self.poses, self.buffers, self.directions, self._chances, self.memory, surroundings=self.surroundings
+        )
         self.robots = CoordinatedRobots(
             models, host, network=robot, planner=planner, explained=explained, documents=documents
         )

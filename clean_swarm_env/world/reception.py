@@ -16,7 +16,7 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.ground import zones_of
+from clean_swarm_env.world.ground import walls_of, zones_of
 from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints
 from selforg.gradients.delivery import Delivery, PoseDelivery
 from selforg.gradients.poses import OwnPoses
@@ -48,6 +48,7 @@ class Reception:
 
     def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
         self._zones = zones_of(mission)
+        self._walls = walls_of(mission) if mission.world.blocks("messages") else None
         self._in_zones = np.zeros(rows if self._zones.silent else 0)
         self.own_contents, self.delay_ticks, self._delay = (
             mission.own_contents,
@@ -63,14 +64,15 @@ class Reception:
         """Return the delivery of robots' deposits."""
         if not self.own_contents:
             return Delivery()
-        return Delivery(self.reaches, self.losses, self._delay, self._generators, self._ranges, self._in_zones)
+        zones, walls = self._in_zones, self._walls
+        return Delivery(self.reaches, self.losses, self._delay, self._generators, self._ranges, zones, walls)
 
     def of_poses(self, poses: OwnPoses) -> PoseDelivery | None:
         """Return the delivery of `poses`; None if robots share one content."""
         if not self.own_contents:
             return None
         delivery = PoseDelivery(poses, self.reaches, self.losses, self._generators, self.delay_ticks, self._ranges)
-        delivery.in_zones = self._in_zones
+        delivery.in_zones, delivery.walls = self._in_zones, self._walls or delivery.walls
         return delivery
 
     def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:

@@ -5,12 +5,13 @@ Shapes: W worlds of N robots, R = W * N rows (robots).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.tasks import TaskKind
+from clean_swarm_env.physics.rays import Bodies
 from clean_swarm_env.world.task_parts import ItemArrays, Recorded, Things, kinds_of
 from clean_swarm_env.world.view import CARRYING, World
 from selforg.arrays import Floats, Ints
@@ -31,6 +32,10 @@ class ShownTask(TaskKind):
     def hindered(self, row: int) -> tuple[float, bool]:
         """Return how long a collision still stops the robot of a row [s], and whether it is damaged."""
         return 0.0, False
+
+    def bodies(self) -> Sequence[Bodies]:
+        """Return the things that rays meet beside robots and walls: those in `around`, with their goal radii."""
+        return [Bodies(thing.places, thing.goal_radius) for thing in self.around]
 
     def item_arrays(self) -> ItemArrays:
         """Return items, cargo and stations, the same arrays all the time; none unless robots carry items."""

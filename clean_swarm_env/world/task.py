@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin
 
@@ -207,11 +208,11 @@ class Task(ShownTask, ABC, Generic[S, T]):
 
         In `own_pheromones` each robot finds only its own pheromones.
         """
-        space = poses.space
+        space, trails = poses.space, replace(TRAILS, hidden=mission.world.blocks("pheromones"))
         return {
             "gradients": SoBuffer(AROUND, space, poses),
-            "pheromones": SoBuffer(TRAILS, space, poses, reception.delivery()),
-            "own_pheromones": SoBuffer(TRAILS, space, poses, Delivery(reach=0.0)),
+            "pheromones": SoBuffer(trails, space, poses, reception.delivery()),
+            "own_pheromones": SoBuffer(trails, space, poses, Delivery(reach=0.0)),
         }
 
     def reset(self, world: int, rows: slice) -> None:

@@ -6,11 +6,13 @@ Shapes: W worlds of N robots, R = W * N rows.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Annotated, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from clean_swarm_env.config.free_places import free_ground
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.physics.clock import Clock
@@ -18,6 +20,7 @@ from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.mission_end import tick_limit
+from clean_swarm_env.world.task_parts import Things
 from clean_swarm_env.world.team_changes import Team
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.coordinator import Coordinator
@@ -25,6 +28,7 @@ from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms import DecisionMechanism
+from selforg.walls.ways import UNKNOWN, Aims, Ways
 
 V = TypeVar("V", bound=np.generic)
 CARRYING: Final = "carrying"
@@ -50,6 +54,7 @@ class World:
 
     max_speed: Annotated[Floats, "R 1", READ]
     of_row: Annotated[Ints, "R", READ]
+    _targets: Annotated[list[Floats], "K", READ]
     limits: Annotated[Ints, "W", KEPT]
 
     def __init__(self, missions: Sequence[MissionConfig], floor: Floor, minds: Minds, team: Team, clock: Clock) -> None:
@@ -62,6 +67,37 @@ class World:
         self.of_row = np.repeat(np.arange(self.worlds), self.robots)
         self.limits = np.full(self.worlds, tick_limit(self.mission))
         self.led = False
+        self._aims: Aims | None = None  # things that gradients lead to round walls
+        self._targets = []  # places of these things
+
+    @cached_property
+    def ways(self) -> Ways:
+        """The ways round the walls, which all robots share; those of the largest robots."""
+        mission = self.mission
+        ways = Ways(free_ground(mission.world, mission.robots.radius), mission.world.ground == "torus")
+        ways.corner = ways.corner + self.ground.corner
+        return ways
+
+    def lead_to(self, things: Sequence[Things]) -> None:
+        """Let gradients of `things` lead round the walls, if these attract and stay where they are.
+
+        A gradient behind a wall then seems to lie in the direction of the way there, as far off as it is.
+        """
+        aims = [thing.places for thing in things if thing.attraction > 0 and not thing.moves and thing.count]
+        if self.mission.world.has_walls and aims:
+            self._targets = aims
+            self._aims = Aims(self.ways, self.worlds, sum(places.shape[1] for places in aims))
+
+    def find_ways(self) -> None:
+        """Compute the ways to things of worlds that have begun; call it in each tick, before robots sense."""
+        if self._aims is not None and (self._aims.numbers == UNKNOWN).any():
+            self._aims.renew(np.concatenate(self._targets, axis=1))
+            self.minds.poses.go_round(self.ways, self._aims)
+
+    def forget_ways(self, world: int) -> None:
+        """Forget where the things of a world were, which is about to begin."""
+        if self._aims is not None:
+            self._aims.numbers[world] = UNKNOWN
 
     def by_world(self, values: NDArray[V]) -> NDArray[V]:
         """Return values (R, ...) as (W, N, ...)."""

@@ -75,6 +75,9 @@ class Worlds:
         self.world = World(self.missions, self.floor, self.minds, self.team, self._clock)
         self.task: Task[Any, Any] = kind(self.world)
         self.minds.known, self.team.task = self.task.known, self.task
+        around = self.minds.surroundings
+        around.physics, around.bodies = self.floor.physics, self.task.bodies
+        self.world.lead_to(self.task.around)
         self._driven = self._correction = None
         self.extent, self.physics, self.collisions = self.floor.extent, self.floor.physics, self.floor.collisions
         self.network, self.coordinators = self.minds.network, self.minds.coordinators
@@ -117,6 +120,7 @@ class Worlds:
             raise ValueError(f"start {start.id!r}: expected {expected}, got {given[0]} and {given[1]}")
         self.missions[world], self.world.limits[world] = mission, tick_limit(mission)
         self._clock.reset(world)
+        self.world.forget_ways(world)
         self.collisions.reset(world)
         rows = self.rows_of(world)
         own = slice(int(rows[0]), int(rows[-1]) + 1)
@@ -207,6 +211,7 @@ class Worlds:
         """Let the robots that are `able` (K,), all with None, sense, decide and act."""
         minds, task = self.minds, self.task
         task.sense()
+        self.world.find_ways()
         minds.sense(now)
         minds.decide(able)
         task.after_deciding()

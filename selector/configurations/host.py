@@ -10,7 +10,7 @@ import numpy as np
 
 from selector.configurations.configuration import ActingNetworkSpec
 from selector.documents.errors import DocumentError
-from selforg.components import RobotMemory
+from selforg.components import RobotMemory, Surroundings
 from selforg.components.actions import Call
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
@@ -33,6 +33,7 @@ class Host:
         generators: (R,) other randomness; the host may replace the generator of a row in this list.
         memory: what each robot knows independently of its option, under the names that configurations expect.
         calls: functions by name; behaviours call them with the time [s] and the rows in which they start.
+        surroundings: what rays from the robots meet.
 
     """
 
@@ -42,6 +43,7 @@ class Host:
     generators: Sequence[np.random.Generator] = ()
     memory: RobotMemory = field(default_factory=lambda: RobotMemory(0, {}))
     calls: Mapping[str, Call] = field(default_factory=dict)
+    surroundings: Surroundings = field(default_factory=Surroundings)
 
     @property
     def rows(self) -> int:

@@ -127,8 +127,11 @@ class RunningConfiguration:
         arguments = spec.given
         for parameter, reference, name in spec.references():
             arguments[parameter] = self._referred(reference, name)
+        cls: Any = spec.component
+        if "surroundings" in parameters_of(cls):
+            arguments["surroundings"] = self._host.surroundings
         with within(f"{self._where}: {key}"):
-            return spec.component(**arguments)
+            return cls(**arguments)
 
     def _referred(self, reference: Reference, name: str) -> object:
         """Return what a name refers to, of the type that the component takes."""

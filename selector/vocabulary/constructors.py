@@ -25,7 +25,7 @@ from selforg.mechanisms.spreading import Carried
 from selforg.mechanisms.weighted_sum import MovementWeights
 from selforg.parameters import REQUIRED, parameters_of
 
-FROM_HOST = ("buffer", "directions", "generators")
+FROM_HOST = ("buffer", "directions", "generators", "surroundings")
 """Parameters that the host gives; a document cannot."""
 RECORDS = (Carried, Pheromone)
 """Dataclasses, which a document gives as mappings."""

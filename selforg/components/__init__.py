@@ -21,6 +21,7 @@ from selforg.components.sensors import GoalDistance as GoalDistance
 from selforg.components.sensors import GoalPresent as GoalPresent
 from selforg.components.sensors import GoalReached as GoalReached
 from selforg.components.sensors import Known as Known
+from selforg.components.sensors import Lidar as Lidar
 from selforg.components.sensors import SensorComponent as SensorComponent
 from selforg.components.sensors import StateIs as StateIs
 from selforg.components.sensors import Value as Value
@@ -29,3 +30,4 @@ from selforg.components.sensors import VectorPresent as VectorPresent
 from selforg.components.sources import DecisionSource as DecisionSource
 from selforg.components.sources import GoalSource as GoalSource
 from selforg.components.sources import MovementSource as MovementSource
+from selforg.components.sources import Surroundings as Surroundings

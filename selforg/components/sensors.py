@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,10 +13,13 @@ from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Recording, Written
 from selforg.components.memory import Remembered
-from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source
+from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source, Surroundings
 from selforg.network.model.behaviours import SensorKind
-from selforg.parameters import AtLeastZero
+from selforg.parameters import AtLeastZero, Finite
 from selforg.registry import Registry
+
+MOST_RAYS: Final = 360
+MOST_METRES: Final = 100.0
 
 
 class ReadingTables(NamedTuple):
@@ -271,3 +274,42 @@ class Known(SensorComponent):
 
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self._values[rows]
+
+
+@SENSORS.register
+class Lidar(SensorComponent):
+    """Distance from the middle of the robot to the nearest wall, robot or thing that its rays meet [m].
+
+    It is `farthest` [m] where they meet nothing. The rays are spread evenly over a sector of `width` [rad] about
+    `towards` [rad], 0 ahead, positive to the left. Things that have no size count as discs of radius `things` [m];
+    0: they are not met.
+    """
+
+    def __init__(
+        self,
+        surroundings: Surroundings,
+        *,
+        towards: Finite = 0.0,
+        width: AtLeastZero = 0.0,
+        rays: int = 1,
+        farthest: AtLeastZero = 4.0,
+        things: AtLeastZero = 0.1,
+    ) -> None:
+        check_rays("Lidar", rays, farthest, things)
+        if not (abs(towards) <= 2.0 * np.pi and 0.0 <= width <= 2.0 * np.pi):
+            raise ValueError(f"Lidar: expected angles of at most 2 pi, got towards {towards:g} and width {width:g}")
+        angles = towards + width * (np.arange(rays) / max(rays - 1, 1) - (0.5 if rays > 1 else 0.0))
+        self._cast = surroundings.rays(angles, float(farthest), float(things))
+
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        nearest: Floats = self._cast(rows).min(axis=1)
+        return nearest
+
+
+def check_rays(where: str, rays: float, farthest: float, things: float) -> None:
+    """Raise ValueError unless there may be so many rays, so far [m], that meet things of such a radius [m]."""
+    if not (rays == int(rays) and 1 <= rays <= MOST_RAYS):
+        raise ValueError(f"{where}: rays: expected a whole number from 1 to {MOST_RAYS}, got {rays:g}")
+    if not (0.0 < farthest <= MOST_METRES and 0.0 <= things <= MOST_METRES):
+        expected = f"farthest above 0 and things from 0 to {MOST_METRES:g} m"
+        raise ValueError(f"{where}: expected {expected}, got {farthest:g} and {things:g}")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Annotated
 
 import numpy as np
@@ -139,3 +140,20 @@ class DecisionSource(Source):
         self.values[rows], self.states[rows] = decision.values, decision.states
         held = (decision.values == self.mechanism.values[rows]) & (decision.states == self.mechanism.state_codes[rows])
         self.differs[rows] = ~held
+
+
+class Surroundings:
+    """Whatever rays from robots meet: nothing, unless a host says otherwise."""
+
+    def rays(self, angles: Floats, reach: float, things: float) -> Callable[[Ints], Floats]:
+        """Return what casts rays: for rows (P,) it returns how far each ray goes (P, K) [m], at most `reach` [m].
+
+        angles: (K,) to the left of the robot's heading [rad]. things: radius as which things count that have none [m];
+        0: rays meet walls and robots only.
+        """
+        return partial(met_nothing, len(angles), reach)
+
+
+def met_nothing(count: int, reach: float, rows: Ints) -> Floats:
+    """Return the lengths (P, count) [m] of rays of `rows` (P,) that meet nothing."""
+    return np.full((len(rows), count), reach)

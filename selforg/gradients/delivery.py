@@ -14,12 +14,13 @@ from typing import Annotated, TypeAlias
 import numpy as np
 
 from selforg.arrays import READ, SCRATCH, Floats, Ints
-from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Words, Written
+from selforg.compiler.decorators import kernel, lean_kernel
+from selforg.compiler.records import Packed, Words, Written
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
-from selforg.space import squared_length
+from selforg.space import nearest_image, squared_length
+from selforg.walls.segments import Walls, is_hidden, no_walls, open_walls
 
 Post: TypeAlias = tuple[float, Floats, Ints]
 """Arrival [s], messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS)."""
@@ -36,6 +37,7 @@ class Delivery:
         generators: one per team, or one per row for what it spreads; needed if `loss` is neither 0 nor 1.
         ranges: (N,) farthest receiver of what each row spreads [m], if `reach` is larger; empty: only `reach` counts.
         in_zones: (N,) probability that a message from or to each row gets lost where it is; empty: only `loss` counts.
+        walls: stop messages to rows behind them.
 
     Reach and loss may be arrays (T,), one for each team, which their owner may change: then delivery is never taken for
     ideal, and every row has a content of its own.
@@ -48,6 +50,7 @@ class Delivery:
     generators: Sequence[np.random.Generator] = field(default=(), repr=False)
     ranges: Annotated[Floats, "N", READ] = field(default_factory=lambda: np.zeros(0))
     in_zones: Annotated[Floats, "N", READ] = field(default_factory=lambda: np.zeros(0))
+    walls: Packed[Walls] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         """Check every field."""
@@ -125,6 +128,8 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
         draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
     which, receivers = np.empty(draws.size, dtype=np.int64), np.empty(draws.size, dtype=np.int64)
     found = find_receivers(messages, tags, of_message, chances, draws, poses.packed.words, which, receivers)
+    if delivery.walls is not None:
+        found = keep_unstopped(found, messages, which, receivers, poses.packed.words, delivery.walls.words)
     copies = tags[which[:found]]
     copies[:, c.TAG_SPACE] = receivers[:found]
     return messages[which[:found]], copies
@@ -167,6 +172,22 @@ def find_receivers(
     return found
 
 
+@lean_kernel
+def keep_unstopped(
+    found: int, messages: Floats, which: Ints, receivers: Ints, poses: Words[Poses], walls: Words[Walls]
+) -> int:
+    """Keep of the first `found` receptions, `which` message by which of the `receivers`, those that no wall stops."""
+    own, extent, kept = open_poses(poses).own, open_poses(poses).extent, 0
+    for k in range(found):
+        x, y = messages[which[k], c.X], messages[which[k], c.Y]
+        dx = nearest_image(own[receivers[k], 0, c.X] - x, extent[0])
+        dy = nearest_image(own[receivers[k], 0, c.Y] - y, extent[1])
+        if not is_hidden(x, y, dx, dy, extent, walls):
+            which[kept], receivers[kept] = which[k], receivers[k]
+            kept += 1
+    return kept
+
+
 class PoseDelivery:
     """Delivers poses among the rows of `poses`; call `deliver` after each update of the poses.
 
@@ -175,6 +196,7 @@ class PoseDelivery:
         losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
         ranges: (N,) farthest receiver of the pose of each row [m], if `reaches` is larger.
         in_zones: (N,) probability that a pose from or to each row gets lost where it is; empty: only `losses` count.
+        walls: stop poses to rows behind them; none unless the owner gives some.
         generators: one for each row, for the losses of what it spreads; the owner may change it.
         delay: age of a pose on its arrival [updates].
 
@@ -203,7 +225,7 @@ class PoseDelivery:
         self.poses, self.delay = poses, delay
         self.reaches, self.losses, self.generators = reaches, losses, generators
         self.ranges = np.full(poses.rows, np.inf) if ranges is None else ranges
-        self.in_zones = np.zeros(0)
+        self.in_zones, self.walls = np.zeros(0), no_walls()
         self._draws = np.zeros((poses.rows, (poses.row_table.shape[1] - c.ROW_HEARD) // 2))
 
     def deliver(self) -> None:
@@ -215,8 +237,8 @@ class PoseDelivery:
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        losses, in_zones = self.losses, self.in_zones
-        deliver_poses(self.poses.packed.words, self.reaches, self.ranges, losses, in_zones, self._draws, self.delay)
+        poses, walls, losses, in_zones = self.poses.packed.words, self.walls.words, self.losses, self.in_zones
+        deliver_poses(poses, self.reaches, self.ranges, losses, in_zones, self._draws, self.delay, walls)
 
 
 @kernel
@@ -228,6 +250,7 @@ def deliver_poses(
     in_zones: Floats,
     draws: Floats,
     delay: int,
+    walls: Words[Walls],
 ) -> None:
     """Write for each pair of a team the ages of the last two poses received, -1 for none that is still remembered.
 
@@ -235,7 +258,7 @@ def deliver_poses(
     the row that spreads, delay [updates].
     """
     p = open_poses(poses)
-    room = (p.rows.shape[1] - c.ROW_HEARD) // 2
+    room, walled = (p.rows.shape[1] - c.ROW_HEARD) // 2, open_walls(walls).segments.shape[0] > 0
     for team in range(len(reaches)):
         begin, count = int(p.first[team]), int(p.first[team + 1] - p.first[team])
         for receiver in range(count):
@@ -253,7 +276,10 @@ def deliver_poses(
                 lost = loss >= 1.0 or (loss > 0.0 and draws[other, receiver] < loss)
                 reach = min(reaches[team], ranges[other])
                 if not lost and squared_length(dx, dy, dz, p.extent) <= reach * reach:
-                    age, before = delay, age
+                    x, y = p.own[row, 0, c.X], p.own[row, 0, c.Y]
+                    dx, dy = nearest_image(dx, p.extent[0]), nearest_image(dy, p.extent[1])
+                    if not (walled and is_hidden(x, y, dx, dy, p.extent, walls)):
+                        age, before = delay, age
                 known = p.rows[other, c.ROW_POSES] if p.rows[row, c.ROW_POSES] > 0 else 0
                 p.rows[row, c.ROW_HEARD + index] = age if age < known else -1
                 p.rows[row, c.ROW_HEARD + room + index] = before if before < known else -1

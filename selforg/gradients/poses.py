@@ -15,7 +15,8 @@ from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import index_poses, make_pose_cells
 from selforg.gradients.store.records import POSES, Poses, open_poses
 from selforg.space import Space, wrapped
-from selforg.walls.segments import Walls, cell_of_walls, open_walls, to_segment
+from selforg.walls.segments import Walls, cell_of_walls, no_walls, open_walls, to_segment
+from selforg.walls.ways import Aims, Ways
 
 MOST_WALLS: Final = 8
 """Points of walls that a row knows, the nearest ones."""
@@ -95,6 +96,7 @@ class OwnPoses:
         self.teams = codes.copy()
         self._no_headings = np.zeros(rows)
         self._walls = walls
+        wall = (walls or no_walls()).record
         self.radii = np.array(np.broadcast_to(radii, (rows, 2)), dtype=np.float64, order="C")
         self.packed = POSES.pack(
             Poses(
@@ -111,6 +113,17 @@ class OwnPoses:
                 radii=self.radii,
                 wall_ways=np.zeros((rows, 0 if walls is None else MOST_WALLS, 2)),
                 wall_counts=np.zeros(rows, dtype=np.int64),
+                segments=wall.segments,
+                cell_lists=wall.first,
+                listed=wall.listed,
+                clear=wall.clear,
+                wall_grid=np.array([wall.left, wall.bottom, wall.pitch, wall.near, wall.columns, wall.lines]),
+                room=np.zeros((0, 0), np.uint8),
+                pitch=np.ones(2),
+                corner=np.zeros(2),
+                aims=np.zeros((self.team_count, 0), np.int64),
+                aim_squares=np.zeros((0, 2), np.int64),
+                fields=np.zeros((0, 0, 0), np.int32),
                 attraction=attraction,
                 history=history,
             )
@@ -161,6 +174,19 @@ class OwnPoses:
             goal_radius=float(fields[c.GOAL_RADIUS]),
             stamp=float(fields[c.POSE_STAMP]),
             moving=True,
+        )
+
+    def go_round(self, ways: Ways, aims: Aims) -> None:
+        """Let static gradients that attract lead round walls, where they are `aims`, one row for each team."""
+        self.packed = POSES.pack(
+            self.packed.record._replace(
+                room=ways.room,
+                pitch=ways.pitch,
+                corner=ways.corner,
+                aims=aims.numbers,
+                aim_squares=aims.squares,
+                fields=aims.fields,
+            )
         )
 
     def forget(self, rows: npt.ArrayLike) -> None:

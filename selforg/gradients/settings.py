@@ -32,6 +32,7 @@ class BufferSettings:
         store_all: keep all channels; otherwise only those in `channels`.
         channels: channels to keep.
         whole_seconds: evaporate as the original does, by whole seconds of age (Q3), instead of exactly.
+        hidden: whether gradients behind the walls that the poses know are not seen.
         smallest_cell: bound of the lowest level of reaches [m]; changes speed, never results.
 
     """
@@ -44,6 +45,7 @@ class BufferSettings:
     store_all: bool = True
     channels: tuple[str, ...] = ()
     whole_seconds: bool = False
+    hidden: bool = False
     smallest_cell: float = 0.5
 
     def __post_init__(self) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from selforg.arrays import READ, Floats, Ints
 from selforg.compiler.decorators import inlined, part
 from selforg.compiler.records import Packed, Recording, Words
+from selforg.space import wrapped
 
 NEAR: Final = 2.0
 """Distance from its cell up to which a segment is listed there, unless a longer one is asked for [m]."""
@@ -46,9 +47,11 @@ def packed_walls(segments: Floats, low: Sequence[float], high: Sequence[float], 
     columns, lines = (int(np.ceil(side / pitch)) if len(segments) else 0 for side in (width, height))
     corner, beyond = np.array([low[0], low[1]]) + 0.5 * pitch, pitch * float(np.sqrt(0.5))
     places = [corner + pitch * np.array([column, line]) for line, column in product(range(lines), range(columns))]
-    away = [distances_to(segments, place) for place in places]
-    lists = [np.flatnonzero(distances <= near + beyond) for distances in away]
-    clear = np.array([distances.min() - beyond for distances in away])
+    lists, clear = [], np.zeros(len(places))
+    for cell, place in enumerate(places):  # not all distances at once, which would fill the memory
+        away = distances_to(segments, place)
+        lists.append(np.flatnonzero(away <= near + beyond))
+        clear[cell] = away.min() - beyond
     first = np.cumsum([0, *map(len, lists)])
     listed = np.concatenate([np.zeros(0, np.int64), *lists])
     return WALLS.pack(
@@ -127,19 +130,57 @@ def touches_wall(x: float, y: float, radius: float, walls: Words[Walls]) -> bool
 
 
 @part
-def crosses_wall(x: float, y: float, dx: float, dy: float, walls: Words[Walls]) -> bool:
-    """Return whether a wall lies between the place (x, y) and the one at the offset (dx, dy) [m] from it."""
-    w = open_walls(walls)
-    cell = cell_of_walls(x, y, w)
-    if cell >= 0 and dx * dx + dy * dy <= w.near * w.near:
-        for k in range(w.first[cell], w.first[cell + 1]):
-            if crosses(x, y, dx, dy, w.listed[k], w):
-                return True
-    else:
-        for segment in range(w.segments.shape[0]):
-            if crosses(x, y, dx, dy, segment, w):
-                return True
-    return False
+def is_hidden(x: float, y: float, dx: float, dy: float, extent: Floats, walls: Words[Walls]) -> bool:
+    """Return whether a wall lies between the place (x, y) and the one at the offset (dx, dy) [m] from it.
+
+    extent: (2,) or more, of the space [m], 0 for an open axis.
+    """
+    return hides(x, y, dx, dy, extent, open_walls(walls))
+
+
+@inlined
+def hides(x: float, y: float, dx: float, dy: float, extent: Floats, w: Walls) -> bool:
+    """Return what `is_hidden` returns, of walls that are open."""
+    cell, square = cell_of_walls(x, y, w), dx * dx + dy * dy
+    if cell < 0 or square > w.near * w.near:
+        length = np.sqrt(square)
+        return bool(length > 0.0 and wall_along(x, y, dx / length, dy / length, length, extent, w) < length)
+    hidden = False
+    for k in range(w.first[cell], w.first[cell + 1]):
+        hidden = hidden or crosses(x, y, dx, dy, w.listed[k], w)
+    return hidden
+
+
+@part
+def wall_along(x: float, y: float, ux: float, uy: float, length: float, extent: Floats, w: Walls) -> float:
+    """Return the way [m] from a place along a unit vector to the first wall; `length` [m] if there is none so near.
+
+    It goes from cell to cell, each of which lists all walls that are as near as the next one.
+    """
+    gone = 0.0
+    while gone < length:
+        px, py = wrapped(x + gone * ux, extent[0]), wrapped(y + gone * uy, extent[1])
+        cell = cell_of_walls(px, py, w)
+        first, last = (w.first[cell], w.first[cell + 1]) if cell >= 0 else (0, w.segments.shape[0])
+        best = length - gone
+        for k in range(first, last):
+            best = min(best, way_to(px, py, ux, uy, w.listed[k] if cell >= 0 else k, w))
+        if cell < 0 or best <= w.near:
+            return min(gone + best, length)
+        gone += max(w.near, w.clear[cell])
+    return length
+
+
+@inlined
+def way_to(x: float, y: float, ux: float, uy: float, segment: int, w: Walls) -> float:
+    """Return the way [m] from a place along a unit vector to a segment; infinity if it misses it or runs along it."""
+    ax, ay = w.segments[segment, 0] - x, w.segments[segment, 1] - y
+    sx, sy = w.segments[segment, 2] - w.segments[segment, 0], w.segments[segment, 3] - w.segments[segment, 1]
+    across = ux * sy - uy * sx
+    if across == 0.0:
+        return np.inf
+    way, share = (ax * sy - ay * sx) / across, (ax * uy - ay * ux) / across
+    return way if way >= 0.0 and 0.0 <= share <= 1.0 else np.inf
 
 
 @inlined

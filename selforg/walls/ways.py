@@ -7,9 +7,8 @@ it. Robots to which the straight way is open go straight. Lengths in the field a
 from typing import Annotated, Final
 
 import numpy as np
-import numpy.typing as npt
 
-from selforg.arrays import OUTSIDE, READ, SCRATCH, Floats, Ints, Links
+from selforg.arrays import OUTSIDE, READ, SCRATCH, Floats, Ints, Links, Octets, derived
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.space import nearest_image
 from selforg.walls.free_ground import FreeGround, neighbour
@@ -27,30 +26,35 @@ RASTER_SLACK: Final = 4  # squares up to which the raster may be off by
 MOST_FIELD_BYTES: Final = 1 << 26
 """Memory for all fields, of which the first is given up for a new one; there are eight in any case."""
 NO_FIELD: Final = -1
+UNKNOWN: Final = -2
 
 
 class Ways:
-    """The ways to targets on a free ground. Its lower left corner is the origin.
+    """The ways to targets on a free ground.
 
     Attributes:
+        corner: (2,) lower left corner of the ground; places are given from there [m].
         room: (lines, columns) squares from each one to the nearest one on which there is none; 0: there is none here.
         extent: (2,) of the space, 0 for an axis that is open [m].
         pitch: (2,) sides of a square [m].
         numbers: (lines, columns) number of the field of each square that is a target, NO_FIELD for the others.
         fields: (F, lines, columns) lengths of the ways to targets, UNREACHED where there is none.
+        queue: (3, squares) room for `fill_field`.
 
     """
 
-    room: Annotated[npt.NDArray[np.uint8], "lines columns", READ]
+    room: Annotated[Octets, "lines columns", READ]
+    corner: Annotated[Floats, "2", READ]
     extent: Annotated[Floats, "2", READ]
     pitch: Annotated[Floats, "2", READ]
     numbers: Annotated[Ints, "lines columns", OUTSIDE]  # what fields hold follows from the walls alone
     fields: Annotated[Links, "F lines columns", OUTSIDE]
-    _queue: Annotated[Links, "3 squares", SCRATCH]
+    queue: Annotated[Links, "3 squares", SCRATCH]
 
     def __init__(self, ground: FreeGround, closed: bool) -> None:
         lines, columns = ground.regions.shape
         size = ground.high - ground.low
+        self.corner = ground.low
         self.extent = size.copy() if closed else np.zeros(2)
         self.pitch = size / (columns, lines)
         self.room = np.zeros((lines, columns), np.uint8)
@@ -58,7 +62,7 @@ class Ways:
         self.numbers = np.full((lines, columns), NO_FIELD)
         self.fields = np.zeros((0, lines, columns), np.int32)
         self._targets: list[tuple[int, int]] = []
-        self._queue = np.zeros((3, max(lines * columns, RING_OF_LENGTHS)), np.int32)
+        self.queue = np.zeros((3, max(lines * columns, RING_OF_LENGTHS)), np.int32)
 
     def add(self, line: int, column: int) -> None:
         """Compute the field of a target in a square, in place of the oldest one if there is no more memory."""
@@ -71,12 +75,54 @@ class Ways:
             more[:number] = self.fields
             self.fields = more
         self._targets.append((line, column))
-        fill_field(line, column, self.extent[0] > 0.0, self.room, self.fields[number], self._queue)
+        fill_field(line, column, self.extent[0] > 0.0, self.room, self.fields[number], self.queue)
         self.numbers[line, column] = number
 
 
+class Aims:
+    """Fields of targets that stay where they are, K in each of W worlds; targets in one square share a field.
+
+    Attributes:
+        numbers: (W, K) number of the field of each target, UNKNOWN until `renew`.
+        squares: (F, 2) line and column of the target of each field, -1 for a field without one.
+        fields: (F, lines, columns) see `Ways`.
+
+    """
+
+    numbers: Annotated[Ints, "W K", derived(UNKNOWN)]
+    squares: Annotated[Ints, "F 2", OUTSIDE]  # what fields hold follows from walls and targets
+    fields: Annotated[Links, "F lines columns", OUTSIDE]
+
+    def __init__(self, ways: Ways, worlds: int, targets: int) -> None:
+        self._ways = ways
+        self.numbers = np.full((worlds, targets), UNKNOWN)
+        self.squares = np.zeros((0, 2), np.int64)
+        self.fields = np.zeros((0, *ways.room.shape), np.int32)
+
+    def renew(self, places: Floats) -> None:
+        """Compute the fields of targets at `places` (W, K, 2) [m] that are UNKNOWN."""
+        ways = self._ways
+        for world, target in np.argwhere(self.numbers == UNKNOWN).tolist():
+            x, y = (places[world, target] - ways.corner).tolist()
+            line, column = square_of(x, y, ways.room, ways.pitch)
+            square = np.array([line, column])
+            known = np.flatnonzero((self.squares == square).all(axis=1))
+            if not len(known):
+                known = np.setdiff1d(np.arange(len(self.squares)), self.numbers)  # of no target any more
+            if not len(known):
+                known = np.array([len(self.squares)])
+                more = max(len(self.squares), 1)
+                self.squares = np.concatenate([self.squares, np.full((more, 2), -1)])
+                self.fields = np.concatenate([self.fields, np.zeros((more, *ways.room.shape), np.int32)])
+            number = int(known[0])
+            if (self.squares[number] != square).any():
+                self.squares[number] = square
+                fill_field(line, column, ways.extent[0] > 0.0, ways.room, self.fields[number], ways.queue)
+            self.numbers[world, target] = number
+
+
 @lean_kernel
-def measure_room(regions: Ints, main: int, closed: bool, room: npt.NDArray[np.uint8]) -> None:
+def measure_room(regions: Ints, main: int, closed: bool, room: Octets) -> None:
     """Write for each square how many squares, diagonals included, the nearest one outside of the region `main` is away.
 
     One sweep forwards and one backwards are enough; on a torus (`closed`) each is run twice, over its seams.
@@ -101,7 +147,7 @@ def measure_room(regions: Ints, main: int, closed: bool, room: npt.NDArray[np.ui
 
 
 @lean_kernel
-def fill_field(line: int, column: int, closed: bool, room: npt.NDArray[np.uint8], field: Links, queue: Links) -> None:
+def fill_field(line: int, column: int, closed: bool, room: Octets, field: Links, queue: Links) -> None:
     """Write the lengths of the ways from all squares to one into `field` (lines, columns).
 
     Dijkstra's algorithm with a ring of buckets by length (Dial 1969, doi:10.1145/363269.363610), since no step is
@@ -164,7 +210,7 @@ def drop_square(square: int, length: int, follows: Links, precedes: Links, first
 
 
 @part
-def square_of(x: float, y: float, room: npt.NDArray[np.uint8], pitch: Floats) -> tuple[int, int]:
+def square_of(x: float, y: float, room: Octets, pitch: Floats) -> tuple[int, int]:
     """Return line and column of the square in which a robot at a place [m] is, the nearest one that has room."""
     lines, columns = room.shape
     line = min(max(int(np.floor(y / pitch[1])), 0), lines - 1)
@@ -181,7 +227,7 @@ def square_of(x: float, y: float, room: npt.NDArray[np.uint8], pitch: Floats) ->
 
 
 @part
-def shared_square(x: float, y: float, room: npt.NDArray[np.uint8], pitch: Floats, extent: Floats) -> tuple[int, int]:
+def shared_square(x: float, y: float, room: Octets, pitch: Floats, extent: Floats) -> tuple[int, int]:
     """Return the square of the nearest place of the lattice that is open straight from a target [m], else its own.
 
     So many targets share few fields: whoever has come so far sees the rest of the way.
@@ -199,9 +245,7 @@ def shared_square(x: float, y: float, room: npt.NDArray[np.uint8], pitch: Floats
 
 
 @part
-def is_open(
-    x: float, y: float, dx: float, dy: float, room: npt.NDArray[np.uint8], pitch: Floats, extent: Floats
-) -> bool:
+def is_open(x: float, y: float, dx: float, dy: float, room: Octets, pitch: Floats, extent: Floats) -> bool:
     """Return whether a robot can go straight from (x, y) along (dx, dy) [m]; it may touch a wall at both ends.
 
     It looks from square to square, and skips those that have room around.
@@ -214,11 +258,10 @@ def is_open(
         share = gone / length
         line = int(np.floor((y + share * dy) / pitch[1]))
         column = int(np.floor((x + share * dx) / pitch[0]))
-        if not (0 <= line < lines and 0 <= column < columns):
-            if extent[0] == 0.0:
-                return False
-            line, column = line % lines, column % columns
-        free = room[line, column]
+        outside = not (0 <= line < lines and 0 <= column < columns)
+        if outside and extent[0] > 0.0:
+            line, column, outside = line % lines, column % columns, False
+        free = 1 if outside else room[line, column]  # open land has no walls outside of the raster
         if free == 0:
             return False
         gone += side * max(free - 1.0, 0.6)
@@ -226,9 +269,7 @@ def is_open(
 
 
 @part
-def way_down(
-    x: float, y: float, field: Links, room: npt.NDArray[np.uint8], pitch: Floats, extent: Floats
-) -> tuple[float, float]:
+def way_down(x: float, y: float, field: Links, room: Octets, pitch: Floats, extent: Floats) -> tuple[float, float]:
     """Return the way [m] from a place to one of the next LOOKS squares down a field, the farthest that is open."""
     lines, columns = room.shape
     line, column = square_of(x, y, room, pitch)
@@ -251,7 +292,7 @@ def way_down(
 
 @part
 def to_target(
-    x: float, y: float, tx: float, ty: float, extent: Floats, room: npt.NDArray[np.uint8], pitch: Floats
+    x: float, y: float, tx: float, ty: float, extent: Floats, room: Octets, pitch: Floats
 ) -> tuple[float, float, bool]:
     """Return the shortest offset [m] to a target, and whether the straight way there is open."""
     dx, dy = nearest_image(tx - x, extent[0]), nearest_image(ty - y, extent[1])

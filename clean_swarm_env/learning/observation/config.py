@@ -17,6 +17,7 @@ from clean_swarm_env.config.types import Count
 from clean_swarm_env.learning.observation import cleaning_terms as cleaning_terms
 from clean_swarm_env.learning.observation import load_terms as load_terms
 from clean_swarm_env.learning.observation import own_terms as own_terms
+from clean_swarm_env.learning.observation import ray_terms as ray_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation import thing_terms as thing_terms
 from clean_swarm_env.learning.observation import true_terms as true_terms

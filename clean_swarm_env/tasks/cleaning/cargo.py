@@ -28,7 +28,7 @@ from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words, Written
 from selforg.network import state as st
 from selforg.space import nearest_image
-from selforg.walls.segments import Walls, crosses_wall
+from selforg.walls.segments import Walls, is_hidden
 
 START_PICK, START_RECYCLE, START_DUMP = range(3)  # columns of `MindsRecord.starting`
 
@@ -104,7 +104,7 @@ def is_behind(row: int, place: Floats, f: FloorRecord, walls: Words[Walls]) -> b
     """Return whether a wall lies between a robot and a place (2,) [m]."""
     x, y = f.robots[row, 0], f.robots[row, 1]
     dx, dy = nearest_image(place[0] - x, f.extent[0]), nearest_image(place[1] - y, f.extent[1])
-    return crosses_wall(x, y, dx, dy, walls)
+    return is_hidden(x, y, dx, dy, f.extent, walls)
 
 
 @inlined

@@ -5,21 +5,19 @@ from __future__ import annotations
 from typing import Annotated, Final
 
 import numpy as np
-import numpy.typing as npt
 
-from clean_swarm_env.config.free_places import free_ground
 from clean_swarm_env.physics.cells import nearest_of_kind
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from clean_swarm_env.tasks.cleaning.movers import Movers
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, MindsRecord, open_floor, open_minds
 from clean_swarm_env.tasks.cleaning.site import Site
 from clean_swarm_env.world.view import World
-from selforg.arrays import SCRATCH, Floats, Ints, Links
+from selforg.arrays import SCRATCH, Floats, Ints, Links, Octets
 from selforg.commands import Commanded, Commands, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words
 from selforg.network import state as st
-from selforg.walls.ways import NO_FIELD, Ways, shared_square, square_of, to_target, way_down
+from selforg.walls.ways import NO_FIELD, shared_square, square_of, to_target, way_down
 
 STRAIGHT_ON: Final = -1
 """In place of the square of a target: the straight way there is open,"""
@@ -34,10 +32,7 @@ class Rounds:
     _squares: Annotated[Ints, "R 2", SCRATCH]  # line and column of the target, STRAIGHT_ON
 
     def __init__(self, world: World, site: Site, movers: Movers) -> None:
-        mission = world.mission
-        self._site, self._movers = site, movers
-        ground = free_ground(mission.world, mission.robots.radius)
-        self._ways = Ways(ground, mission.world.ground == "torus")
+        self._site, self._movers, self._ways = site, movers, world.ways
         self._goals = np.zeros((world.rows, 2))
         self._squares = np.zeros((world.rows, 2), dtype=np.int64)
 
@@ -64,7 +59,7 @@ def find_goals(
     to_garbage: int,
     goals: Floats,
     squares: Ints,
-    room: npt.NDArray[np.uint8],
+    room: Octets,
     pitch: Floats,
     extent: Floats,
 ) -> None:
@@ -113,7 +108,7 @@ def follow_round(
     squares: Ints,
     numbers: Ints,
     fields: Links,
-    room: npt.NDArray[np.uint8],
+    room: Octets,
     pitch: Floats,
     extent: Floats,
     commands: Words[Commanded],

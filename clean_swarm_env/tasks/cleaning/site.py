@@ -74,7 +74,7 @@ class Site:
                 cells=np.zeros(cells, dtype=np.int64),
                 links=np.zeros(count, dtype=np.int64),
                 walled=mission.world.has_walls,
-                hidden="sight" in mission.world.walls_block,
+                hidden=mission.world.blocks("sight"),
                 sight=sights,
                 found_again=max(round(config.found_again * mission.world.control_rate), 1),
                 room=room,

@@ -14,6 +14,7 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TASKS
+from clean_swarm_env.physics.rays import Bodies
 from clean_swarm_env.tasks.cleaning.agenda import Agendas
 from clean_swarm_env.tasks.cleaning.cargo import (
     begin_commands,
@@ -101,6 +102,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         items = SoBuffer(newest, space, poses)
         patrol, strongest = task.patrol, {"DEFAULT": "max"}
         trails = BufferSettings(patrol.view_distance, strongest, patrol.aggregation_distance, patrol.min_diffusion)
+        trails = replace(trails, hidden=mission.world.blocks("pheromones"))
         pheromones = SoBuffer(trails, space, poses, reception.delivery())
         return {
             "gradients": SoBuffer(BufferSettings(), space, poses),
@@ -224,6 +226,10 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
             sight=site.packed.record.sight,
             standing=self.consequences.standing,
         )
+
+    def bodies(self) -> Sequence[Bodies]:
+        """Return items that lie, and stations; neither has a size."""
+        return Bodies(self.garbage.positions, stage=self.garbage.stage, lies=LYING), Bodies(self.stations)
 
     def hindered(self, row: int) -> tuple[float, bool]:
         """Return how long a collision still stops the robot of a row [s], and whether it is damaged."""

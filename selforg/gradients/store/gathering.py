@@ -28,8 +28,11 @@ from selforg.gradients.store.records import (
 )
 from selforg.grid import CELL_COLUMNS, axis_cells, bucket_of, cell_of, near_cells
 from selforg.space import Space, half_of, shortest
+from selforg.walls.segments import Walls, hides
+from selforg.walls.ways import square_of, to_target, way_down
 
 CROWD = 32  # robots of a team; docs/decisions/0019-crowd-cells.md
+SHORTEST_WAY = 1e-12  # [m]
 IN_CACHE = 4096  # gradients: so few lie in the cache anyway, and prefetching costs more than it saves
 
 
@@ -67,12 +70,65 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Written[
             if level < c.UNBOUNDED:
                 within = radius + s.bounds[level]
                 cells = near_cells(look.x, look.y, look.z, within, s.cells, level, float(members), s.window)
-            found = gather_layer(first + level, cells, found, look, sight, store)
+            found = gather_layer(first + level, cells, found, look, sight, poses, store)
+    if open_poses(poses).aims.shape[1] > 0:
+        turn_round_walls(look, min(found, len(open_sight(sight).pairs)), sight, poses, store)
     return found
 
 
 @part
-def gather_layer(layer: int, cells: int, found: int, look: Look, sight: Words[Sight], store: Written[Store]) -> int:
+def turn_round_walls(look: Look, found: int, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> None:
+    """Turn the offsets to the aims among the first `found` pairs into the ways round walls, of the same lengths."""
+    p, s, pairs = open_poses(poses), open_store(store), open_sight(sight).pairs
+    team, x, y = p.teams[look.row], look.x - p.corner[0], look.y - p.corner[1]
+    for index in range(look.first, found):
+        slot = int(pairs[index, c.PAIR_SLOT])
+        if slot < 0 or pairs[index, c.PAIR_SIGN] <= 0.0:
+            continue
+        tx, ty = s.near[slot, c.X] - p.corner[0], s.near[slot, c.Y] - p.corner[1]
+        line, column = square_of(tx, ty, p.room, p.pitch)
+        for target in range(p.aims.shape[1]):
+            number = p.aims[team, target]
+            if number < 0 or p.aim_squares[number, 0] != line or p.aim_squares[number, 1] != column:
+                continue
+            _, _, straight = to_target(x, y, tx, ty, p.extent, p.room, p.pitch)
+            if not straight:
+                wx, wy = way_down(x, y, p.fields[number], p.room, p.pitch, p.extent)
+                scale = pairs[index, c.PAIR_DISTANCE] / max(np.sqrt(wx * wx + wy * wy), SHORTEST_WAY)
+                pairs[index, c.PAIR_DX], pairs[index, c.PAIR_DY] = scale * wx, scale * wy
+            break
+
+
+@inlined
+def walls_of_poses(p: Poses) -> Walls:
+    """Return the walls that poses know."""
+    g = p.wall_grid
+    return Walls(p.segments, p.cell_lists, p.listed, p.clear, g[0], g[1], g[2], g[3], int(g[4]), int(g[5]))
+
+
+@part
+def keep_in_view(count: int, look: Look, poses: Words[Poses], store: Words[Store]) -> int:
+    """Keep of the first `count` candidates those that no wall hides from the row; return how many."""
+    s, p = open_store(store), open_poses(poses)
+    w, kept = walls_of_poses(p), 0
+    for index in range(count):
+        if hides(look.x, look.y, s.offsets_x[index], s.offsets_y[index], p.extent, w):
+            continue
+        s.candidates[kept], s.reaches[kept], s.distances[kept] = (
+            s.candidates[index],
+            s.reaches[index],
+            s.distances[index],
+        )
+        s.offsets_x[kept], s.offsets_y[kept] = s.offsets_x[index], s.offsets_y[index]
+        s.offsets_z[kept] = s.offsets_z[index]
+        kept += 1
+    return kept
+
+
+@part
+def gather_layer(
+    layer: int, cells: int, found: int, look: Look, sight: Words[Sight], poses: Words[Poses], store: Written[Store]
+) -> int:
     """Gather from the first `cells` of the window of a layer, or from its whole list if `cells` is negative.
 
     First only the links are followed. The beginning of the next cell is then known before the rows of the last one have
@@ -109,6 +165,8 @@ def gather_layer(layer: int, cells: int, found: int, look: Look, sight: Words[Si
         count = renew(count, look.now, store)
         approach(count, look, store)
         measure(count, store)
+        if s.hidden:
+            count = keep_in_view(count, look, poses, store)
         found = keep_near(count, found, sight, store)
     return found
 

@@ -6,7 +6,7 @@ buckets (a power of two), P pairs, L levels.
 
 from typing import Annotated, NamedTuple
 
-from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints, Links, clocked
+from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints, Links, Octets, clocked
 from selforg.compiler.records import Recording
 from selforg.gradients.store.columns import POSE_STAMP
 
@@ -32,6 +32,19 @@ class Poses(NamedTuple):
     radii: Annotated[Floats, "N 2", READ]  # diffusion and goal radius of the poses that rows spread from now on [m]
     wall_ways: Annotated[Floats, "N S 2", SCRATCH]  # ways to the nearest points of near walls [m]; S is 0 without walls
     wall_counts: Annotated[Ints, "N", SCRATCH]  # how many there are
+    segments: Annotated[Floats, "K 4", READ]  # this and the next fields: those of `Walls`
+    cell_lists: Annotated[Ints, "CELLS", READ]
+    listed: Annotated[Ints, "L", READ]
+    clear: Annotated[Floats, "CELLS", READ]
+    wall_grid: Annotated[Floats, "6", READ]  # left, bottom, pitch, near, columns, lines
+    room: Annotated[
+        Octets, "lines columns", READ
+    ]  # this and the next fields: those of `Ways` and `Aims`; none: 0 targets
+    pitch: Annotated[Floats, "2", READ]
+    corner: Annotated[Floats, "2", READ]
+    aims: Annotated[Ints, "T M", READ]
+    aim_squares: Annotated[Ints, "F 2", READ]
+    fields: Annotated[Links, "F lines columns", READ]
     attraction: float  # of these, -1, 0 or +1
     history: int  # poses remembered of each row
 
@@ -64,6 +77,7 @@ class Store(NamedTuple):
     min_diffusion: float  # a gradient without goal area and with less diffusion than this is deleted [m]
     whole_seconds: int  # 1: evaporation counts whole seconds, as the original does (Q3)
     history: int  # moving gradients kept per channel and source
+    hidden: int  # 1: gradients behind walls are not seen
 
 
 class Sight(NamedTuple):

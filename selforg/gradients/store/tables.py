@@ -63,6 +63,7 @@ class Tables:
                 min_diffusion=settings.min_diffusion,
                 whole_seconds=int(settings.whole_seconds),
                 history=settings.moving_storage_size,
+                hidden=int(settings.hidden),
             )
         )
 

@@ -8,7 +8,7 @@ import pytest
 from selforg.compiler.decorators import lean_kernel
 from selforg.walls import ways as w
 from selforg.walls.free_ground import FreeGround
-from selforg.walls.segments import crosses_wall, images, packed_walls
+from selforg.walls.segments import images, is_hidden, packed_walls
 
 SIZE = np.array([6.0, 4.0])
 CUP = np.array([[2.0, 1.0, 4.0, 1.0], [4.0, 1.0, 4.0, 3.0], [4.0, 3.0, 2.0, 3.0]])  # open to the left
@@ -66,7 +66,7 @@ def test_a_robot_that_follows_a_field_arrives_and_keeps_off_walls(closed, start)
         way = np.array(step_to(*place, *target, ways.fields[0], ways.room, ways.pitch, ways.extent))
         length = np.linalg.norm(way)
         step = way * min(0.05 / length, 1.0)
-        assert not crossing(*place, *step, walls.words)
+        assert not crossing(*place, *step, ways.extent, walls.words)
         place = (place + step) % SIZE
         if length < 0.1:
             break
@@ -74,8 +74,8 @@ def test_a_robot_that_follows_a_field_arrives_and_keeps_off_walls(closed, start)
 
 
 @lean_kernel
-def crossing(x, y, dx, dy, walls):
-    return crosses_wall(x, y, dx, dy, walls)
+def crossing(x, y, dx, dy, extent, walls):
+    return is_hidden(x, y, dx, dy, extent, walls)
 
 
 @pytest.mark.parametrize("length", [0.5, 5.0])
@@ -91,8 +91,21 @@ def test_walls_between_places_are_those_that_the_line_meets(length):
             matrix = np.array([way, [ax - bx, ay - by]]).T
             share = np.linalg.solve(matrix, np.array([ax, ay]) - start)
             expected |= bool(((share >= 0.0) & (share <= 1.0)).all())
-        assert crossing(*start, *way, walls.words) == expected
+        assert crossing(*start, *way, np.zeros(2), walls.words) == expected
         met += expected
+    assert 40 < met < 390
+
+
+def test_walls_between_places_are_found_far_across_the_seams_of_a_torus():
+    rng = np.random.default_rng(4)
+    segments, met = rng.uniform(size=(3, 4)) * np.tile(SIZE, 2), 0
+    walls = packed_walls(images(segments, SIZE), (0.0, 0.0), SIZE)
+    every = packed_walls(images(segments, SIZE, 9.0), (-9.0, -9.0), SIZE + 9.0)
+    for _ in range(400):
+        start, way = rng.uniform(size=2) * SIZE, rng.uniform(-0.5, 0.5, 2) * SIZE
+        found = crossing(*start, *way, SIZE, walls.words)
+        assert found == crossing(*start, *way, np.zeros(2), every.words)
+        met += found
     assert 40 < met < 390
 
 
