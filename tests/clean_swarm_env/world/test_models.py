@@ -186,5 +186,7 @@ def test_groups_that_cannot_be_are_one_line(text, tmp_path):
 
 def test_a_family_draws_no_number_of_robots_that_groups_do_not_have():
     family = load_family("crowded").model_dump()
-    with pytest.raises(ConfigurationError, match="robots: expected 5, as in the groups of the mission, and no joins"):
+    with pytest.raises(
+        ConfigurationError, match="robots: expected 5, as in the groups of the mission, or `groups`; and no joins"
+    ):
         validated(FamilyConfig, {**family, "mission": team().model_dump()}, "family")
