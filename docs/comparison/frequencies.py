@@ -12,32 +12,41 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.tasks.cleaning.task import cleaning_of
 from docs.comparison.manifest import Manifest
-from docs.comparison.runs import trained_first
+from docs.comparison.runs import claimed_training
 from selector.documents.fields import JOINT
+from selector.documents.writing import write_whole
+from train.deciders.named import POLICY
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.look_ahead import shares_of
 from train.reports.text_table import markdown_table
 from train.request import Request
 
-MISSIONS, SHOWN = 8, 3
+MISSIONS, SHOWN = 4, 3
 """Test missions of each family, and options of a goal that are named."""
 
 
 def frequencies_table(manifest: Manifest, folder: Path) -> str:
-    """Return a row for each family and case."""
+    """Return a row for each family and case; the table is kept in the directory of the results."""
+    kept = folder / "frequencies.md"
+    if kept.exists():
+        return kept.read_text(encoding="utf-8")
     rows, goals = [], manifest.goal.split(JOINT)
     for family in manifest.families:
         taken = _taken(manifest, folder, family)
         for case in sorted({case for case, _ in taken}):
             cells = [shares_of(taken[case, goal], SHOWN) for goal in goals]
             rows.append([f"`{family}`", case, *cells])
-    return markdown_table(["family", "garbage, collisions", *goals], rows)
+    table = markdown_table(["family", "garbage, collisions", *goals], rows)
+    write_whole(kept, table.encode())
+    return table
 
 
 def _taken(manifest: Manifest, folder: Path, family: str) -> dict[tuple[str, str], Counter[str]]:
     """Return case and goal -> option -> how often robots took it."""
     goal = manifest.goal_on(family)
-    asked = Request(family, strategies=(trained_first(manifest, folder),), seed=manifest.seeds[0], goal=goal)
+    asked = Request(
+        family, strategies=(f"{POLICY}:{claimed_training(manifest, folder)}",), seed=manifest.seeds[0], goal=goal
+    )
     evaluation, found = FamilyEvaluation(asked), defaultdict[tuple[str, str], Counter[str]](Counter)
     for number in range(MISSIONS):
         _count(evaluation, evaluation.scenario(evaluation.family, scenario_name("test", number)), found)

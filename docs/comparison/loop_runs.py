@@ -10,7 +10,7 @@ from clean_swarm_env.config.families import Split, scenario_name
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
 from docs.comparison.loop import LoopedFamily, LoopedMissions, LoopManifest
-from docs.comparison.runs import run
+from docs.comparison.running import run
 from selforg.arrays import Floats
 from train.deciders.named import FIXED
 from train.evaluation.entrants import RANDOM

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from clean_swarm_env.config.types import Count, Robots, Scenarios
-from selector.documents.fields import Closed, DocumentName, JointName, Name, Share
+from selector.documents.fields import Closed, DocumentName, JointName, Name, Number, Share
 
 
 class Learner(Closed):
@@ -30,11 +30,24 @@ class Compared(Closed):
     """The best options of each goal, joined; raced unless given."""
     searched: Scenarios | None = None
     """Training scenarios of the race, in place of those of the comparison."""
+    kinds: dict[str, JointName] = Field(default_factory=dict)
+    """With `best`: kind of scenario -> its best options, which a race of all options found before."""
     told: dict[Name, JointName] = Field(default_factory=dict)
     """Component of the observation -> options where it is the largest, for a team that is told; those that the race
     finds for each kind of scenario unless given."""
     headroom: bool = False
     """Whether a team that is told is known to gain something, and stands beside."""
+
+
+class Screening(Closed):
+    """Test scenarios on which all are judged first: only who is not clearly worse is judged on the others.
+
+    Clearly worse is whose ratio to the claimed learner has a lower bound above 1. Of several trainings that which
+    validation prefers goes on.
+    """
+
+    scenarios: Scenarios
+    seed: int
 
 
 class Race(Closed):
@@ -45,12 +58,35 @@ class Race(Closed):
     seed: int
 
 
+class Numbers(Closed):
+    """What is raced, and on how many scenarios."""
+
+    searched: Scenarios
+    """Most training scenarios of a race."""
+    finalists: Count
+    """Options with which a race ends."""
+    seed: int
+    """Seed of the races."""
+    confirmed: Scenarios
+    """Fresh training scenarios on which the winner meets the best option of the library."""
+    fresh: int
+    """Their seed."""
+    held: dict[Name, Name]
+    """Goal -> option that it holds while another goal is raced before it."""
+    tried: dict[Name, dict[Name, dict[Name, tuple[Number, ...]]]]
+    """Goal -> option -> parameter -> other values."""
+    families: Annotated[tuple[Name, ...], Field(min_length=1)]
+    """Families on which numbers are raced."""
+
+
 class Variant(Closed):
     """A family with other numbers of robots, or messages that are lost."""
 
     family: Name
     robots: tuple[Robots, Robots] | None = None
     loss: Share = 0.0
+    scenarios: Scenarios | None = None
+    """Number of test scenarios of each seed, in place of those of the family."""
 
 
 class Ablation(Closed):
@@ -86,12 +122,16 @@ class Manifest(Closed):
     """Goals whose options are chosen."""
     seeds: Annotated[tuple[int, ...], Field(min_length=1)]
     """Seeds of the test scenarios."""
+    screening: Screening | None = None
+    """Scenarios that drop who is clearly worse; none: all are judged on all scenarios."""
     learners: Annotated[dict[Name, Learner], Field(min_length=1)]
     """Label -> trainings. The first is what is claimed."""
     rules: dict[Name, str] = Field(default_factory=dict)
     """Label -> rule, as `--strategy` takes it; judged where the goals of the comparison are decided."""
     race: Race
     """How the best options are found."""
+    numbers: Numbers | None = None
+    """The race of the numbers of options; none: no such race."""
     families: Annotated[dict[Name, Compared], Field(min_length=1)]
     """Families."""
     variants: dict[Name, Variant] = Field(default_factory=dict)

@@ -1,39 +1,49 @@
 """The races, trainings and evaluations of a comparison. What its directory holds already is kept."""
 
 import json
-import os
 import re
-import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
 from clean_swarm_env.config.load import load_family
 from docs.comparison.manifest import Ablations, Learner, Manifest, Variant
+from docs.comparison.raced_numbers import Won, knowledge_with, race_numbers
+from docs.comparison.running import run, written
 from docs.comparison.shuffled import ShuffledEvaluation
-from docs.figures.update_results import CLEAN_SWARM, ROOT
+from docs.figures.update_results import ROOT
 from selector.documents.fields import JOINT
 from selector.documents.find import find_file, load_file
-from selector.documents.reading import as_yaml, read_mapping
+from selector.documents.reading import read_mapping
 from selector.documents.writing import write_whole
 from selector.knowledge import load_knowledge
+from train.analysis.family_report import excesses_of
+from train.analysis.intervals import Ratio
 from train.deciders.named import FIXED, MACHINE, POLICY
+from train.evaluation.claims import family_runs
+from train.evaluation.family import FamilyEvaluation
 from train.evaluation.pipeline import evaluate
 from train.learning.config import TrainingConfig
+from train.learning.training import HISTORY_FILE
 from train.request import Request
 
 CPU_TIMES = "cpu_s.json"
 AT_ONCE = 2
 """Trainings that run at the same time, each in a process of its own."""
-SHUFFLED = "shuffled"
+SHUFFLED, SCREENING, NUMBERS = "shuffled", "screening", "numbers"
 TOLD = "told"
 """Label of a machine that sees what no robot can know."""
 TRUE_TERMS = ("true_season", "finds", "recent_finds", "stops", "loads")
 """Terms that machines on written families see, beside the usual ones."""
+
+
+class AloneEvaluation(FamilyEvaluation):
+    """The evaluation of strategies alone: `Off` and `Random` were screened."""
+
+    beside_baselines = False
 
 
 @dataclass(frozen=True)
@@ -49,24 +59,97 @@ class Raced:
 def make(manifest: Manifest, folder: Path) -> None:
     """Do what is missing in the directory of the results."""
     folder.mkdir(parents=True, exist_ok=True)
+    raced_numbers(manifest, folder)
     for family in manifest.families:
         _race(folder, manifest, family)
     learners = {**manifest.learners, **_ablated(folder, manifest)}
-    words = _trained(folder, learners)
-    for family in manifest.families:
-        best = raced(manifest, folder, family)
-        others = [f"{FIXED}:{options}" for options in dict.fromkeys((best.best, *best.told.values()))]
-        ablated = manifest.ablations.of if manifest.ablations and family in manifest.ablations.families else ()
-        strategies = [f"{label}={words[label]}" for label in (*manifest.judged_on(family), *ablated)]
+    members = _trained(folder, learners)
+    best = {label: [preferred(own)] if manifest.screening else own for label, own in members.items()}
+    for family, compared in manifest.families.items():
+        best_there, rules = raced(manifest, folder, family), {}
+        numbers = configured(manifest, folder, family)
+        outside = bool(numbers) and not ships(manifest, family, numbers)
+        given = dict.fromkeys((best_there.best, *([numbers] if numbers and not outside else [])))
+        held = [f"{FIXED}:{options}" for options in given]
+        told = [f"{FIXED}:{options}" for options in dict.fromkeys(best_there.told.values()) if options not in given]
+        told += _told(folder, manifest, family)
         if manifest.goal_on(family) == manifest.goal:
-            strategies += [f"{label}={rule}" for label, rule in manifest.rules.items()]
-        _judge(folder, manifest, family, family, [*others, *strategies, *_told(folder, manifest, family)])
-        if manifest.families[family].headroom:
-            _shuffle(folder, manifest, family, words[manifest.claimed])
-    claimed = f"{manifest.claimed}={words[manifest.claimed]}"
+            rules = {label: f"{label}={rule}" for label, rule in manifest.rules.items()}
+        ablated = manifest.ablations.of if manifest.ablations and family in manifest.ablations.families else ()
+        judged = manifest.judged_on(family)
+        every = {label: _strategy(label, members[label]) for label in (*judged, *ablated)} | rules
+        first, left = manifest.screening, list(every)
+        if first is not None:
+            screened = f"{family}-{SCREENING}"
+            _judge(folder, manifest, family, screened, [*held, *every.values()], (first.seed,), first.scenarios)
+            worse = clearly_worse(judged_folder(folder, screened, first.seed), manifest.claimed)
+            left = [label for label in every if label not in worse and label not in ablated]
+        chosen = [rules[label] if label in rules else _strategy(label, best[label]) for label in left]
+        _judge(folder, manifest, family, family, [*held, *chosen, *told], manifest.seeds, compared.scenarios)
+        if outside:
+            file = knowledge_with(manifest.numbers, folder, family, manifest.goal_on(family), numbers)
+            label, member = f"{family}-{NUMBERS}", f"{FIXED}:{numbers}"
+            _judge(folder, manifest, family, label, [member], manifest.seeds, compared.scenarios, str(file))
+        if compared.headroom:
+            _shuffle(folder, manifest, family, _strategy(manifest.claimed, best[manifest.claimed]))
+    claimed = _strategy(manifest.claimed, best[manifest.claimed])
     for label, variant in manifest.variants.items():
         best_there = f"{FIXED}:{raced(manifest, folder, variant.family).best}"
-        _judge(folder, manifest, variant.family, label, [best_there, claimed])
+        count = variant.scenarios or manifest.families[variant.family].scenarios
+        _judge(folder, manifest, variant.family, label, [best_there, claimed], manifest.seeds, count)
+
+
+def raced_numbers(manifest: Manifest, folder: Path) -> dict[str, dict[str, Won]]:
+    """Race the numbers of options where this is not done; return family -> goal -> what was found."""
+    numbers = manifest.numbers
+    return (
+        {}
+        if numbers is None
+        else {family: race_numbers(numbers, folder, family, manifest.goal_on(family)) for family in numbers.families}
+    )
+
+
+def configured(manifest: Manifest, folder: Path, family: str) -> str:
+    """Return the options of the best numbers that races found, joined; empty if there was no race."""
+    numbers = manifest.numbers
+    if numbers is None or family not in numbers.families:
+        return ""
+    found = race_numbers(numbers, folder, family, manifest.goal_on(family))
+    return JOINT.join(won.option for won in found.values())
+
+
+def ships(manifest: Manifest, family: str, options: str) -> bool:
+    """Return whether the library has all of the joined options."""
+    known, goals = load_knowledge(load_family(family).mission.knowledge), manifest.goal_on(family).split(JOINT)
+    pairs = zip(goals, options.split(JOINT), strict=True)
+    return all(name in {one.name for one in known.options(goal)} for goal, name in pairs)
+
+
+def clearly_worse(folder: Path, claimed: str) -> set[str]:
+    """Return the labels whose ratio to the claimed learner has a lower bound above 1."""
+    means = {label: own.mean(axis=2) for label, own in excesses_of(family_runs(folder)).items()}
+    ratios = {label: Ratio.of(own, means[claimed].mean(axis=0)) for label, own in means.items() if label != claimed}
+    return {label for label, ratio in ratios.items() if ratio.ci95 is not None and ratio.ci95[0] > 1.0}
+
+
+def preferred(trainings: Sequence[Path]) -> Path:
+    """Return what the training made whose validation is the best."""
+    return min(trainings, key=lambda made: best_checkpoint(made.parent)["score"])
+
+
+def best_checkpoint(training: Path) -> dict[str, float]:
+    """Return the figures of the checkpoint with the lowest mean logarithm of the excess on validation scenarios."""
+    return min(_measured(training), key=lambda entry: entry["score"])
+
+
+def first_checkpoint(training: Path) -> dict[str, float]:
+    """Return the figures of the first checkpoint that was measured."""
+    return _measured(training)[0]
+
+
+def _measured(training: Path) -> list[dict[str, float]]:
+    lines = (training / HISTORY_FILE).read_text(encoding="utf-8").splitlines()
+    return [entry for entry in map(json.loads, lines) if entry["score"] is not None]
 
 
 def judged_folder(folder: Path, label: str, seed: int) -> Path:
@@ -78,23 +161,12 @@ def raced(manifest: Manifest, folder: Path, family: str) -> Raced:
     """Return what was raced, or given."""
     compared = manifest.families[family]
     if compared.best is not None:
-        return Raced(compared.best, {})
+        return Raced(compared.best, compared.kinds)
     notes = json.loads((_race_folder(folder, family) / "summary.json").read_text(encoding="utf-8"))["notes"]
     best = next(note for note in notes if note.startswith("best single choice: ")).partition(": ")[2]
     cases = next(note for note in notes if note.startswith("best choices: ")).partition(": ")[2]
     told = dict(re.fullmatch(r"(.*) (\S+)", case).groups() for case in cases.split(", "))  # type: ignore[union-attr]
     return Raced(best, told if compared.headroom and not compared.told else {})
-
-
-def run(*words: object) -> float:
-    """Run `clean-swarm` with `words`; return its CPU time [s]."""
-    command = [*CLEAN_SWARM, *map(str, words)]
-    process = subprocess.Popen(command, cwd=ROOT)
-    _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise subprocess.CalledProcessError(process.returncode, command)
-    return used.ru_utime + used.ru_stime
 
 
 def _race_folder(folder: Path, family: str) -> Path:
@@ -119,15 +191,16 @@ def _race(folder: Path, manifest: Manifest, family: str) -> None:
         run("study", "headroom", family, "--kinds", *goal, *sizes, "--output", output, "--resume")
 
 
-def _trained(folder: Path, learners: Mapping[str, Learner]) -> dict[str, str]:
-    """Do the trainings; return label -> strategy with all of its trainings as members."""
+def _trained(folder: Path, learners: Mapping[str, Learner]) -> dict[str, list[Path]]:
+    """Do the trainings; return label -> what each made."""
     kinds = {label: load_file("training", one.training, TrainingConfig).learner for label, one in learners.items()}
     made = {label: "machine.yaml" if kind == "design" else "policy" for label, kind in kinds.items()}
     outputs = {label: [folder / f"{label}-{seed}" for seed in one.seeds] for label, one in learners.items()}
     times = folder / CPU_TIMES
 
     def train(label: str, seed: int, output: Path) -> tuple[str, float]:
-        words = ("--config", learners[label].training, "--seed", seed, "--output", output, "--resume")
+        place = output.relative_to(ROOT) if output.is_relative_to(ROOT) else output  # policies name their command
+        words = ("--config", learners[label].training, "--seed", seed, "--output", place, "--resume")
         return output.name, run("train", kinds[label], *words)
 
     with ThreadPoolExecutor(AT_ONCE) as pool:
@@ -145,11 +218,13 @@ def _trained(folder: Path, learners: Mapping[str, Learner]) -> dict[str, str]:
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    prefixes = {label: MACHINE if kind == "design" else POLICY for label, kind in kinds.items()}
-    return {
-        label: f"{prefixes[label]}:{'+'.join(str(output / made[label]) for output in own)}"
-        for label, own in outputs.items()
-    }
+    return {label: [output / made[label] for output in own] for label, own in outputs.items()}
+
+
+def _strategy(label: str, trainings: Sequence[Path]) -> str:
+    """Return trainings as one strategy."""
+    prefix = MACHINE if trainings[0].suffix else POLICY
+    return f"{label}={prefix}:{'+'.join(map(str, trainings))}"
 
 
 def _ablated(folder: Path, manifest: Manifest) -> dict[str, Learner]:
@@ -168,7 +243,7 @@ def _ablated(folder: Path, manifest: Manifest) -> dict[str, Learner]:
                 for task in training["tasks"]
             ]
         content = {name: value for name, value in training.items() if value is not None}
-        file = _written(folder / f"{label}.yaml", content)
+        file = written(folder / f"{label}.yaml", content)
         learners[label] = Learner(training=str(file), seeds=ablations.seeds, families=ablations.families)
     return learners
 
@@ -185,7 +260,7 @@ def _lacking(folder: Path, label: str, ablations: Ablations, without: tuple[str,
         goal: [one.model_dump(mode="json") for one in known.options(goal) if one.name not in without]
         for goal in known.goals
     }
-    return str(_written(folder / f"{label}.knowledge.yaml", {"goals": options}))
+    return str(written(folder / f"{label}.knowledge.yaml", {"goals": options}))
 
 
 def _told(folder: Path, manifest: Manifest, family: str) -> list[str]:
@@ -196,55 +271,64 @@ def _told(folder: Path, manifest: Manifest, family: str) -> list[str]:
     ways = [{"to": case, "when": case, "above": 0.5} for case in told]
     states = {case: {"option": options, "transitions": ways} for case, options in told.items()}
     machine = {"goal": manifest.goal_on(family), "start": next(iter(told)), "states": states}
-    return [f"{TOLD}={MACHINE}:{_written(folder / f'{TOLD}-{family}.yaml', machine)}"]
+    return [f"{TOLD}={MACHINE}:{written(folder / f'{TOLD}-{family}.yaml', machine)}"]
 
 
-def _judge(folder: Path, manifest: Manifest, family: str, label: str, strategies: list[str]) -> None:
-    """Evaluate strategies on the test scenarios of all seeds of a family, or of its variant `label`."""
-    file = _family_file(folder, family, label, manifest.variants.get(label))
+def _judge(
+    folder: Path,
+    manifest: Manifest,
+    family: str,
+    label: str,
+    strategies: Sequence[str],
+    seeds: Sequence[int],
+    scenarios: int,
+    knowledge: str = "",
+) -> None:
+    """Evaluate strategies on the test scenarios of some seeds of a family, or of its variant `label`.
+
+    With `knowledge` teams have its options in place of those of the library.
+    """
+    file = _family_file(folder, family, label, manifest.variants.get(label), knowledge)
     words = [word for strategy in strategies for word in ("--strategy", strategy)]
-    goal, count = ("--goal", manifest.goal_on(family)), ("--scenarios", manifest.families[family].scenarios)
-    for seed in manifest.seeds:
+    for seed in seeds:
         output = judged_folder(folder, label, seed)
-        run("evaluate", "--family", file, *goal, *words, *count, "--seed", seed, "--output", output, "--resume")
+        if manifest.screening is None or seed == manifest.screening.seed:
+            asked = ("--goal", manifest.goal_on(family), "--scenarios", scenarios, "--seed", seed)
+            run("evaluate", "--family", file, *asked, *words, "--output", output, "--resume")
+        else:
+            asked = _request(file, manifest.goal_on(family), strategies, seed, scenarios, output)
+            evaluate(AloneEvaluation(asked), Console(quiet=True))
 
 
-def _family_file(folder: Path, family: str, label: str, variant: Variant | None) -> Path:
+def _request(file: Path, goal: str, strategies: Sequence[str], seed: int, scenarios: int, output: Path) -> Request:
+    asked = Request(str(file), strategies=tuple(strategies), seed=seed, scenarios=scenarios, goal=goal)
+    return replace(asked, output=output, resume=True)
+
+
+def _family_file(folder: Path, family: str, label: str, variant: Variant | None, knowledge: str = "") -> Path:
     """Write the family, or its variant, with terms that machines may need; return the file."""
     content = read_mapping(find_file("families", family))
-    mission = {**content["mission"], "terms": [*TRUE_TERMS]}
+    mission = {**content["mission"], "terms": [*TRUE_TERMS], **({"knowledge": knowledge} if knowledge else {})}
     if variant is not None and variant.loss:
         mission["delivery"] = {"loss": variant.loss}
     robots = {} if variant is None or variant.robots is None else {"robots": list(variant.robots)}
-    return _written(folder / f"{label}.family.yaml", {**content, **robots, "mission": mission})
+    return written(folder / f"{label}.family.yaml", {**content, **robots, "mission": mission})
 
 
-def _shuffle(folder: Path, manifest: Manifest, family: str, policy: str) -> None:
-    """Judge the claimed learner where each robot gets the observation of another one."""
-    file = _family_file(folder, family, family, None)
-    for seed in manifest.seeds:
+def _shuffle(folder: Path, manifest: Manifest, family: str, strategy: str) -> None:
+    """Judge the claimed learner where each robot gets the observation of another one; in the screening, if any."""
+    file, goal, first = _family_file(folder, family, family, None), manifest.goal_on(family), manifest.screening
+    count = manifest.families[family].scenarios if first is None else first.scenarios
+    for seed in manifest.seeds if first is None else (first.seed,):
         output = judged_folder(folder, f"{family}-{SHUFFLED}", seed)
-        request = Request(
-            str(file),
-            strategies=(f"{manifest.claimed}={policy}",),
-            seed=seed,
-            scenarios=manifest.families[family].scenarios,
-            goal=manifest.goal_on(family),
-            output=output,
-            resume=True,
-        )
-        evaluate(ShuffledEvaluation(request), Console(quiet=True))
+        evaluate(ShuffledEvaluation(_request(file, goal, (strategy,), seed, count, output)), Console(quiet=True))
 
 
-def _written(file: Path, content: Mapping[str, Any]) -> Path:
-    """Write a YAML file; return it."""
-    write_whole(file, as_yaml(content).encode())
-    return file
-
-
-def trained_first(manifest: Manifest, folder: Path) -> str:
-    """Return the first training of the claimed learner as a strategy."""
-    return f"{POLICY}:{folder / f'{manifest.claimed}-{manifest.learners[manifest.claimed].seeds[0]}' / 'policy'}"
+def claimed_training(manifest: Manifest, folder: Path) -> Path:
+    """Return the training of the claimed learner that stands for it."""
+    seeds = manifest.learners[manifest.claimed].seeds
+    trainings = [folder / f"{manifest.claimed}-{seed}" / "policy" for seed in seeds]
+    return preferred(trainings) if manifest.screening else trainings[0]
 
 
 def cpu_minutes(folder: Path, names: list[str]) -> float:

@@ -9,7 +9,24 @@ import numpy as np
 
 from clean_swarm_env.config.load import load_family
 from docs.comparison.manifest import Manifest
-from docs.comparison.runs import SHUFFLED, TOLD, cpu_minutes, judged_folder, raced, shown_options
+from docs.comparison.raced_numbers import numbers_table
+from docs.comparison.runs import (
+    NUMBERS as NUMBERS_FOLDER,
+)
+from docs.comparison.runs import (
+    SCREENING,
+    SHUFFLED,
+    TOLD,
+    best_checkpoint,
+    configured,
+    cpu_minutes,
+    first_checkpoint,
+    judged_folder,
+    raced,
+    raced_numbers,
+    ships,
+    shown_options,
+)
 from selforg.arrays import Floats
 from train.analysis.family_report import excesses_of, unfinished_of
 from train.analysis.intervals import Ratio
@@ -27,6 +44,10 @@ WAY = 0.6
 NOTHING = f"{FIXED}:Off"
 BEST = "best options"
 """Label of the options that the race found."""
+NUMBERS = "raced numbers"
+"""Label of the options whose numbers were raced, too."""
+SCREENED = " ¹"
+"""Mark of a ratio on the scenarios of the screening."""
 
 
 class Results:
@@ -45,24 +66,34 @@ class Results:
         self._manifest, self._folder = manifest, folder
         self._raced = {family: raced(manifest, folder, family) for family in manifest.families}
         self.best = {family: found.best for family, found in self._raced.items()}
+        self._numbers = {family: configured(manifest, folder, family) for family in manifest.families}
         self._left: dict[str, dict[str, Floats]] = {}
-        self._excesses = {family: self._read(family) for family in manifest.families}
+        self._excesses = {family: self._judged(family, family, manifest.seeds) for family in manifest.families}
+        self._screened: dict[str, dict[str, Floats]] = {}
+        if manifest.screening is not None:
+            seeds = (manifest.screening.seed,)
+            self._screened = {f: self._judged(f, f"{f}-{SCREENING}", seeds) for f in manifest.families}
         for family, own in self._excesses.items():
-            own[BEST] = own[f"{FIXED}:{self.best[family]}"]
-            self._left[family][BEST] = self._left[family].get(f"{FIXED}:{self.best[family]}", np.zeros((1, 1, 1)))
             if self._raced[family].told:
                 own[TOLD] = self._told(family)
 
     def ratio(self, family: str, label: str, against: str = BEST) -> Ratio | None:
-        """Return the ratio of two labels on a family; None where one of them was not judged."""
-        own = self._excesses[family]
-        if label not in own or against not in own:
-            return None
-        return Ratio.of(own[label].mean(axis=2), own[against].mean(axis=(0, 2)))
+        """Return the ratio of two labels on a family; None where one of them was not judged.
+
+        It is that of the screening where one of them was judged only there.
+        """
+        for own in (self._excesses[family], self._screened.get(family, {})):
+            if label in own and against in own:
+                return Ratio.of(own[label].mean(axis=2), own[against].mean(axis=(0, 2)))
+        return None
 
     def tables(self) -> dict[str, str]:
         """Return name -> table."""
         tables = {"main": self._main(), "learners": self._learners(), "told": self._headroom()}
+        if self._manifest.numbers is not None:
+            tables["numbers"] = numbers_table(raced_numbers(self._manifest, self._folder))
+        if self._manifest.screening is not None:
+            tables["trainings"] = self._trainings()
         if self._manifest.variants:
             tables["variants"] = self._variants()
         if self._manifest.ablations is not None:
@@ -109,9 +140,20 @@ class Results:
         """The geometric mean over families of the ratios to the best options."""
         return exp(float(np.mean([log(self._shown(f, self._manifest.claimed)[0]) for f in self._manifest.families])))
 
-    def _read(self, label: str) -> dict[str, Floats]:
+    def _judged(self, family: str, label: str, seeds: Sequence[int]) -> dict[str, Floats]:
+        """Return strategy -> excess costs (S, K, 1) of a family, also by the labels of held options."""
+        own, numbers = self._read(label, seeds), self._numbers[family]
+        if numbers and not ships(self._manifest, family, numbers) and label == family:
+            own |= self._read(f"{family}-{NUMBERS_FOLDER}", seeds)
+        for name, options in {BEST: self.best[family], NUMBERS: numbers}.items():
+            if (held := f"{FIXED}:{options}") in own:
+                own[name] = own[held]
+                self._left[label][name] = self._left[label].get(held, np.zeros((1, 1, 1)))
+        return own
+
+    def _read(self, label: str, seeds: Sequence[int]) -> dict[str, Floats]:
         """Return strategy -> excess costs (S, K, 1) of all seeds; note the shares of unfinished missions."""
-        runs = [family_runs(judged_folder(self._folder, label, seed)) for seed in self._manifest.seeds]
+        runs = [family_runs(judged_folder(self._folder, label, seed)) for seed in seeds]
         each, left = [excesses_of(own) for own in runs], [unfinished_of(own) for own in runs]
         self._left[label] = {
             name: np.concatenate([own[name] for own in left], axis=1) for name in (left[0] if all(left) else ())
@@ -147,34 +189,65 @@ class Results:
         """Return the claimed learner beside what would embarrass it: a row for each family."""
         claimed, rows = self._manifest.claimed, []
         for family, own in self._excesses.items():
-            each = own[claimed].mean(axis=(1, 2)) / own[BEST].mean()
-            spread = f"; {each.min():.2f} to {each.max():.2f}" if len(each) > 1 else ""
             cells = [f"`{family}`", shown_options(self.best[family]), f"{own[BEST].mean():.1f}"]
-            cells += [_cell(self.ratio(family, claimed)) + spread]
+            cells += [self._spread(family) if self._manifest.screening is None else _cell(self.ratio(family, claimed))]
+            cells += [_cell(self.ratio(family, claimed, NUMBERS))] * (self._manifest.numbers is not None)
             cells += [_cell(self.ratio(family, label)) for label in (RANDOM, NOTHING)]
             rows.append(cells)
+        raced = [f"`{claimed}` / best with raced numbers"] * (self._manifest.numbers is not None)
+        heads = ["family", "best options", "their excess s", f"`{claimed}` / best", *raced]
+        heads += ["`Random` / best", "no avoidance / best"]
+        mean = ["geometric mean", "", "", f"{self.geometric_mean:.3f}", *([""] * (len(heads) - 4))]
+        return markdown_table(heads, [*rows, mean])
+
+    def _spread(self, family: str) -> str:
+        """Return the ratio of the trainings of the claimed learner to the best options, with the best and worst."""
+        own = self._screened.get(family) or self._excesses[family]
+        trainings, best = own[self._manifest.claimed], own[BEST]
+        each = trainings.mean(axis=(1, 2)) / best.mean()
+        spread = f"; {each.min():.2f} to {each.max():.2f}" if len(each) > 1 else ""
+        return _cell(Ratio.of(trainings.mean(axis=2), best.mean(axis=(0, 2)))) + spread
+
+    def _trainings(self) -> str:
+        """Return what each training of the claimed learner reached on validation and in the screening."""
+        claimed, rows = self._manifest.claimed, []
+        folders = [self._folder / f"{claimed}-{seed}" for seed in self._manifest.learners[claimed].seeds]
+        figures = [best_checkpoint(folder) for folder in folders]
+        for name in sorted(name for name in figures[0] if name.endswith("/excess_s")):
+            family = name.partition("/")[0]
+            each = np.array([own[name] for own in figures])
+            started = np.mean([first_checkpoint(folder)[name] for folder in folders])
+            judged = self._spread(family) if family in self._manifest.families else EMPTY_CELL
+            rows.append([f"`{family}`", *(f"{x:.1f}" for x in (started, each.mean(), each.min(), each.max())), judged])
+        judged_only = [family for family in self._manifest.families if f"{family}/excess_s" not in figures[0]]
+        rows += [[f"`{family}`, untrained", "", "", "", "", self._spread(family)] for family in judged_only]
         heads = [
             "family",
-            "best options",
-            "their excess s",
-            f"`{claimed}` / best",
-            "`Random` / best",
-            "no avoidance / best",
+            "first checkpoint s",
+            "best checkpoints s",
+            "from",
+            "to",
+            f"`{claimed}` / best, all trainings",
         ]
-        mean = ["geometric mean", "", "", f"{self.geometric_mean:.3f}", "", ""]
-        return markdown_table(heads, [*rows, mean])
+        return markdown_table(heads, rows)
 
     def _learners(self) -> str:
         """Return all learners beside the best options of each family."""
         rows = []
         for label, learner in self._manifest.learners.items():
             minutes = cpu_minutes(self._folder, [f"{label}-{seed}" for seed in learner.seeds])
-            cells = [_cell(self.ratio(family, label)) for family in self._manifest.families]
+            cells = [self._judging(family, label) for family in self._manifest.families]
             rows.append([f"`{label}`", str(len(learner.seeds)), f"{minutes:.1f}", *cells])
-        for rule in self._manifest.rules:
-            rows.append([f"`{rule}`", "", "", *(_cell(self.ratio(family, rule)) for family in self._manifest.families)])
+        for label in (*self._manifest.rules, *([NUMBERS] * (self._manifest.numbers is not None))):
+            cells = [self._judging(family, label) for family in self._manifest.families]
+            rows.append([f"`{label}`" if label != NUMBERS else label, "", "", *cells])
         heads = ["", "trainings", "CPU min each", *(f"`{family}`" for family in self._manifest.families)]
         return markdown_table(heads, rows)
+
+    def _judging(self, family: str, label: str) -> str:
+        """Return the ratio to the best options, marked where it is that of the screening."""
+        screened = label not in self._excesses[family] and label in self._screened.get(family, {})
+        return _cell(self.ratio(family, label)) + (SCREENED if screened else "")
 
     def _headroom(self) -> str:
         """Return the claimed learner beside a team that is told, and with shuffled observations."""
@@ -182,15 +255,17 @@ class Results:
         for family in self._manifest.families:
             if not self._manifest.families[family].headroom:
                 continue
-            shuffled = self._read(f"{family}-{SHUFFLED}")[claimed].mean(axis=2)
-            given = self._excesses[family][BEST].mean(axis=(0, 2))
+            first = self._manifest.screening
+            seeds = self._manifest.seeds if first is None else (first.seed,)
+            shuffled = self._read(f"{family}-{SHUFFLED}", seeds)[claimed].mean(axis=2)
+            given = (self._screened or self._excesses)[family][BEST].mean(axis=(0, 2))
             cells = [_cell(self.ratio(family, label)) for label in (TOLD, claimed)]
             rows.append([f"`{family}`", *cells, f"{self._way(family):.0%}", _cell(Ratio.of(shuffled, given))])
         heads = ["family", "told / best", f"`{claimed}` / best", "share of the way", "shuffled / best"]
         return markdown_table(heads, rows)
 
     def _variant_ratio(self, label: str) -> Ratio:
-        own = self._read(label)
+        own = self._read(label, self._manifest.seeds)
         best = f"{FIXED}:{self.best[self._manifest.variants[label].family]}"
         return Ratio.of(own[self._manifest.claimed].mean(axis=2), own[best].mean(axis=(0, 2)))
 
@@ -212,9 +287,11 @@ class Results:
         ending = [family for family, left in self._left.items() if family in self._manifest.families and len(left) > 1]
         rows = []
         for label in (self._manifest.claimed, BEST, RANDOM, NOTHING):
-            cells = [
-                share_cell(float(own[label].mean())) if label in (own := self._left[f]) else EMPTY_CELL for f in ending
-            ]
+            cells = []
+            for family in ending:
+                own = self._left[family]
+                own = own if label in own else self._left.get(f"{family}-{SCREENING}", {})
+                cells.append(share_cell(float(own[label].mean())) if label in own else EMPTY_CELL)
             rows.append([label, *cells])
         return markdown_table(["", *(f"`{family}`" for family in ending)], rows)
 

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from clean_swarm_env.config.types import Scenarios
-from docs.comparison.runs import run
+from docs.comparison.running import run
 from selector.documents.fields import Closed, Name
 from selector.knowledge import load_knowledge
 from train.analysis.family_report import excesses_of

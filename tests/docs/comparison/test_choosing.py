@@ -1,6 +1,7 @@
 """The command behind docs/choosing.md: what is there is kept, tables say what runs say, and a lost claim is noticed."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -8,14 +9,18 @@ import pytest
 from clean_swarm_env.config.load import load_family
 from docs.comparison import runs, write_choosing
 from docs.comparison.frequencies import frequencies_table
-from docs.comparison.manifest import Manifest
+from docs.comparison.manifest import Manifest, Numbers
+from docs.comparison.raced_numbers import Won, numbers_table, race_numbers
 from docs.comparison.shuffled import ShuffledDecider
 from docs.comparison.tables import Results
 from selector.documents.find import load_file
 from selector.documents.reading import read_mapping
+from selector.knowledge import load_knowledge
+from selector.strategies.policy_file import find_policy
 from selector.strategies.problem import Problem
 from tests.train.learning.trainings import written
 from train.analysis.family_report import excesses_of
+from train.analysis.intervals import Ratio
 from train.deciders.decider import OptionDecider
 from train.evaluation.claims import family_runs
 from train.learning.config import TrainingConfig
@@ -68,6 +73,55 @@ def test_the_tables_come_from_races_trainings_and_evaluations_which_are_kept(tmp
     runs.make(manifest, folder)
     assert {file: file.read_bytes() for file in folder.glob("*/runs.csv")} == before
     assert (folder / runs.CPU_TIMES).read_bytes() == times
+
+
+def trained(folder, **scores):
+    """Write two trainings of a policy that ships, with these scores on validation scenarios."""
+    for name, score in scores.items():
+        shutil.copytree(find_policy("one"), folder / name / "policy")
+        entry = {"decisions": 1, "score": score, "random/excess_s": 100.0 * score}
+        lines = [json.dumps(entry | {"score": 9.0}), json.dumps(entry)]
+        (folder / name / "history.jsonl").write_text("\n".join(lines))
+    (folder / runs.CPU_TIMES).write_text(json.dumps(dict.fromkeys(scores, 60.0)))
+
+
+def test_a_screening_drops_who_is_clearly_worse_and_only_the_training_of_the_best_validation_goes_on(tmp_path):
+    trained(tmp_path, **{"one-1": 0.5, "one-2": 0.25})
+    learners = {"one": {"training": "one", "seeds": (1, 2)}}
+    given = {"families": {"random": {"scenarios": 2, "best": "ORCA"}}, "screening": {"scenarios": 8, "seed": 9}}
+    rules = {"worse": "fixed:RepulsionFernandez-view2.0", "hold": "fixed:PredictiveSteering"}
+    manifest = Manifest(**TRIED | given | {"variants": {}}, learners=learners, rules=rules)
+    runs.make(manifest, tmp_path)
+    screened = excesses_of(family_runs(tmp_path / "random-screening-9"))
+    judged = excesses_of(family_runs(tmp_path / "random-3"))
+    assert screened["one"].shape[:2] == (2, 8)
+    assert {"one", "hold", "fixed:ORCA"} <= set(judged) < set(screened)
+    assert {"worse", "Random", "fixed:Off"}.isdisjoint(judged)
+    assert screened["worse"].mean() > screened["one"].mean()
+    assert judged["one"].shape[:2] == (1, 2)
+    assert runs.claimed_training(manifest, tmp_path) == tmp_path / "one-2" / "policy"
+    tables = Results(manifest, tmp_path).tables()
+    assert f"{screened['worse'].mean() / screened['fixed:ORCA'].mean():.3f}" in tables["learners"]
+    assert " ¹ |" in tables["learners"]
+    assert "| `random` | 37.5 | 37.5 | 25.0 | 50.0 |" in tables["trainings"]
+
+
+def test_a_variant_counts_if_fresh_scenarios_show_it_to_be_better(tmp_path):
+    tried = {"AvoidCollision": {"ORCA": {"distance": (0.9,)}}}
+    sizes = {"searched": 2, "finalists": 2, "seed": 1, "confirmed": 2, "fresh": 2}
+    numbers = Numbers(**sizes, held={"AvoidCollision": "ORCA"}, tried=tried, families=("random",))
+    (won,) = race_numbers(numbers, tmp_path, "random", "AvoidCollision").values()
+    raced = (tmp_path / "numbers-of-random-AvoidCollision" / "runs.jsonl").read_text()
+    assert "ORCA-distance0.9" in raced
+    library = {option.name for option in load_knowledge("avoidance").options("AvoidCollision")}
+    assert won.known in library
+    assert won.best in {*library, "ORCA-distance0.9"}
+    known = np.arange(10.0, 30.0)
+    better, alike = Ratio.of(0.8 * known + np.sin(known), known), Ratio.of(known + 5.0 * np.sin(known), known)
+    assert Won("ORCA", "ORCA-distance0.9", better).option == "ORCA-distance0.9"
+    assert Won("ORCA", "ORCA-distance0.9", alike).option == Won("ORCA", "ORCA", None).option == "ORCA"
+    table = numbers_table({"random": {"AvoidCollision": Won("ORCA", "ORCA-distance0.9", better)}})
+    assert f"**{better.ratio:.3f} [" in table
 
 
 def test_a_race_tells_the_options_of_each_kind(tmp_path):
