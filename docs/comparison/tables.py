@@ -241,6 +241,10 @@ class Results:
         for label in (*self._manifest.rules, *([NUMBERS] * (self._manifest.numbers is not None))):
             cells = [self._judging(family, label) for family in self._manifest.families]
             rows.append([f"`{label}`" if label != NUMBERS else label, "", "", *cells])
+        claimed = self._manifest.claimed
+        for rule in self._manifest.rules:
+            cells = [_cell(self.ratio(family, claimed, rule)) for family in self._manifest.families]
+            rows.append([f"`{claimed}` / `{rule}`", "", "", *cells])
         heads = ["", "trainings", "CPU min each", *(f"`{family}`" for family in self._manifest.families)]
         return markdown_table(heads, rows)
 
