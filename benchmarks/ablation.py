@@ -15,8 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.load import load_mission
-from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.mission import MissionConfig, NetworkConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import run_mission

@@ -19,8 +19,6 @@ from traceback import extract_tb
 from types import ModuleType
 from typing import Any
 
-import numpy as np
-
 GROUP = "clean_swarm"
 """Group of the entry points by which installed packages name their plug-ins."""
 NAMED = "CLEAN_SWARM_IMPORT"
@@ -145,6 +143,8 @@ def told_in_a_line(place: str) -> Iterator[None]:
 @contextmanager
 def contract(owner: object, part: str, *inputs: Any) -> Iterator[None]:  # noqa: ANN401  (arrays)
     """Let an error of a plug-in's object become one line, and a change of its input arrays an error."""
+    import numpy as np  # finding names and files takes no numbers
+
     before = [array.copy() for array in inputs]
     with told_in_a_line(_named(owner).__module__):
         yield
@@ -154,6 +154,8 @@ def contract(owner: object, part: str, *inputs: Any) -> Iterator[None]:  # noqa:
 
 def check_answer(owner: object, part: str, answer: Any, shape: tuple[int, ...]) -> None:  # noqa: ANN401
     """Raise PluginError unless the answer of a plug-in's object is finite numbers of a shape."""
+    import numpy as np
+
     given = np.asarray(answer)
     if given.shape != shape or given.dtype.kind not in "biuf" or not np.isfinite(given).all():
         got = f"{given.dtype} {given.shape}" + (" with NaN or infinity" if given.shape == shape else "")

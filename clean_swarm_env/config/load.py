@@ -12,7 +12,8 @@ from typing import Any
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import find_task, named_file, with_changes
+from clean_swarm_env.config.task_names import named_file
+from clean_swarm_env.config.tasks import find_task, with_changes
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
 from selector.documents.find import find_file

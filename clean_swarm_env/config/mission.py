@@ -15,7 +15,6 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, field_serializer, f
 from clean_swarm_env.config.delivery import EVERYWHERE, DeliveryConfig
 from clean_swarm_env.config.events import MOST_TIMES, Again, Event, Join, SetDelivery, check_team
 from clean_swarm_env.config.free_places import check_place, check_walls, free_ground, robots_that_fit
-from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.robots import RobotConfig, models_of_rows, of_each
 from clean_swarm_env.config.tasks import (
     CLEANING,
@@ -28,8 +27,9 @@ from clean_swarm_env.config.tasks import (
 from clean_swarm_env.config.types import Length, Point, Pose, Seconds
 from clean_swarm_env.config.world import WorldConfig
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, DocumentName, Name, NonNegative, StoreName
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, StoreName
 from selector.knowledge import LearnedScores, learned_from
+from selector.vocabulary.settings import SettingsSpec
 from selforg.arrays import Floats, Ints
 
 SPARE = 2.0
@@ -50,6 +50,21 @@ class StartConfiguration(Closed):
     @classmethod
     def _numbers_are_names(cls, value: object) -> object:
         return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+class NetworkConfig(SettingsSpec):
+    """The behaviour network of each robot: its document, its settings and its planner."""
+
+    robot: DocumentName = "cleaning"
+    """Name of the robot's document in `configs/robots`."""
+    activation_threshold: Positive = 7.0
+    """Activation that a behaviour needs to start, at the start of the mission [-]."""
+    max_parallel: Annotated[int, Field(strict=True, ge=1, le=1000)] = 1
+    """Number of behaviours of one robot that may run at the same time."""
+    planner: Name = "built-in"
+    """Planner whose plans add activation: "built-in", "off", or an engine of unified-planning."""
+    transport_full_range: Positive = 1.0
+    """Distance to a station from which its linear condition is fully satisfied [m]."""
 
 
 class MissionConfig(Closed):

@@ -6,31 +6,24 @@ with the first mission, and in plug-ins (`selforg.plugins`).
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Mapping, Sequence
-from functools import cache
+from collections.abc import Mapping
 from importlib import import_module
-from pathlib import Path
 from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
 from clean_swarm_env.config.robots import RobotModel
+from clean_swarm_env.config.task_names import OWN_TASK, TASK, TASKS_HOME
 from clean_swarm_env.config.types import Point
 from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, Name
-from selector.documents.find import KINDS, files_of, find_file, is_path
-from selector.documents.imported import is_import, registered
-from selector.documents.reading import read_text
+from selector.documents.imported import registered
+from selector.documents.trust import is_import
 from selforg.arrays import Floats
-from selforg.registry import Registry, UnknownNameError, unknown
+from selforg.registry import Registry, UnknownNameError
 
 CLEANING: Final = "Cleaning"
 """Name of the task of missions that name none."""
-TASKS_HOME: Final = "clean_swarm_env.tasks"
-"""The package whose import registers our tasks."""
-OWN_TASK: Final = "; a task of your own: --import MODULE or FILE.py"
-"""What follows the error of an unknown name."""
 
 Mission: TypeAlias = Any
 """A `MissionConfig`, which stands above this module."""
@@ -123,7 +116,7 @@ class TaskKind:
         return family.mission.task, []
 
 
-TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name, TASKS_HOME, TaskKind)
+TASKS: Registry[TaskKind] = Registry(TASK, lambda kind: kind.name, TASKS_HOME, TaskKind)
 """Tasks by name."""
 
 
@@ -134,55 +127,6 @@ def find_task(name: str) -> type[TaskKind]:
         return TASKS.find(registered(name, TASKS) if is_import(name) else name)
     except UnknownNameError as error:
         raise DocumentError(f"{error}{OWN_TASK}, in Python imports=") from error
-
-
-def task_stories() -> dict[str, str]:
-    """Return the stories of all tasks by name; sources of ours are read, not run: importing them takes a second."""
-    here = Path(__file__).parents[1]
-    stories = {name: TASKS.find(name).story for name in TASKS.names()}
-    for file in (*here.glob("tasks/cleaning/*.py"), *here.glob("tasks/*.py")):
-        stories |= _declared(file)
-    return dict(sorted(stories.items()))
-
-
-@cache
-def _declared(file: Path) -> dict[str, str]:
-    """Return the stories of the tasks that a file of Python code registers."""
-    found = {}
-    for node in ast.parse(read_text(file)).body:
-        if isinstance(node, ast.ClassDef) and "TASKS.register" in map(ast.unparse, node.decorator_list):
-            given = {
-                ast.unparse(part.targets[0]): part.value.value
-                for part in node.body
-                if isinstance(part, ast.Assign) and isinstance(part.value, ast.Constant)
-            }
-            found[str(given.get("name", node.name))] = str(given.get("story", ""))
-    return found
-
-
-def task_names() -> tuple[str, ...]:
-    """Return the names of all tasks, those of plug-ins included."""
-    return tuple(task_stories())
-
-
-def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> Path | None:
-    """Return the file of a mission or a family; None where only a task has the name, or a mission that of a family.
-
-    Raises:
-        DocumentError: nothing has the name; `where` starts the line, which lists the known names.
-
-    """
-    if is_import(name_or_path):
-        registered(name_or_path, TASKS)
-        return None
-    found = files_of(kind, directories)
-    if name_or_path in found or is_path(kind, name_or_path):
-        return find_file(kind, name_or_path, directories, where)
-    missions = files_of("missions", directories)
-    if name_or_path in missions or name_or_path in task_names():
-        return None
-    known = dict.fromkeys((*found, *missions, *task_names()))
-    raise DocumentError(where + unknown(f"{KINDS[kind].called} or task", name_or_path, tuple(known)) + OWN_TASK)
 
 
 def settings_from(given: object) -> object:

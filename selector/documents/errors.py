@@ -1,10 +1,8 @@
 """Errors in documents, as one line each: file, key, what was expected and what was given."""
 
-import os
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
-from pathlib import Path
 from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -12,6 +10,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from selector.documents.plain import DocumentError as DocumentError
 from selector.documents.plain import short
+from selector.documents.plain import shown as shown
 from selector.documents.trust import reading_files
 from selforg.registry import unknown
 
@@ -69,12 +68,6 @@ def within(where: str) -> Iterator[None]:
         yield
     except ValueError as error:
         raise DocumentError(f"{where}: {error}") from error
-
-
-def shown(path: Path) -> str:
-    """Return `path` as a user in the working directory would write it."""
-    relative = os.path.relpath(path)
-    return str(path) if relative.startswith("..") else relative
 
 
 def _first_mistake(error: ValidationError) -> tuple[str, str]:

@@ -9,11 +9,15 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from selector.documents.errors import DocumentError, M, shown, validated
+from selector.documents.plain import DocumentError, shown
 from selector.documents.reading import read_mapping
 from selforg.plugins import folders, load
 from selforg.registry import REGISTRIES, unknown
+
+if TYPE_CHECKING:
+    from selector.documents.errors import M
 
 SHIPPED = Path(__file__).resolve().parents[2] / "configs"
 """The directory of the shipped files, beside this package in a checkout and in an installed wheel."""
@@ -109,13 +113,15 @@ def _files_in(root: Path, kind: str) -> dict[str, Path]:
     return {path.relative_to(folder).as_posix().removesuffix(ending): path for path in folder.glob(f"*{ending}")}
 
 
-def load_file(kind: str, name: str, model: type[M], directories: Sequence[Path] = (), where: str = "") -> M:
+def load_file(kind: str, name: str, model: "type[M]", directories: Sequence[Path] = (), where: str = "") -> "M":
     """Return the content of a YAML file as a model; the arguments are those of `find_file`.
 
     Raises:
         DocumentError: there is no such file, or it has a mistake.
 
     """
+    from selector.documents.errors import validated  # imports pydantic
+
     path = find_file(kind, name, directories, where)
     return validated(model, read_mapping(path), shown(path))
 

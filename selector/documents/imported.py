@@ -13,16 +13,9 @@ from pydantic import AfterValidator, Field
 from selector.documents.errors import DocumentError
 from selector.documents.fields import as_name
 from selector.documents.plain import short
-from selector.documents.trust import check_trust
+from selector.documents.trust import check_trust, is_import
 from selforg import plugins
 from selforg.registry import Registry, unknown
-
-
-def is_import(text: str) -> bool:
-    """Return whether a text has the form of a name of the user's own code."""
-    module, colon, name = text.rpartition(":")
-    return bool(colon) and name.isidentifier() and (module.endswith(".py") or module.replace(".", "_").isidentifier())
-
 
 NameOrImport = Annotated[
     str,

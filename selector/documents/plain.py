@@ -1,6 +1,8 @@
 """Text from outside, made fit to print: short, on one line, without control characters."""
 
+import os
 import reprlib
+from pathlib import Path
 
 MOST_SHOWN = 60
 """Characters of a given value that an error shows."""
@@ -35,6 +37,12 @@ def plain(text: str, most: int = MOST_PRINTED) -> str:
     half = most // 2
     cut = text if len(text) <= most else f"{text[:half]} ... {text[-half:]}"
     return "".join(c if c.isprintable() else " " if c == "\n" else ascii(c)[1:-1] for c in cut)
+
+
+def shown(path: Path) -> str:
+    """Return `path` as a user in the working directory would write it."""
+    relative = os.path.relpath(path)
+    return str(path) if relative.startswith("..") else relative
 
 
 class DocumentError(ValueError):

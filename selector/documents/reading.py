@@ -12,8 +12,7 @@ from typing import Any
 
 import yaml
 
-from selector.documents.errors import DocumentError, shown
-from selector.documents.plain import short
+from selector.documents.plain import DocumentError, short, shown
 from selector.documents.yaml_values import MOST_DEPTH, REAL, TOO_DEEP, WHOLE, value_of, yaml_value
 
 DOCUMENT_BYTES = 32 * 2**20

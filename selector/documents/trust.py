@@ -41,6 +41,12 @@ _in_file: ContextVar[tuple[str, bool] | None] = ContextVar("_in_file", default=N
 """The file that names come from, and whether it is trusted; None: from no file."""
 
 
+def is_import(text: str) -> bool:
+    """Return whether a text has the form of a name of the user's own code."""
+    module, colon, name = text.rpartition(":")
+    return bool(colon) and name.isidentifier() and (module.endswith(".py") or module.replace(".", "_").isidentifier())
+
+
 def check_trust(name: str, deed: str, where: str = "", hint: str = "") -> str:
     """Return a name; DocumentError, which begins with `where`, if only a file asks for the `deed` it stands for.
 

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from shutil import rmtree
 
-from selector.documents.errors import DocumentError, shown
+from selector.documents.plain import DocumentError, shown
 
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Numbers of the errors of a full disk, which is not the user's mistake: they stay an OSError."""

@@ -12,8 +12,7 @@ from typing import Any, NoReturn
 
 import yaml
 
-from selector.documents.errors import DocumentError
-from selector.documents.plain import short
+from selector.documents.plain import DocumentError, short
 
 MOST_NODES = 50_000
 """Values of a YAML document, those of an alias counted wherever it stands; the largest shipped one has a thousand."""

@@ -8,9 +8,10 @@ from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Name
-from selector.documents.imported import NameOrImport, imported, is_import
+from selector.documents.imported import NameOrImport, imported
 from selector.documents.plain import short
 from selector.documents.reading import read_value
+from selector.documents.trust import is_import
 from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import Keys

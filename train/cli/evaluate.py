@@ -8,8 +8,12 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env import ConfigurationError
+from clean_swarm_env.config.task_names import OWN_TASK, task_names
+from selector.documents.trust import is_import
 from selector.documents.writing import write_whole
+from selforg.registry import unknown
+from train.cli.listing import check_named
 from train.cli.options import (
     MOST_SEED,
     REPORTING,
@@ -18,7 +22,7 @@ from train.cli.options import (
     Learn,
     RunStore,
     asking,
-    check_named,
+    check_there,
     check_whole,
     wide_console,
 )
@@ -62,6 +66,7 @@ def evaluate_command(
     else:
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         check_named(given.directories, strategy, families=family, knowledge=values["knowledge"])
+    check_there(starts)
     from clean_swarm_env.config.load import load_robustness  # these import SciPy, Numba and Matplotlib
     from train.evaluation import pipeline
     from train.evaluation.base import Evaluation
@@ -124,6 +129,8 @@ def run_command(
         raise ConfigurationError(f"--seconds: expected a positive number up to {MOST_SECONDS:g}, got {seconds:g}")
     if arena is not None and arena not in ARENAS:
         raise ConfigurationError(f"--arena: expected {' or '.join(ARENAS)}, got {arena!r}")
+    if task is not None and not every and not is_import(task) and task not in task_names():
+        raise ConfigurationError(unknown("task", task, task_names()) + OWN_TASK)
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation.task_run import TaskRun, as_page, outcome_grid, run_task, tasks_to_run  # imports Numba
     from train.memory import StoreRequest

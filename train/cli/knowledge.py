@@ -10,15 +10,15 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env import ConfigurationError
 from selector.documents.writing import write_whole
+from train.cli.listing import check_named
 from train.cli.options import (
     SITUATIONS,
     Configs,
     GivenOptions,
     Situations,
     asking,
-    check_named,
     situations_in,
     wide_console,
 )

@@ -10,16 +10,18 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env.config.tasks import task_stories
-from clean_swarm_env.config.types import ConfigurationError
-from selector.documents.errors import DocumentError
-from selector.documents.find import KINDS, SHIPPED, files_of, plugin_names
-from selector.documents.plain import plain
+from clean_swarm_env import ConfigurationError
+from clean_swarm_env.config.task_names import named_file, task_stories
+from selector.documents.find import KINDS, SHIPPED, files_of, find_file, plugin_names
+from selector.documents.plain import DocumentError, plain
 from selector.documents.reading import read_mapping
+from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS
 from selforg.plugins import installed, named_plugins
 from selforg.registry import unknown
-from train.cli.options import Configs, wide_console
+from train.cli.options import Configs, check_there, wide_console
 
+MEMBER_FILES = {"policy": "policies", "learned": "strategies", "fsm": "machines"}
+"""Kind of a strategy -> kind of its file."""
 CLASS = r"(?s)@{}\.register\n(?:@[^\n]*\n)?class (?P<name>\w+).*?\"\"\"(?P<line>.*?)(?:\n|\"\"\")"
 DECLARED = {
     "action-classes": ("selforg/components/**/*.py", CLASS.format("ACTIONS")),
@@ -87,30 +89,57 @@ def list_command(
     if kind is not None and kind not in LINES:
         raise ConfigurationError(f"list: {unknown('kind', kind, sorted(LINES))}")
     directories = tuple(configs or ())
-    shown = {name: names_of(name, directories) for name in ((kind,) if kind else LINES)}
-    rows = list(shown[kind].items()) if kind else [(name, (str(len(own)), LINES[name])) for name, own in shown.items()]
+    if kind is not None:
+        rows = list(names_of(kind, directories).items())
+    else:
+        counts = [len(names_of(each, directories, told=False)) for each in LINES]
+        rows = [(each, (str(count), line)) for (each, line), count in zip(LINES.items(), counts, strict=True)]
+    console = wide_console()
     widths = [max(map(len, column)) for column in zip(*((name, *cells) for name, cells in rows), strict=True)]
     for name, cells in rows:
         padded = [plain(cell).ljust(width) for cell, width in zip((name, *cells), widths, strict=True)]
-        wide_console().print("  ".join(padded).rstrip(), soft_wrap=True)
-    wide_console().print(f"\n{LINES[kind]}" if kind else "\nclean-swarm list KIND shows the names of one kind")
+        console.print("  ".join(padded).rstrip(), soft_wrap=True)
+    console.print(f"\n{LINES[kind]}" if kind else "\nclean-swarm list KIND shows the names of one kind")
 
 
-def names_of(kind: str, directories: Sequence[Path]) -> dict[str, tuple[str, ...]]:
-    """Return name -> a line on it, of everything of a kind; that of a plug-in ends with where it comes from."""
-    found = _names_of_ours(kind, directories)
+def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None = None, **given: str | None) -> None:
+    """Raise the error of a name that nothing has, before libraries are imported that take seconds; kind -> name."""
+    directories = tuple(configs or ())
+    for kind, name in given.items():
+        if name is not None and kind == "families":
+            named_file(kind, name, directories)
+        elif name is not None:
+            find_file(kind, name, directories)
+    for text in strategies or ():
+        where = f"--strategy {text}: "
+        kind, _, names = (text if ":" in text.partition("=")[0] else text.partition("=")[2] or text).partition(":")
+        for name in names.split("+") if kind in FILED_KINDS[1:] else ():
+            if name.endswith(FOREIGN_ENDINGS):
+                check_there(Path(name), where=where)
+            elif kind in MEMBER_FILES:
+                find_file(MEMBER_FILES[kind], name, directories, where)
+        if not names and kind not in (*FILED_KINDS, BASELINE, *(known := names_of("strategy-classes", ()))):
+            raise ConfigurationError(where + unknown("strategy", kind, tuple(known)))
+
+
+def names_of(kind: str, directories: Sequence[Path], *, told: bool = True) -> dict[str, tuple[str, ...]]:
+    """Return name -> a line on it, of everything of a kind; that of a plug-in ends with where it comes from.
+
+    Lines of files are empty unless they are to be `told`: reading a hundred files takes half a second.
+    """
+    found = _names_of_ours(kind, directories, told)
     for name, origin in _names_of_plugins(kind).items():
         found[name] = (f"{found.get(name, ('',))[0]} (from {origin})".strip(),)
     return dict(sorted(found.items()))
 
 
-def _names_of_ours(kind: str, directories: Sequence[Path]) -> dict[str, tuple[str, ...]]:
+def _names_of_ours(kind: str, directories: Sequence[Path], told: bool) -> dict[str, tuple[str, ...]]:
     """Return the names in our sources, those of all files, and of tasks also those of plug-ins that are imported."""
     if kind == "tasks":
         return {name: (story,) for name, story in task_stories().items()}
     if kind in KINDS:
         line = _conditions if kind == "experiments" else _line
-        return {name: (line(path),) for name, path in files_of(kind, directories).items()}
+        return {name: (line(path) if told else "",) for name, path in files_of(kind, directories).items()}
     places, *patterns = DECLARED[kind]
     texts = [path.read_text(encoding="utf-8") for path in SHIPPED.parent.glob(places)]
     found = (match for text in texts for pattern in patterns for match in re.finditer(pattern, text))

@@ -14,8 +14,16 @@ from urllib.parse import quote
 import typer
 from rich.progress import track
 
-from clean_swarm_env.config.types import ConfigurationError
-from train.cli.options import MAY_NAME_CODE, Configs, check_figure, check_whole, error_console, wide_console
+from clean_swarm_env import ConfigurationError
+from train.cli.options import (
+    MAY_NAME_CODE,
+    Configs,
+    check_figure,
+    check_there,
+    check_whole,
+    error_console,
+    wide_console,
+)
 from train.cli.repeat import ConditionOption, ScenarioOption, repeating
 
 if TYPE_CHECKING:
@@ -40,6 +48,7 @@ def picture_command(
     numbers: Numbers = True,
 ) -> None:
     """Draw a moment of a run, with the option that each robot holds; a run without a recording is repeated."""
+    check_there(run)
     from clean_swarm_env.drawing.picture import check_picture, write_picture  # imports NumPy
 
     check_whole({"--size": (size, LEAST_SIZE, MOST_SIZE)})
@@ -96,6 +105,7 @@ def video_command(
     numbers: Numbers = True,
 ) -> None:
     """Write a run as a video of 20 pictures a second; a run without a recording is repeated."""
+    check_there(run)
     from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND  # imports NumPy
     from clean_swarm_env.drawing.picture import pixels_of
     from clean_swarm_env.drawing.video import check_video, write_video
@@ -137,6 +147,7 @@ def report_command(
     ] = None,
 ) -> None:
     """Write results as one page without network: tables, distributions, differences, curves, selection, scenarios."""
+    check_there(*directories)
     from selector.documents.writing import write_whole
     from train.replay.page_file import write_page
     from train.report_page.page import curves_of, report_of_results  # imports SciPy

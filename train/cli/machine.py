@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env import ConfigurationError
 from train.cli.options import (
     MAY_NAME_CODE,
     AnyBits,
     EveryTable,
     FigureFile,
     check_figure,
+    check_there,
     check_whole,
     error_console,
     wide_console,
@@ -107,6 +108,7 @@ def gather_command(
     figure: FigureFile = None,
 ) -> None:
     """Merge the results of all shares, as if one command had done all runs: runs, tables, figure."""
+    check_there(directory)
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.gathering import first_share, held_evaluation
     from train.memory import StoreRequest

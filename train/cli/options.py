@@ -7,7 +7,7 @@ which it makes the one `Request`. Libraries that take seconds are imported only 
 import inspect
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
@@ -16,18 +16,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from clean_swarm_env.config.tasks import named_file
-from clean_swarm_env.config.types import ConfigurationError
-from selector.documents.find import find_file
+from clean_swarm_env import ConfigurationError
 from selector.documents.plain import short
-from selector.documents.trust import FOREIGN_ENDINGS
-from train.running.run_folder import RECORDINGS
 
 if TYPE_CHECKING:  # imports SQLAlchemy and Numba
     from train.request import Request
 
-MEMBER_FILES = {"policy": "policies", "learned": "strategies", "fsm": "machines"}
-"""Kind of a strategy -> kind of its file."""
 TABLE_WIDTH = 140
 """Least width of the printed tables [characters]: folded cells are hard to read."""
 MOST_SEED = 2**63 - 1
@@ -161,6 +155,7 @@ class GivenOptions:
         from train.request import Request, RunShare, without_secrets
         from train.running.bits import WorkerBits
         from train.running.needs import Machine
+        from train.running.run_folder import RECORDINGS
         from train.running.runs import usable_cpus
 
         value = self.values.get
@@ -233,6 +228,13 @@ def check_whole(given: Mapping[str, tuple[int | None, int, int]]) -> None:
             raise ConfigurationError(f"{name}: expected a whole number of {which}, got {short(value)}")
 
 
+def check_there(*paths: Path | None, where: str = "") -> None:
+    """Raise ConfigurationError for a file or directory that is not there, before slow libraries are imported."""
+    for path in paths:
+        if path is not None and not path.exists():
+            raise ConfigurationError(f"{where}{path}: cannot be read (No such file or directory)")
+
+
 def check_figure(option: str, file: Path | None) -> None:
     """Raise ConfigurationError for a file that is no picture or cannot be written, before anything runs."""
     if file is None:
@@ -251,20 +253,6 @@ def situations_in(text: str) -> tuple[str, ...]:
     if not names:
         raise ConfigurationError("--situations: expected components of the observation, got none")
     return names
-
-
-def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None = None, **given: str | None) -> None:
-    """Raise the error of a name that no file has, before libraries are imported that take seconds; kind -> name."""
-    directories = tuple(configs or ())
-    for kind, name in given.items():
-        if name is not None and kind == "families":
-            named_file(kind, name, directories)
-        elif name is not None:
-            find_file(kind, name, directories)
-    for text in strategies or ():
-        kind, _, names = (text if ":" in text.partition("=")[0] else text.partition("=")[2] or text).partition(":")
-        for name in names.split("+") if kind in MEMBER_FILES and not names.endswith(FOREIGN_ENDINGS) else ():
-            find_file(MEMBER_FILES[kind], name, directories, f"--strategy {text}: ")
 
 
 def wide_console() -> Console:

@@ -10,8 +10,8 @@ import typer
 from rich.console import Console
 from rich.progress import track
 
-from clean_swarm_env.config.types import ConfigurationError
-from train.cli.options import MAY_NAME_CODE, error_console
+from clean_swarm_env import ConfigurationError
+from train.cli.options import MAY_NAME_CODE, check_there, error_console
 
 RunDirectory = Annotated[
     Path, typer.Argument(help=f"Directory of an evaluation's results; {MAY_NAME_CODE}.", metavar="RUN")
@@ -35,6 +35,7 @@ def explain_command(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Repeat a run up to a time and explain what a robot decided then, what it planned, and why."""
+    check_there(run)
     from train.evaluation import explain as explaining  # imports Numba
     from train.evaluation.repeat import task_of
 
@@ -55,6 +56,7 @@ def record_command(
     minds: Annotated[bool, typer.Option(help="Record what the robots' networks decide, too.")] = True,
 ) -> None:
     """Repeat a run and record it: docs/recordings.md describes the file."""
+    check_there(run)
     from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
     from train.evaluation.repeat import record_run, task_of
 
@@ -85,6 +87,7 @@ def replay_command(
     ] = None,
 ) -> None:
     """Write a page that plays a run, or two side by side; runs without a recording are repeated."""
+    check_there(*runs)
     from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
     from train.evaluation.explain import foretold_along
     from train.evaluation.repeat import recording_of, task_of
@@ -112,6 +115,7 @@ def export_command(
     output: Annotated[Path, typer.Option(help="File to write, NAME.mcap, or a new directory for tables in Parquet.")],
 ) -> None:
     """Write a recording for other tools; needs the extra `export`."""
+    check_there(recording)
     from clean_swarm_env.recording.file import blocks_of  # imports NumPy
     from clean_swarm_env.recording.reader import RecordedMission, RecordedParts
     from clean_swarm_env.recording.taking import MOST_FRAMES

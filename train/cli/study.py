@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env import ConfigurationError
+from train.cli.listing import check_named
 from train.cli.options import (
     MOST_SCENARIOS,
     REPORTING,
@@ -14,7 +15,6 @@ from train.cli.options import (
     GivenOptions,
     Situations,
     asking,
-    check_named,
     check_whole,
     situations_in,
     wide_console,

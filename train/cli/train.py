@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env import ConfigurationError
+from train.cli.listing import check_named
 from train.cli.options import (
     KEEPING,
     MOST_SCENARIOS,
     MOST_SEED,
     GivenOptions,
     asking,
-    check_named,
     check_whole,
     error_console,
 )

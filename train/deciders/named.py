@@ -19,8 +19,8 @@ from selector.documents.arrays import check_known
 from selector.documents.errors import shown, validated
 from selector.documents.fields import JOINT
 from selector.documents.find import find_file
-from selector.documents.imported import is_import, source_of
-from selector.documents.trust import BASELINE, FILED_KINDS
+from selector.documents.imported import source_of
+from selector.documents.trust import BASELINE, FILED_KINDS, is_import
 from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.machine_file import load_machine
 from selector.strategies.policy_file import described, find_policy, load_policy

@@ -18,14 +18,14 @@ from rich.progress import MofNCompleteColumn
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import OWN_TASK, task_names
+from clean_swarm_env.config.task_names import OWN_TASK, task_names
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.task import task_class
 from selector.documents.find import files_of
-from selector.documents.imported import is_import
 from selector.documents.reading import read_mapping
+from selector.documents.trust import is_import
 from selector.store.exact_sums import REWARD_LIMIT
 from selforg.registry import unknown
 from train.deciders.named import FIXED

@@ -13,14 +13,14 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import own_mission, random_starts
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import OWN_TASK, find_task, task_names, with_changes
+from clean_swarm_env.config.task_names import OWN_TASK, task_names
+from clean_swarm_env.config.tasks import find_task, with_changes
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.config.world import GroundKind
 from clean_swarm_env.world.task import coordinators_of
 from selector.configurations.library import library_of
 from selector.documents.errors import validated
-from selector.documents.imported import is_import
-from selector.documents.trust import BASELINE
+from selector.documents.trust import BASELINE, is_import
 from selector.knowledge import Knowledge
 from selector.strategies.unlearned import MaxScore
 from selforg.registry import unknown

@@ -12,7 +12,8 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.tasks import OWN_TASK, task_names, with_changes
+from clean_swarm_env.config.task_names import OWN_TASK, task_names
+from clean_swarm_env.config.tasks import with_changes
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.file import SUFFIX
@@ -23,8 +24,8 @@ from selector.configurations.library import library_of
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
-from selector.documents.imported import is_import
 from selector.documents.reading import read_mapping
+from selector.documents.trust import is_import
 from selforg.registry import unknown
 from train.deciders.named import FIXED, POLICY, decider_named
 from train.evaluation.base import DIGEST

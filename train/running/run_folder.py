@@ -14,12 +14,11 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.types import ConfigurationError
-from selector.documents.errors import DocumentError
+from clean_swarm_env import ConfigurationError
 from selector.documents.find import SHIPPED
+from selector.documents.plain import DocumentError
 from selector.documents.reading import read_json
 from selector.documents.writing import remove_parts, write_whole
-from selector.knowledge import learned_from
 
 try:
     import fcntl
@@ -163,6 +162,8 @@ def read_manifest(directory: Path) -> Json:
     content: Json = read_json(path)
     if not isinstance(content.get("identity"), dict):
         raise ConfigurationError(f"{path}: expected the manifest of an evaluation")
+    from selector.knowledge import learned_from  # imports pydantic and NumPy
+
     learned_from(content.get(LEARNED_BEFORE, {}), f"{path}: {LEARNED_BEFORE}")
     return content
 

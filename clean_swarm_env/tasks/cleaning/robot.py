@@ -8,8 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.mission import MissionConfig, NetworkConfig
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import coordinated_goals, load_network
 from selector.coordination.robot_network import RobotNetwork, merged_networks

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.world.worlds import Worlds
 from tests.clean_swarm_env.courses import avoidance, mission, worlds_at_start
 

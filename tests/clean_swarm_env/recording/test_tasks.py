@@ -7,7 +7,8 @@ import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.config.tasks import CLEANING, task_names
+from clean_swarm_env.config.task_names import task_names
+from clean_swarm_env.config.tasks import CLEANING
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
 from clean_swarm_env.recording.reader import RecordedMission, tables_of

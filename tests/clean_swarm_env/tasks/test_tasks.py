@@ -11,7 +11,8 @@ from numpy.testing import assert_array_equal
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.load import load_family, load_mission
-from clean_swarm_env.config.tasks import find_task, task_stories
+from clean_swarm_env.config.task_names import task_stories
+from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState, Things

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.tasks.cleaning.cargo import read_sensors
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING, NOTHING, Garbage
 from clean_swarm_env.tasks.cleaning.records import FLOOR, MINDS

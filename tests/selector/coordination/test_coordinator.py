@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.tasks.cleaning.robot import robot_network
 from selector.configurations.host import Host
 from selector.configurations.library import Library

@@ -8,7 +8,7 @@ import pytest
 
 from tests.paths import ROOT
 
-SLOW = ("numba", "pymunk", "scipy", "matplotlib", "torch", "sqlalchemy", "pettingzoo")
+SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "sqlalchemy", "pettingzoo")
 CODE = f"""
 import sys
 from train.cli.app import run_app
@@ -29,7 +29,7 @@ def told(*words):
 REGISTERED = """
 import json
 from clean_swarm_env.learning.observation.config import TERMS
-from clean_swarm_env.config.tasks import task_names
+from clean_swarm_env.config.task_names import task_names
 from selector.strategies.registry import STRATEGIES
 from selforg.mechanisms import MECHANISMS
 names = {"strategies": STRATEGIES.names(), "mechanisms": MECHANISMS.names()}
@@ -42,6 +42,9 @@ MISTAKES = [
     ("evaluate --family crowded --strategy policy:exploring-pp", "did you mean 'exploring-ppo'"),
     ("evaluate --family crowded --strategy mine=fsm:finds+fsm:find", "unknown machine 'fsm:find'"),
     ("evaluate --family crowded --knowledge avoidanc", "did you mean 'avoidance'"),
+    ("evaluate --family crowded --strategy MaxScor", "did you mean 'MaxScore'"),
+    ("evaluate --family crowded --strategy policy:none.zip", "none.zip: cannot be read"),
+    ("evaluate --starts none.json", "none.json: cannot be read"),
     ("evaluate --strategy fixed", "--strategy: expected with --family only"),
     ("evaluate --learn --workers 2", "--workers: expected 1 with --learn"),
     ("train ppo --config exploring-pp", "did you mean 'exploring-ppo'"),
@@ -49,6 +52,15 @@ MISTAKES = [
     ("tune keep-aprt", "did you mean 'keep-apart'"),
     ("study configure ORCA --family crowdde", "did you mean 'crowded'"),
     ("study headroom crowdde", "did you mean 'crowded'"),
+    ("run Foragin", "did you mean 'Foraging'"),
+    ("explain none --robot 0 --time 1", "none: cannot be read"),
+    ("record none --output none.swarm", "none: cannot be read"),
+    ("replay none --html none.html", "none: cannot be read"),
+    ("video none none.webp", "none: cannot be read"),
+    ("report none", "none: cannot be read"),
+    ("look picture none none.png --time 1", "none: cannot be read"),
+    ("look export none --output none.mcap", "none: cannot be read"),
+    ("machine gather none", "none: cannot be read"),
 ]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import ablation
-from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.mission import Course, MissionRun
 from selforg.network import state as st

@@ -2,7 +2,7 @@
 
 import pytest
 
-from clean_swarm_env.config.tasks import task_names
+from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from train.live.chosen import again, chosen
