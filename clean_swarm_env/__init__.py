@@ -12,16 +12,13 @@ import clean_swarm_env.siblings as siblings
 siblings.own("selforg")
 siblings.own("selector")
 
-from selector.documents.plain import DocumentError  # noqa: E402  (its package is ours only now)
-
-ConfigurationError = DocumentError
-
 if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` cannot wait for: see `__getattr__`
     from clean_swarm_env.config.families import FamilyConfig as FamilyConfig
     from clean_swarm_env.config.load import load_family as load_family
     from clean_swarm_env.config.load import load_mission as load_mission
     from clean_swarm_env.config.mission import MissionConfig as MissionConfig
     from clean_swarm_env.config.mission import StartConfiguration as StartConfiguration
+    from clean_swarm_env.config.types import ConfigurationError as ConfigurationError
     from clean_swarm_env.learning.actions import ActionConfig as ActionConfig
     from clean_swarm_env.learning.batch import Batch as Batch
     from clean_swarm_env.learning.joined import family_batches as family_batches
@@ -32,6 +29,7 @@ if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` c
     from clean_swarm_env.world.mission import run_mission as run_mission
 
 MODULE_OF = {
+    "ConfigurationError": "config.types",
     "FamilyConfig": "config.families",
     "load_family": "config.load",
     "load_mission": "config.load",

@@ -40,7 +40,7 @@ from clean_swarm_env.borders.spaces import Member, flat_space, observation_space
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import seeds_from
 from clean_swarm_env.learning.interface import BatchStep, Finished
-from clean_swarm_env.learning.joined import Joined
+from clean_swarm_env.learning.joined import Joined, blocks
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Ints
 from selforg.sealing import check_alike, sealed, unsealed
@@ -53,10 +53,11 @@ class RobotVecEnv(VecEnv):
         worlds: W, for worlds of one mission or family.
         batches: batches that are used in place of `worlds` and `settings`; see `clean_swarm_env.learning.joined`.
             Their goals and options may differ: `action_masks` says which a robot has.
+        threads: number of threads that step the worlds, with the same results for any number.
         settings: see `VectorSettings`.
 
     Attributes:
-        batches: the batches, one unless others are given.
+        batches: the batches, as many as `threads` unless others are given.
         options: goal -> names of the options of all batches, which the numbers of actions mean.
         finished: the missions that ended in the last period.
 
@@ -68,6 +69,7 @@ class RobotVecEnv(VecEnv):
         worlds: int = 1,
         *,
         batches: Sequence[Batch] = (),
+        threads: int = 1,
         **settings: Unpack[VectorSettings],
     ) -> None:
         if "OMP_NUM_THREADS" not in os.environ:
@@ -76,7 +78,7 @@ class RobotVecEnv(VecEnv):
             raise ValueError(
                 f"RobotVecEnv: expected batches or settings of one, got both, {sorted(settings) or worlds}"
             )
-        self._joined = Joined(batches or [Batch(worlds=worlds, **settings)])
+        self._joined = Joined(batches or blocks(worlds=worlds, threads=threads, **settings), threads)
         self.batches = self._joined.batches
         self.finished: tuple[Finished, ...] = ()
         own = [(batch, row) for batch in self.batches for row in range(batch.rows)]
@@ -141,23 +143,21 @@ class RobotVecEnv(VecEnv):
 
     def get_state(self) -> bytes:
         """Return the states of all worlds, with what episodes have brought so far; see `Batch.get_state`."""
-        own = (self._sizes(), [batch.get_state() for batch in self.batches], self._returns, self._lengths)
-        return sealed("robots", own)
+        return sealed("robots", (self._sizes(), self._joined.get_state(), self._returns, self._lengths))
 
     def set_state(self, state: bytes) -> Observations:
-        """Go on from a state of as many worlds; return the observations.
+        """Go on from a state of as many worlds, in any number of threads; return the observations.
 
         ValueError says what is damaged or does not fit, and then nothing has changed.
         """
         sizes, states, returns, lengths = unsealed("robots", state)
         check_alike(self._sizes(), sizes)
-        fitting = [batch.open_state(own) for batch, own in zip(self.batches, states, strict=True)]
-        seen = [batch.enter_state(own) for batch, own in zip(self.batches, fitting, strict=True)]
+        seen = self._joined.set_state(states)
         self._returns[:], self._lengths[:], self.finished = returns, lengths, ()
-        return np.concatenate(seen)
+        return seen
 
     def _sizes(self) -> dict[str, Any]:
-        return {"batches": len(self.batches), "worlds": self._joined.worlds, "robots": self._joined.rows}
+        return {"worlds": self._joined.worlds, "robots": self._joined.rows}
 
     def action_masks(self) -> Flags:
         """Return which options (R, O) of all goals, one goal after the other, can serve next."""
@@ -169,8 +169,7 @@ class RobotVecEnv(VecEnv):
 
     def close(self) -> None:
         """End the recordings of missions that are still going on."""
-        for batch in self.batches:
-            batch.close()
+        self._joined.close()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """Return an attribute of the rows; AttributeError if the rows do not have it."""

@@ -16,7 +16,7 @@ from pathlib import Path
 from tests.paths import ROOT
 
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train")
-COMPILED = {"kernel", "lean_kernel", "part", "inlined", "template"}
+COMPILED = {"kernel", "lean_kernel", "long_kernel", "part", "inlined", "template"}
 MOST_COMPILED, MOST_PLAIN, MOST_MODULES = 8, 6, 15
 SAME_MEANING = {"app"}
 """Names that several modules may define: each file of commands has its `app`."""

@@ -12,10 +12,10 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
+from clean_swarm_env.learning.warm_up import usable_cpus
 from tests.attacks.targets import TARGETS
 from tests.paths import ROOT
 from tests.soaking import SECONDS
-from train.running.runs import usable_cpus
 
 PAGE = ROOT / "docs" / "reliability.md"
 BEGIN, END = "<!-- begin: soak -->\n", "<!-- end: soak -->\n"

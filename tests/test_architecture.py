@@ -17,6 +17,7 @@ PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs")
 BORDERS = {
     "pymunk": {"clean_swarm_env/physics/contact_space.py"},
     "numba": {  # the compiler's own folder, and what calls C from compiled code
+        "selforg/compiler/ahead.py",
         "selforg/compiler/intrinsics.py",
         "selforg/compiler/cache.py",
         "selforg/compiler/decorators.py",

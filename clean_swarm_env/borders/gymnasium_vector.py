@@ -16,7 +16,7 @@ World w of `reset(seed=S)` has the seed S + w.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Unpack
 
 import numpy as np
@@ -24,7 +24,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from clean_swarm_env.borders.infos import MASK, Info, own_infos, team_infos
+from clean_swarm_env.borders.infos import MASK, Info, InfoColumns, own_infos, team_infos
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
 from clean_swarm_env.borders.spaces import (
     Member,
@@ -37,6 +37,7 @@ from clean_swarm_env.borders.spaces import (
 from clean_swarm_env.borders.views import PICTURE, View
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import seeds_from, whole_number
+from clean_swarm_env.learning.joined import Joined, blocks
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Floats, Ints
 
@@ -47,6 +48,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     Args:
         together: rows of one environment: 1, or 0 for all robots of a world.
         worlds: W.
+        threads: number of threads that step the worlds, with the same results for any number.
         one_for_all: whether one action serves all rows of an environment.
         autoreset_mode: what happens when the mission of a world is over.
         render_mode: None or "rgb_array".
@@ -54,7 +56,8 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
 
     Attributes:
         autoreset_mode: the mode, as a member of `AutoresetMode`.
-        view: what is shown of the worlds.
+        batch: the worlds; of several `threads`, those of the first.
+        view: what is shown of the worlds of `batch`.
 
     """
 
@@ -65,6 +68,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         together: int,
         worlds: int,
         *,
+        threads: int = 1,
         one_for_all: bool = False,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         render_mode: str | None = None,
@@ -73,12 +77,14 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         check_render_mode(render_mode, self.metadata["render_modes"])
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.render_mode = render_mode
-        self.batch = Batch(worlds=worlds, begin_anew=self.autoreset_mode == AutoresetMode.SAME_STEP, **settings)
+        anew = self.autoreset_mode == AutoresetMode.SAME_STEP
+        self._worlds = Joined(blocks(worlds=worlds, threads=threads, begin_anew=anew, **settings), threads)
+        self.batch = self._worlds.batches[0]
         self.view = View(self.batch, render_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": self.view.fps}
         self._together = together or self.batch.robots
         self._sharing = self._together if one_for_all else 1
-        self.num_envs = self.batch.rows // self._together
+        self.num_envs = self._worlds.rows // self._together
         self._per_world = self.batch.robots // self._together
         self.single_observation_space = observation_space(self.batch, self._together)
         own = self.batch.options, self.batch.action.mode, self._together // self._sharing
@@ -86,8 +92,11 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._over = np.zeros(worlds, dtype=np.bool_)
-        rows = [slice(env * self._together, (env + 1) * self._together) for env in range(self.num_envs)]
-        self.envs = [Member(self.batch, env // self._per_world, own) for env, own in enumerate(rows)]
+        firsts = [(batch, row) for batch in self._worlds.batches for row in range(0, batch.rows, self._together)]
+        self.envs = [
+            Member(batch, env // self._per_world, slice(row, row + self._together))
+            for env, (batch, row) in enumerate(firsts)
+        ]
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -101,29 +110,29 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         seeds, worlds = self._seeds(seed), self._chosen((options or {}).get("reset_mask"))
         super().reset(seed=seeds[0])
         if len(worlds) == len(self._over):
-            observations = self.batch.reset(seeds, [start] * len(seeds))
+            observations = self._worlds.reset(seeds, [start] * len(seeds))
         else:
-            observations = self.batch.reset_worlds(worlds, seeds, [start] * len(seeds))
+            observations = self._worlds.reset_worlds(worlds, seeds, [start] * len(seeds))
         self._over[worlds] = False
         return self._joined(observations), self._infos()
 
     def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, Info]:
         """Run one decision period."""
-        given = rows_of(actions, self.action_space, self.batch.rows // self._sharing)
+        given = rows_of(actions, self.action_space, self._worlds.rows // self._sharing)
         waiting = np.flatnonzero(self._over)
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise RuntimeError(f"step: the missions of worlds {waiting.tolist()} are over, call reset first")
-        step = self.view.step(np.repeat(given, self._sharing, axis=0))
+        whole = np.repeat(given, self._sharing, axis=0)
+        step = self.view.step(whole) if len(self._worlds.batches) == 1 else self._worlds.step(whole)
         terminated, truncated = step.terminated & ~self._over, step.truncated & ~self._over
-        if len(waiting):
-            self.batch.reset_worlds(waiting)
+        seen = self._worlds.reset_worlds(waiting) if len(waiting) else step.observations
         infos = self._infos()
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             self._add_final(infos, step.final_observations)
         else:
             self._over = terminated | truncated
         return (
-            self._joined(step.observations),
+            self._joined(seen),
             step.rewards.reshape(self.num_envs, -1).mean(axis=1),
             np.repeat(terminated, self._per_world),
             np.repeat(truncated, self._per_world),
@@ -132,28 +141,30 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
 
     def masks(self) -> Flags:
         """Return which options (E, ...) can serve next; one option for all can if it can in any robot."""
-        masks: Flags = np.logical_or.reduce(self.batch.masks().reshape(self.num_envs, self._sharing, -1), axis=1)
+        masks: Flags = np.logical_or.reduce(self._worlds.masks().reshape(self.num_envs, self._sharing, -1), axis=1)
         return masks
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the states of `worlds`, or of all; see `Batch.get_state`."""
-        return self.batch.get_state(worlds)
+        return self._worlds.get_state(worlds)
 
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
         """Make `worlds`, or all, go on from a state, see `Batch.set_state`; return all observations."""
-        observations = self._joined(self.batch.set_state(state, worlds))
-        self._over = self.batch.over & (self.autoreset_mode != AutoresetMode.SAME_STEP)
+        observations = self._joined(self._worlds.set_state(state, worlds))
+        self._over = self._worlds.over & (self.autoreset_mode != AutoresetMode.SAME_STEP)
         return observations
 
     def close_extras(self, **_: object) -> None:
         """End the recordings of missions that are still going on."""
-        self.batch.close()
+        self._worlds.close()
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """Return a picture (height, width, 3) for each environment, or None without a render mode."""
         if self.render_mode is None:
             return None
-        pictures = [self.view.picture(world) for world in range(len(self._over))]
+        views = {id(batch): View(batch, self.render_mode) for batch in self._worlds.batches[1:]}
+        places = map(self._worlds.place_of, range(len(self._over)))
+        pictures = [views.get(id(batch), self.view).picture(world) for batch, world in places]
         return tuple(pictures[env.world] for env in self.envs)
 
     def call(self, name: str, *arguments: Any, **settings: Any) -> tuple[Any, ...]:  # noqa: ANN401
@@ -196,25 +207,33 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
 
     def _infos(self) -> Info:
         """Return the infos as arrays: (E,) for a team's, (E,) or (E, N) for a robot's own, (E, ...) for the mask."""
-        infos: Info = {name: np.repeat(values, self._per_world) for name, values in team_infos(self.batch).items()}
-        for name, own in own_infos(self.batch).items():
+        of_teams, of_robots = (_columns(told, self._worlds.batches) for told in (team_infos, own_infos))
+        infos: Info = {name: np.repeat(values, self._per_world) for name, values in of_teams.items()}
+        for name, own in of_robots.items():
             infos[name] = np.array(own) if self._together == 1 else np.reshape(own, (self.num_envs, -1))
         if self.batch.action.mode != "velocity":
-            infos[MASK] = self.batch.masks().astype(np.int8).reshape(self.num_envs, -1)
+            infos[MASK] = self._worlds.masks().astype(np.int8).reshape(self.num_envs, -1)
         infos.update({f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in tuple(infos)})
         return infos
 
     def _add_final(self, infos: Info, final: Observations) -> None:
         """Add the last observations of the missions that ended, and their infos."""
-        if not self.batch.finished:
+        finished = self._worlds.finished
+        if not finished:
             return
-        ended = np.isin(np.arange(self.num_envs) // self._per_world, [end.world for end in self.batch.finished])
+        ended = np.isin(np.arange(self.num_envs) // self._per_world, [end.world for end in finished])
         last = np.full(self.num_envs, None, dtype=object)
         for env in np.flatnonzero(ended):
             last[env] = self._joined(final)[env]
         happened = {name: values for name, values in infos.items() if not name.startswith("_")}
         infos["final_info"] = happened | {f"_{name}": ended.copy() for name in happened}
         infos |= {"final_obs": last, "_final_obs": ended, "_final_info": ended.copy()}
+
+
+def _columns(told: Callable[[Batch], InfoColumns], batches: Sequence[Batch]) -> InfoColumns:
+    """Return what is told of batches, with the values of all one after the other."""
+    first, *others = map(told, batches)
+    return {name: sum((other[name] for other in others), values) for name, values in first.items()}
 
 
 class ViewedSettings(VectorSettings, total=False):
@@ -224,6 +243,8 @@ class ViewedSettings(VectorSettings, total=False):
     """What happens when the mission of a world is over."""
     render_mode: str | None
     """None or "rgb_array"."""
+    threads: int
+    """Number of threads that step the worlds, 1 unless given; the results are the same."""
 
 
 class RobotVectorEnv(BatchVectorEnv):

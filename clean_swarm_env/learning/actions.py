@@ -107,16 +107,22 @@ class LearnerActions:
             raise ValueError(f"options[{row}]: expected 0..{self.counts[goal] - 1}, got {table[row, goal]}")
         return table
 
-    def apply(self, worlds: Worlds, actions: NDArray[Any], phases: Ints) -> None:
-        """Apply the actions of a period that begins with the robots in `phases` (R,); see `Batch.ticks`."""
+    def checked(self, actions: NDArray[Any], rows: int) -> tuple[Ints | None, Floats | None]:
+        """Return the options (R, C) and the vectors (R, 2) of actions, those that there are, or raise ValueError."""
         options = vectors = actions
         if self._mode == "both":
-            options, vectors = parted(np.asarray(actions), worlds.rows, len(self.counts))
-        if self._mode != "velocity":
-            worlds.hold(self.able(self.check(options, worlds.rows), phases))
-        if self._mode == "option":
+            options, vectors = parted(np.asarray(actions), rows, len(self.counts))
+        known = None if self._mode == "velocity" else self.check(options, rows)
+        return known, None if self._mode == "option" else checked_vectors(vectors, rows)
+
+    def apply(self, worlds: Worlds, actions: NDArray[Any], phases: Ints) -> None:
+        """Apply the actions of a period that begins with the robots in `phases` (R,); see `Batch.ticks`."""
+        options, given = self.checked(actions, worlds.rows)
+        if options is not None:
+            worlds.hold(self.able(options, phases))
+        if given is None:
             return
-        given, turned = checked_vectors(vectors, worlds.rows), np.empty((worlds.rows, 2))
+        turned = np.empty((worlds.rows, 2))
         turn_to_world(given, worlds.physics.headings, worlds.floor.drive.max_speed, turned)
         if self._mode == "both":
             worlds.correct(turned if given.any() else None)  # -0.0 + 0.0 would be another bit

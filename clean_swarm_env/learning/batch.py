@@ -43,6 +43,9 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats, Ints
 
+BATCH_STATES = "batch"
+"""Kind of the states of worlds of a batch, or of several that are joined."""
+
 
 class Batch:
     """W worlds with one frame, stepped one decision period at a time.
@@ -176,7 +179,7 @@ class Batch:
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the states of `worlds` (K,), or of all, as sealed bytes that say their version."""
-        return self._states.sealed_of("batch", worlds)
+        return self._states.sealed_of(BATCH_STATES, worlds)
 
     def open_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Opened:
         """Return a state, opened, of this or another batch of the same frame, options and terms; see `set_state`.
@@ -185,7 +188,7 @@ class Batch:
         """
         if self.recorder is not None:
             raise ValueError("set_state: expected a batch that records nothing, because a recording has no jumps")
-        return self._states.opened("batch", state, worlds)
+        return self._states.opened(BATCH_STATES, state, worlds)
 
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
         """Make `worlds` (K,), or all, go on from `get_state`; return the observations (R, F).
@@ -205,7 +208,7 @@ class Batch:
         chosen = [world for world, _ in opened]
         self._begun = self._begun or len(set(chosen)) == self.worlds.worlds
         self.finished = ()
-        self.observer.observe(self._final, np.array(chosen))  # the phases; what is seen is in the state
+        self.observer.observe(self._final, np.array(chosen, dtype=np.int64))  # the phases; what is seen is in the state
         return self.observations
 
     def steps(self, world: int) -> int:

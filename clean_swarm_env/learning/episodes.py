@@ -110,11 +110,14 @@ class Series:
         """Let a world continue with the episode at a place, at any time of the clock."""
         self._places[world] = place
 
-    def share(self, seed: int) -> None:
-        """Distribute the episodes of one seed from the next reset on: world w does the episodes w, w + W, ..."""
+    def share(self, seed: int, first: int = 0, of: int | None = None) -> None:
+        """Distribute the episodes of one seed from the next reset on: world w does the episodes w, w + W, ...
+
+        Where the worlds are a part of more, `first` is the number of the first one, and `of` the number of all.
+        """
         worlds = len(self._places)
         whole_number(seed, "seed")
-        self._places = [(seed, world, worlds) for world in range(worlds)]
+        self._places = [(seed, first + world, of or worlds) for world in range(worlds)]
 
 
 class PictureConfig(Closed):

@@ -1,15 +1,20 @@
 """Batches side by side: one learner decides for worlds of different missions, families and sizes.
 
-Rows are those of all batches, one batch after the other. The same holds for worlds.
+Rows are those of all batches, one batch after the other. The same holds for worlds. Several threads may step the
+batches: a batch touches nothing of the others, and its long kernels hold no lock of Python.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import os
+from bisect import bisect
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
+from functools import cache, partial
 from itertools import accumulate
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +23,16 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.batch import BATCH_STATES, Batch
 from clean_swarm_env.learning.episodes import Size
+from clean_swarm_env.learning.given import GivenMission, whole_number
 from clean_swarm_env.learning.interface import BatchStep, Finished
 from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.world.states import Opened
 from selforg.arrays import Flags, Ints
+from selforg.sealing import sealed, unsealed
+
+Returned = TypeVar("Returned")
 
 
 class Joined:
@@ -32,6 +42,7 @@ class Joined:
         batches: B batches, at least one, with the same kind of actions and the same observations. Options are those of
             all batches, by name. Where a batch lacks the option of an action, the option of the highest expert score
             serves; actions for goals that it does not coordinate are ignored. `masks` says what each row has.
+        threads: number of threads that step the batches; the results are the same with any.
 
     Attributes:
         options: goal -> names of the options of all batches.
@@ -49,8 +60,9 @@ class Joined:
 
     """
 
-    def __init__(self, batches: Sequence[Batch]) -> None:
+    def __init__(self, batches: Sequence[Batch], threads: int = 1) -> None:
         self.batches = tuple(batches)
+        self._threads = min(whole_number(threads, "threads", 1), len(self.batches))
         _check_alike(self.batches)
         self.rows = sum(batch.rows for batch in batches)
         robots = np.array([batch.robots for batch in batches for _ in range(batch.count)])
@@ -94,15 +106,67 @@ class Joined:
             seen.append(batch.reset((seeds or nothing)[own], (starts or nothing)[own]))
         return np.concatenate(seen)
 
+    def reset_worlds(
+        self,
+        worlds: Ints,
+        seeds: Sequence[int | None] | None = None,
+        starts: Sequence[StartConfiguration | None] | None = None,
+    ) -> Observations:
+        """Begin an episode in `worlds` (K,) only and return the observations (R, F); see `Batch.reset_worlds`."""
+        nothing, seen = [None] * self.worlds, []
+        for batch, first in zip(self.batches, self._first_worlds, strict=True):
+            own, inside = slice(first, first + batch.count), (first <= worlds) & (worlds < first + batch.count)
+            known = (worlds[inside] - first, (seeds or nothing)[own], (starts or nothing)[own])
+            seen.append(batch.reset_worlds(*known) if inside.any() else batch.observations)
+        return np.concatenate(seen)
+
     def step(self, actions: NDArray[Any]) -> BatchStep:
         """Run one decision period; see `Batch.step`."""
         if actions.shape[:1] != (self.rows,):
             raise ValueError(f"actions: expected one for each of {self.rows} rows, got shape {actions.shape}")
-        parts = np.split(actions, self._cuts)
-        steps = [
-            batch.step(self._own(k, part)) for k, (batch, part) in enumerate(zip(self.batches, parts, strict=True))
-        ]
+        own = [self._own(k, part) for k, part in enumerate(np.split(actions, self._cuts))]
+        for batch, part in zip(self.batches, own, strict=True):  # all, before any batch goes on
+            batch.choices.checked(part, batch.rows)
+        steps = in_threads(
+            [partial(batch.step, part) for batch, part in zip(self.batches, own, strict=True)], self._threads
+        )
         return BatchStep(*(np.concatenate(arrays) for arrays in zip(*steps, strict=True)))
+
+    def place_of(self, world: int) -> tuple[Batch, int]:
+        """Return the batch of a world, and its number there; ValueError for a world that does not exist."""
+        if not 0 <= world < self.worlds:
+            raise ValueError(f"worlds: expected 0 to {self.worlds - 1}, got {world}")
+        k = bisect(self._first_worlds, world) - 1
+        return self.batches[k], world - self._first_worlds[k]
+
+    def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
+        """Return the states of `worlds` (K,), or of all, as `Batch.get_state` does, whatever the batches are."""
+        places = [self.place_of(int(world)) for world in (range(self.worlds) if worlds is None else worlds)]
+        return sealed(
+            BATCH_STATES, [one for batch, own in places for one in unsealed(BATCH_STATES, batch.get_state([own]))]
+        )
+
+    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
+        """Make `worlds` (K,), or all, go on from `get_state`; return the observations (R, F); see `Batch.set_state`."""
+        places = [self.place_of(int(world)) for world in (range(self.worlds) if worlds is None else worlds)]
+        packed = unsealed(BATCH_STATES, state)
+        if len(packed) not in (1, len(places)):
+            raise ValueError(f"state: expected one world, or {len(places)}, got {len(packed)}")
+        opened: list[Opened] = [[] for _ in self.batches]
+        for number, (batch, own) in enumerate(places):
+            one = sealed(BATCH_STATES, [packed[number % len(packed)]])
+            opened[self.batches.index(batch)] += batch.open_state(one, [own])
+        return np.concatenate([batch.enter_state(own) for batch, own in zip(self.batches, opened, strict=True)])
+
+    @property
+    def over(self) -> Flags:
+        """(W,) whether the mission of a world is over and no other has begun."""
+        return np.concatenate([batch.over for batch in self.batches])
+
+    def close(self) -> None:
+        """End the recordings of missions that are still going on."""
+        for batch in self.batches:
+            batch.close()
 
     @property
     def finished(self) -> tuple[Finished, ...]:
@@ -148,15 +212,51 @@ class Joined:
         return np.column_stack([*own, given[:, len(self.options) :]])
 
 
+def in_threads(calls: Sequence[Callable[[], Returned]], threads: int) -> list[Returned]:
+    """Return the results of calls that touch nothing of each other, made by a number of threads.
+
+    An error or Ctrl-C is raised when all calls have ended, so that none goes on behind the caller's back.
+    """
+    if threads == 1:
+        return [call() for call in calls]
+    running = [_pool(threads, os.getpid()).submit(call) for call in calls]
+    try:
+        return [one.result() for one in running]
+    finally:
+        wait(running)
+
+
+@cache
+def _pool(threads: int, process: int) -> ThreadPoolExecutor:
+    """Return the threads of a process; one that is forked has none of those of its parent."""
+    return ThreadPoolExecutor(threads, "clean-swarm")
+
+
+def blocks(
+    mission: GivenMission | None = None,
+    worlds: int = 1,
+    threads: int = 1,
+    **settings: Any,  # noqa: ANN401  (those of Batch)
+) -> list[Batch]:
+    """Return batches of one mission or family for a number of threads, with `worlds` worlds altogether.
+
+    The worlds have the courses that they have in one batch. Those that are recorded, or have a source, stay together.
+    """
+    together = settings.get("record") is not None or settings.get("source") is not None
+    parts = 1 if together else min(whole_number(threads, "threads", 1), whole_number(worlds, "worlds", 1))
+    return [Batch(mission, len(range(k, worlds, parts)), **settings) for k in range(parts)]
+
+
 def family_batches(
     family: FamilyConfig | str,
     worlds: int,
     *,
     sizes: Sequence[Size] = (),
+    threads: int = 1,
     directories: tuple[Path, ...] = (),
     **settings: Any,  # noqa: ANN401  (those of Batch)
 ) -> list[Batch]:
-    """Return batches for the scenarios of a family, one for each torus, with `worlds` worlds altogether.
+    """Return batches for the scenarios of a family, `blocks` of each torus, with `worlds` worlds altogether.
 
     The worlds are dealt out to the tori in turn. `sizes` are these tori in their order, all of the family unless given.
     """
@@ -164,9 +264,10 @@ def family_batches(
     tori = tuple(sizes) or known.tori
     counts = [len(range(k, worlds, len(tori))) for k in range(len(tori))]
     return [
-        Batch(family=known, size=size, worlds=count, directories=directories, **settings)
+        batch
         for size, count in zip(tori, counts, strict=True)
         if count
+        for batch in blocks(None, count, threads, family=known, size=size, directories=directories, **settings)
     ]
 
 

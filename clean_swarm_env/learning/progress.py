@@ -26,7 +26,7 @@ from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
-from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.decorators import inlined, long_kernel
 from selforg.compiler.records import Recording, Written
 
 EVENTS = ("picked", "recycled", "dumped", "collision", "contact", "avoiding")
@@ -221,7 +221,7 @@ def add_cost(world: int, dumped: int, tick: float, p: Period, f: Followed) -> No
         p.cost[world] += limit / worth * whole / max(f.done[world], NO_ITEM) - (whole - worth * f.done[world])
 
 
-@lean_kernel
+@long_kernel
 def count_tick(
     period: Written[Period],
     followed: Written[Followed],

@@ -1,4 +1,7 @@
-"""Compile the kernels before the first mission of a machine, in one process, and say so.
+"""Compile the kernels before the first mission of a machine, in as many processes as there are cores, and say so.
+
+One process begins, and other commands wait for it. It starts helpers, which all take kernels from one list and leave
+the compiled code on the disk. What helpers do not do, as when they die, the process compiles itself.
 
 Why this takes so long, and what was tried: docs/decisions/0184-first-start.md.
 """
@@ -6,15 +9,21 @@ Why this takes so long, and what was tried: docs/decisions/0184-first-start.md.
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
+from subprocess import DEVNULL, Popen, TimeoutExpired
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
+from clean_swarm_env.config.task_names import TASKS_HOME
 from clean_swarm_env.tasks.cleaning import cargo
+from selforg.compiler.ahead import compile_line
 from selforg.compiler.cache import cache_directory, folder_for
-from selforg.compiler.switches import COMPILED
+from selforg.compiler.decorators import KERNELS
+from selforg.compiler.switches import COMPILED, PLAIN
 
 try:
     import fcntl
@@ -28,6 +37,21 @@ EVERY_MISSION = Path(cargo.__file__)
 COMPILING = "compiling for this machine, once: about a minute"
 SILENCED = "CLEAN_SWARM_QUIET"
 """Variable of the environment that silences the line, if it is 1."""
+FIRST_KERNELS = Path(__file__).with_name("first_kernels.txt")
+"""The kernels that the first mission needs, those that take longest first, and `EVERY_MISSION` last.
+
+`python -m benchmarks.first_start --list` writes it."""
+MOST_PROCESSES = 6
+"""Processes that compile: the longest kernel takes a sixth of the time of all."""
+HELPERS_WAIT = 300.0
+"""Seconds for which the last kernels of helpers are waited for."""
+HELPER = """
+import os, sys
+sys.path[:] = sys.argv[3:]
+import clean_swarm_env.learning.batch
+from clean_swarm_env.learning.warm_up import compile_share
+compile_share(sys.argv[1], int(sys.argv[2]))
+"""
 _checked: list[bool] = []
 """Not empty once this process has checked that the kernels are compiled, or compiles them."""
 _holding: list[bool] = []
@@ -41,7 +65,7 @@ def compile_once(work: Callable[[], object]) -> None:
     _checked.append(True)
     with one_process():
         if not compiled_before():
-            announce()
+            compile_listed()
             work()
 
 
@@ -51,6 +75,48 @@ def run_through(batch: Any) -> None:  # noqa: ANN401  (a Batch, which stands abo
     options = np.arange(batch.rows) % batch.choices.counts[0]
     while not batch.step(options).terminated[0] and batch.steps(0) < WARM_UP_PERIODS:
         pass
+
+
+def compile_listed() -> None:
+    """Say that the kernels are being compiled, and compile those of the list, with other processes where it can."""
+    announce()
+    count = min(usable_cpus(), MOST_PROCESSES) - 1
+    if count < 1 or PLAIN or not Path(sys.executable).name.startswith("py"):  # else it may be any program
+        return
+    with suppress(OSError), TemporaryDirectory() as claims:  # no room, or no more processes: the work compiles all
+        words = [sys.executable, "-P", "-c", HELPER, claims, str(os.getpid()), *sys.path]
+        helpers: list[Popen[bytes]] = []
+        try:
+            for _ in range(count):
+                helpers.append(Popen(words, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL))
+            compile_share(claims)
+            for helper in helpers:
+                with suppress(TimeoutExpired):
+                    helper.wait(HELPERS_WAIT)
+        finally:
+            for helper in helpers:
+                helper.kill()
+                helper.wait()
+
+
+def compile_share(claims: str, parent: int = 0) -> None:
+    """Compile the kernels of the list that no other process has claimed in a directory.
+
+    A helper ends when its parent has gone. Whatever goes wrong is left to the first mission, which meets it again.
+    """
+    import_module(TASKS_HOME)
+    for number, line in enumerate(FIRST_KERNELS.read_text(encoding="utf-8").splitlines()):
+        if parent not in (0, os.getppid()):
+            return
+        with suppress(Exception):  # claimed by another, or of an older list
+            if line.partition(" ")[0] in KERNELS:
+                Path(claims, str(number)).touch(exist_ok=False)
+                compile_line(line)
+
+
+def usable_cpus() -> int:
+    """Return the number of CPUs that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def announce() -> None:

@@ -13,7 +13,7 @@ from clean_swarm_env.physics.collisions import Counts, count_world, open_counts
 from clean_swarm_env.physics.drive import DriveState, open_drive, update_drives
 from clean_swarm_env.physics.motion import RobotMotion, land, open_robot_motion, push, search_contacts, set_wanted
 from selforg.commands import Commanded, open_commanded
-from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.decorators import lean_kernel, long_kernel
 from selforg.compiler.records import Words, Written
 from selforg.walls.segments import Walls
 
@@ -51,7 +51,7 @@ def go_on(
     return 0
 
 
-@lean_kernel
+@long_kernel
 def begin_tick(
     now: float,
     substeps: int,

@@ -24,6 +24,11 @@ from selforg.compiler.switches import COMPILED, LEAN, NUMPY_ERRORS, PLAIN
 P = ParamSpec("P")
 R = TypeVar("R")
 
+UNLOCKED = {"nogil": True}
+"""Option of kernels that run without Python's lock."""
+KERNELS: dict[str, Any] = {}
+"""Kernels that are kept on disk, by module and name; see `selforg.compiler.ahead`."""
+
 
 class WithoutCollector(event.Listener):
     """Stops the garbage collector while anything is compiled; compiling one function may compile others."""
@@ -49,8 +54,11 @@ event.register("numba:compile", WithoutCollector())  # type: ignore[no-untyped-c
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile `function` in Numba's nopython mode, kept on disk, without fast-math (same seed, same bits)."""
-    return compiled(function, NUMPY_ERRORS)
+    """Compile `function` in Numba's nopython mode, kept on disk, without fast-math (same seed, same bits).
+
+    Other threads run meanwhile, as in a `long_kernel`.
+    """
+    return compiled(function, {**NUMPY_ERRORS, **UNLOCKED})
 
 
 def lean_kernel(function: Callable[P, R]) -> Callable[P, R]:
@@ -59,6 +67,14 @@ def lean_kernel(function: Callable[P, R]) -> Callable[P, R]:
     The function may look into the arrays that it is given, but must copy slices number by number.
     """
     return compiled(function, LEAN)
+
+
+def long_kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile like `lean_kernel` a function that takes long for many rows: other threads run meanwhile.
+
+    To give Python's lock up and take it again costs 0.1 us, and a wait where threads compete: short kernels keep it.
+    """
+    return compiled(function, {**LEAN, **UNLOCKED})
 
 
 def part(function: Callable[P, R]) -> Callable[P, R]:
@@ -95,7 +111,7 @@ class Template(Generic[P, R]):
         self._kernels: dict[Callable[..., Any], Callable[P, R]] = {}
 
     def of(self, part: Callable[..., Any], origin: Callable[..., Any] | None = None) -> Callable[P, R]:
-        """Return the kernel that calls `part`, compiled like `lean_kernel`.
+        """Return the kernel that calls `part`, compiled like `long_kernel`.
 
         It is kept on disk under the name and file of `origin`, from which `part` is made (None: `part` itself); if that
         was defined inside of another function it is not kept, since its name does not say with which values.
@@ -106,7 +122,7 @@ class Template(Generic[P, R]):
             code = own.replace(co_filename=of.co_filename, co_firstlineno=of.co_firstlineno)
             copy = FunctionType(code, {**self._function.__globals__, self._called: part}, self._function.__name__)
             copy.__qualname__ = f"{self._function.__name__}_{origin.__qualname__}"
-            self._kernels[origin] = cast("Callable[P, R]", compiled(copy, LEAN, own.co_filename))
+            self._kernels[origin] = cast("Callable[P, R]", compiled(copy, {**LEAN, **UNLOCKED}, own.co_filename))
         return self._kernels[origin]
 
 
@@ -123,6 +139,8 @@ def compiled(function: Callable[P, R], options: dict[str, Any], *others: str) ->
     config: Any = numba.config
     given, config.CACHE_DIR = config.CACHE_DIR, str(folder)  # Numba reads this while it decorates
     try:
-        return cast("Callable[P, R]", numba.njit(cache=True, **options)(function))
+        kept = cast("Callable[P, R]", numba.njit(cache=True, **options)(function))
+        KERNELS.setdefault(f"{function.__module__}.{function.__qualname__}", kept)
+        return kept
     finally:
         config.CACHE_DIR = given

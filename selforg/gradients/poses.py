@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
-from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.decorators import lean_kernel, long_kernel
 from selforg.compiler.records import Packed, Words, Written
 from selforg.elementary import sine_cosine
 from selforg.gradients.gradient import Gradient
@@ -220,7 +220,7 @@ class OwnPoses:
         return known
 
 
-@lean_kernel
+@long_kernel
 def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: float, poses: Written[Poses]) -> int:
     """Push one pose per row onto its history: positions (N, D) [m], headings (N,) [rad], time [s].
 

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clean_swarm_env import ConfigurationError
+from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
 from selforg.plugins import PluginError, import_named

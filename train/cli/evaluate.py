@@ -8,8 +8,8 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from clean_swarm_env import ConfigurationError
 from clean_swarm_env.config.task_names import OWN_TASK, task_names
+from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.trust import is_import
 from selector.documents.writing import write_whole
 from selforg.registry import unknown

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from clean_swarm_env import ConfigurationError
+from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.writing import write_whole
 from train.cli.listing import check_named
 from train.cli.options import (

@@ -10,10 +10,10 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env import ConfigurationError
 from clean_swarm_env.config.task_names import named_file, task_stories
 from selector.documents.find import KINDS, SHIPPED, files_of, find_file, plugin_names
 from selector.documents.plain import DocumentError, plain
+from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.reading import read_mapping
 from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS
 from selforg.plugins import installed, named_plugins

@@ -14,7 +14,7 @@ from urllib.parse import quote
 import typer
 from rich.progress import track
 
-from clean_swarm_env import ConfigurationError
+from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.options import (
     MAY_NAME_CODE,
     Configs,

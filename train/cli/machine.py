@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env import ConfigurationError
+from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.options import (
     MAY_NAME_CODE,
     AnyBits,

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from clean_swarm_env import ConfigurationError
+from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.plain import short
 
 if TYPE_CHECKING:  # imports SQLAlchemy and Numba
@@ -77,6 +77,7 @@ SHARED: dict[str, tuple[Any, Any]] = {
         Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")],
         None,
     ),
+    "threads": (Annotated[int, typer.Option(help="Threads that step the worlds; the same bits with any number.")], 1),
     "output": (Output, None),
     "resume": (Annotated[bool, typer.Option("--resume", help="Do only what the directory lacks.")], False),
     "store": (RunStore, None),
@@ -128,7 +129,7 @@ KEEPING = ("output", "resume", "workers", "on", "any_bits", "force", "configs")
 """Options of all commands that do missions and keep results."""
 REPORTING = (*KEEPING, "every_table", "figure")
 """Options of those that report on them."""
-BOUNDS = {"scenarios": (1, MOST_SCENARIOS), "seed": (0, MOST_SEED), "workers": (1, 1000)}
+BOUNDS = {"scenarios": (1, MOST_SCENARIOS), "seed": (0, MOST_SEED), "workers": (1, 1000), "threads": (1, 1000)}
 """Least and largest number."""
 
 Family = Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")]
@@ -150,13 +151,13 @@ class GivenOptions:
 
     def request(self, name: str, **more: Any) -> "Request":  # noqa: ANN401  (fields of a request)
         """Return the request for an experiment, a family, a training or a study, with `more` of its fields."""
+        from clean_swarm_env.learning.warm_up import usable_cpus
         from clean_swarm_env.recording.recorder import RecordSettings  # these import SQLAlchemy and Numba
         from train.memory import StoreRequest
         from train.request import Request, RunShare, without_secrets
         from train.running.bits import WorkerBits
         from train.running.needs import Machine
         from train.running.run_folder import RECORDINGS
-        from train.running.runs import usable_cpus
 
         value = self.values.get
         learns = value("learn", value("store") is not None)
@@ -171,7 +172,7 @@ class GivenOptions:
             **{name: value(name) for name in ("every_table", "figure") if name in self.values},
             "share": RunShare.of_text(share) if share is not None else None,
             "record": RecordSettings(Path(RECORDINGS), value("minds", False)) if record else None,
-            "machine": Machine(workers, value("force", False), value("on")),
+            "machine": Machine(workers, value("force", False), value("on"), value("threads", 1)),
             "bits": WorkerBits(mixed=value("any_bits", False)),
             "words": ("clean-swarm", *map(without_secrets, sys.argv[1:])),
         }

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clean_swarm_env import ConfigurationError
+from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.plain import shown
 from selforg.plugins import named_plugins
 from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, Seed, check_whole

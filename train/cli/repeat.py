@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 from rich.progress import track
 
-from clean_swarm_env import ConfigurationError
+from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.options import MAY_NAME_CODE, check_there, error_console
 
 RunDirectory = Annotated[

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env import ConfigurationError
+from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.listing import check_named
 from train.cli.options import (
     MOST_SCENARIOS,

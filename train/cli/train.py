@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from clean_swarm_env import ConfigurationError
+from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.listing import check_named
 from train.cli.options import (
     KEEPING,
@@ -30,7 +30,7 @@ ALONE = ("seed", "output", "resume", "record", "figure", "force", "configs")
 
 
 @app.command()
-@asking(*ALONE)
+@asking(*ALONE, "threads")
 def ppo(config: Config = "exploring-ppo", *, given: GivenOptions) -> None:
     """Train a policy by PPO and export it."""
     check_named(given.directories, training=config)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from itertools import count
+from itertools import count, groupby
 from pathlib import Path
 
 import numpy as np
@@ -35,23 +35,28 @@ class Curriculum:
 
     """
 
-    def __init__(self, config: TrainingConfig, seed: int, directories: tuple[Path, ...] = ()) -> None:
+    def __init__(self, config: TrainingConfig, seed: int, directories: tuple[Path, ...] = (), threads: int = 1) -> None:
+        """`threads` is the number of threads that step the worlds; they are the same with any."""
         self._seed = seed
         families = [task.load(directories) for task in config.tasks]
         for family in families:
             if family.mission.store:
                 raise DocumentError(f"family {family.name}: mission.store: expected none in a training, see --store")
         self.batches: list[Batch] = []
+        self._tori: list[list[Batch]] = []
         for family, task in zip(families, config.tasks, strict=True):
-            self.batches += family_batches(
+            own = family_batches(
                 family,
                 task.worlds,
                 sizes=_sizes(family),
+                threads=threads,
                 observation=config.observation,
                 reward=given if isinstance(given := config.reward, str) else given.model_dump(exclude_unset=True),
                 action=config.action,
                 directories=directories,
             )
+            self.batches += own
+            self._tori += [list(alike) for _, alike in groupby(own, lambda batch: batch.mission.extent)]
         self._families = families
         self.validation = {
             family.name: [family.scenario(VALIDATION_SEED, k, "train") for k in range(config.validation.scenarios)]
@@ -60,9 +65,12 @@ class Curriculum:
 
     def set_scenarios(self, checkpoint: int) -> None:
         """Set the scenarios of the batches after a checkpoint, from their next reset on."""
-        words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
-        for batch, word in zip(self.batches, words, strict=True):
-            batch.series.share(int(word) * 2 + 1)
+        words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self._tori), np.uint32)
+        for torus, word in zip(self._tori, words, strict=True):
+            first, worlds = 0, sum(batch.count for batch in torus)
+            for batch in torus:
+                batch.series.share(int(word) * 2 + 1, first, worlds)
+                first += batch.count
 
     def scenarios(self, checkpoint: int) -> list[Iterator[Scenario]]:
         """Return for each family the endless series of scenarios after a checkpoint."""

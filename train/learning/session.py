@@ -65,7 +65,13 @@ def run_training(
     directory = request.output or Path("results") / stem
     with request.results(directory, {"identity": identity, **known}) as folder:
         job = TrainingJob(
-            config, request.seed, folder, directories=request.directories, record=request.record, memory=memory
+            config,
+            request.seed,
+            folder,
+            directories=request.directories,
+            record=request.record,
+            memory=memory,
+            threads=request.machine.threads,
         )
         try:
             compile_once(lambda: run_through(Batch()))  # before the bar and the workers

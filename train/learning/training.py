@@ -149,6 +149,8 @@ class TrainingJob:
     """Tasks that missions of members are cut into; the training is the same with any number."""
     done: Round = in_turn
     """Does tasks."""
+    threads: int = 1
+    """Threads that step the worlds; the training is the same with any number."""
 
 
 def expert_knowledge(mission: MissionConfig, directories: Sequence[Path]) -> Knowledge:
@@ -173,7 +175,7 @@ class Training(ABC):
 
     def __init__(self, job: TrainingJob) -> None:
         self.job, self.config = job, job.config
-        self.curriculum = Curriculum(job.config, job.seed, job.directories)
+        self.curriculum = Curriculum(job.config, job.seed, job.directories, job.threads)
         first, *others = self.curriculum.batches
         self.goal = DecidedGoal(first, self.decides)
         for batch in others if self.alike else ():

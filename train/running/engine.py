@@ -4,7 +4,7 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import AbstractContextManager
 from typing import Protocol
 
-from clean_swarm_env.learning.warm_up import announce, one_process
+from clean_swarm_env.learning.warm_up import compile_listed, one_process
 from train.running.runs import Job, RunRecord, Work
 
 Round = Callable[[Sequence[Work]], Generator[RunRecord, None, None]]
@@ -42,5 +42,5 @@ def in_turn(tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:
 def compile_first(task: Job) -> None:
     """Do the beginning of one run in this process: else all workers would compile the same kernels at the same time."""
     with one_process():
-        announce()
+        compile_listed()
         task.beginning().run()

@@ -86,6 +86,8 @@ class Machine:
     """Whether to run even if the machine is estimated to be too small."""
     place: str | None = None
     """Where missions run; in processes of this machine unless given."""
+    threads: int = 1
+    """Threads of a training that steps its worlds in one process."""
 
 
 ALONE = Machine()

@@ -14,7 +14,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env import ConfigurationError
 from selector.documents.find import SHIPPED
 from selector.documents.plain import DocumentError
 from selector.documents.reading import read_json
@@ -64,7 +63,7 @@ class RunFolder:
         words: the command as it was typed at the beginning, for people.
 
     Raises:
-        ConfigurationError: the directory has other files, or the same results without `resume`.
+        DocumentError: the directory has other files, or the same results without `resume`.
 
     """
 
@@ -74,7 +73,7 @@ class RunFolder:
         identity, self.learned = content["identity"], content.get(LEARNED_BEFORE, {})
         self.words: list[str] = content.get(COMMAND, [])
         if path.exists() and not path.is_dir():
-            raise ConfigurationError(f"{path}: expected a directory for the results, got a file")
+            raise DocumentError(f"{path}: expected a directory for the results, got a file")
         if path.exists():
             remove_parts(path)
         if path.exists() and any(entry.name not in (SHARE_FOLDERS, RECORDINGS) for entry in path.iterdir()):
@@ -89,7 +88,7 @@ class RunFolder:
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """Keep other commands from writing the directory; ConfigurationError if one does, but not for a killed one."""
+        """Keep other commands from writing the directory; DocumentError if one does, but not for a killed one."""
         if fcntl is None:
             yield
             return
@@ -98,7 +97,7 @@ class RunFolder:
             try:
                 fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:
-                raise ConfigurationError(f"{self.path}: another command writes these results now") from error
+                raise DocumentError(f"{self.path}: another command writes these results now") from error
             yield
         finally:
             os.close(number)
@@ -120,20 +119,20 @@ class RunFolder:
         write_whole(self.path / name, content if isinstance(content, bytes) else content.encode())
 
     def _claimed(self, identity: Mapping[str, Any], growing: str, *, resume: bool) -> Json:
-        """Return the manifest there; ConfigurationError if its identity is not `identity`, or without `resume`."""
+        """Return the manifest there; DocumentError if its identity is not `identity`, or without `resume`."""
         try:
             held = read_manifest(self.path)
-        except ConfigurationError as error:
+        except DocumentError as error:
             expected = "has other files; expected an empty or a new directory"
-            raise ConfigurationError(f"{self.path}: {expected} ({error})") from error
+            raise DocumentError(f"{self.path}: {expected} ({error})") from error
         wanted = dict(identity)
         if growing and isinstance(kept := held["identity"].get(growing), dict):
             wanted[growing] = {name: wanted[growing].get(name, known) for name, known in kept.items()}
         different = _difference(held["identity"], wanted)
         if different:
-            raise ConfigurationError(f"{self.path}: has other results: {different}")
+            raise DocumentError(f"{self.path}: has other results: {different}")
         if not resume:
-            raise ConfigurationError(f"{self.path}: has these results already; give --resume or another --output")
+            raise DocumentError(f"{self.path}: has these results already; give --resume or another --output")
         return held
 
 
@@ -150,18 +149,18 @@ def read_manifest(directory: Path) -> Json:
     """Return the content of `manifest.json` in a directory.
 
     Raises:
-        ConfigurationError: there is no such directory, or no manifest in it.
+        DocumentError: there is no such directory, or no manifest in it.
 
     """
     if not directory.is_dir():
         found = "expected a directory of results, got a file" if directory.exists() else "no such directory"
-        raise ConfigurationError(f"{directory}: {found}")
+        raise DocumentError(f"{directory}: {found}")
     path = directory / MANIFEST
     if not path.exists():
-        raise ConfigurationError(f"{directory}: has no {MANIFEST}; expected the results of an evaluation")
+        raise DocumentError(f"{directory}: has no {MANIFEST}; expected the results of an evaluation")
     content: Json = read_json(path)
     if not isinstance(content.get("identity"), dict):
-        raise ConfigurationError(f"{path}: expected the manifest of an evaluation")
+        raise DocumentError(f"{path}: expected the manifest of an evaluation")
     from selector.knowledge import learned_from  # imports pydantic and NumPy
 
     learned_from(content.get(LEARNED_BEFORE, {}), f"{path}: {LEARNED_BEFORE}")

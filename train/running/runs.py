@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -245,8 +244,3 @@ class RunTask(Job):
 def forcing(options: Mapping[str, str]) -> dict[str, dict[str, float]]:
     """Return scores by which `options` serve their goals; goal -> option."""
     return {goal: {option: HIGHEST_SCORE} for goal, option in options.items()}
-
-
-def usable_cpus() -> int:
-    """Return the number of CPUs that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

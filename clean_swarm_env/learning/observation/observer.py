@@ -16,7 +16,7 @@ from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Obser
 from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import READ, SCRATCH, Floats, Ints
-from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.decorators import inlined, long_kernel
 from selforg.compiler.records import Words
 from selforg.mechanisms.steering.base import OTHER_COLUMNS
 from selforg.plugins import check_answer, contract, is_own
@@ -172,7 +172,7 @@ for _name in COMPILED_TERMS:
     write_terms = write_also(write_terms, _name)
 
 
-@lean_kernel
+@long_kernel
 def write_observations(
     around: Words[Around], chosen: Ints, first: Ints, seen: Floats, weights: Observations, observations: Observations
 ) -> None:

@@ -24,7 +24,7 @@ from clean_swarm_env.tasks.cleaning.robot import (
 from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING
 from selforg.arrays import Flags, Floats
 from selforg.commands import Commanded, open_commanded
-from selforg.compiler.decorators import inlined, lean_kernel, part
+from selforg.compiler.decorators import inlined, lean_kernel, long_kernel, part
 from selforg.compiler.records import Words, Written
 from selforg.network import state as st
 from selforg.space import nearest_image
@@ -33,7 +33,7 @@ from selforg.walls.segments import Walls, is_hidden
 START_PICK, START_RECYCLE, START_DUMP = range(3)  # columns of `MindsRecord.starting`
 
 
-@lean_kernel
+@long_kernel
 def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord], walls: Words[Walls]) -> None:
     """Write the robots' own sensors into the readings, and note the nearest item that each could see or take.
 

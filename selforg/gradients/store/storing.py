@@ -1,7 +1,7 @@
 """Storing: how the buffer changes when gradients arrive, one after the other, many in one call."""
 
 from selforg.arrays import Floats, Ints
-from selforg.compiler.decorators import lean_kernel, part
+from selforg.compiler.decorators import lean_kernel, long_kernel, part
 from selforg.compiler.records import Words, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.aggregation import aggregate
@@ -13,7 +13,7 @@ from selforg.grid import bucket_of
 SWEPT_PER_STORE = 2  # gradients checked for each one stored, so that evaporated ones are freed as fast as new ones come
 
 
-@lean_kernel
+@long_kernel
 def store_rows(messages: Floats, tags: Ints, now: float, store: Written[Store]) -> None:
     """Store messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) in their order; there is room for all.
 
@@ -23,7 +23,7 @@ def store_rows(messages: Floats, tags: Ints, now: float, store: Written[Store]) 
         store_one(messages[index], tags[index], now, store)
 
 
-@lean_kernel
+@long_kernel
 def deposit_rows(
     rows: Ints, message: Floats, tag: Ints, now: float, poses: Words[Poses], store: Written[Store]
 ) -> bool:

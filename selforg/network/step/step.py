@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from selforg.arrays import Ints
-from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.decorators import inlined, long_kernel
 from selforg.compiler.records import Words, Written
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, Scratch
@@ -19,7 +19,7 @@ SENSE_AND_DECIDE, DECIDE = range(2)
 """Phases of a step: the whole step, or the rest of it after a missing plan was made."""
 
 
-@lean_kernel
+@long_kernel
 def step_rows(
     rows: Ints,
     model: Words[PackedModel],

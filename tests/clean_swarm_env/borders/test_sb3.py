@@ -234,3 +234,16 @@ def test_a_vecenv_is_copied_and_goes_back(way):
     assert play(twin) == course
     envs.set_state(state)
     assert play(envs) == course
+
+
+def test_threads_change_no_bit_and_states_fit_any_number_of_them():
+    told, states, after = [], [], []
+    for threads in (1, 2, 4):
+        envs = RobotVecEnv(3, mission=mission(garbage={"count": 2}, time_limit=8.0), threads=threads)
+        told.append([[array.tobytes() for array in step[:3]] for step in stepped(envs, 12)])
+        states.append(envs.get_state())
+        envs.set_state(states[0])
+        after.append(envs.step(np.ones(envs.num_envs, dtype=np.int64))[0].tobytes())
+    assert len(envs.batches) == 3
+    assert told[0] == told[1] == told[2]
+    assert len(set(after)) == 1

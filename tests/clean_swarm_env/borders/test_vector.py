@@ -244,3 +244,49 @@ def test_make_vec_takes_what_make_takes_and_every_id_has_both():
         assert gymnasium.registry[name].entry_point
         gymnasium.make(name, **settings)
         gymnasium.make_vec(name, num_envs=2, **settings)
+
+
+@pytest.mark.parametrize("autoreset", ["SameStep", "NextStep"])
+@pytest.mark.parametrize("border", [RobotVectorEnv, TeamVectorEnv])
+def test_threads_change_no_bit_of_what_a_learner_gets(border, autoreset):
+    told, states = [], []
+    for threads in (1, 2, 5):
+        envs = border(
+            3, mission=mission(garbage={"count": 2}, time_limit=8.0), threads=threads, autoreset_mode=autoreset
+        )
+        envs.action_space.seed(1)
+        seen = [envs.reset(seed=4), *(envs.step(envs.action_space.sample()) for _ in range(12))]
+        state = envs.get_state()
+        last = envs.step(envs.action_space.sample())
+        told.append((seen, last, envs.masks(), [env.world for env in envs.envs]))
+        states.append(state)
+    for other in told[1:]:
+        assert_equal(other, told[0])
+    assert any("final_obs" in infos for *_, infos in told[0][0]) == (autoreset == "SameStep")
+    assert np.array_equal(envs.set_state(states[0]), told[0][0][-1][0]), "a state fits any number of threads"
+
+
+def test_pictures_are_those_of_all_worlds_in_any_number_of_threads():
+    pictures = []
+    for threads in (1, 2):
+        envs = TeamVectorEnv(3, mission=SHORT, threads=threads, render_mode="rgb_array", picture={"side": 200})
+        envs.reset(seed=4)
+        pictures.append(np.stack(envs.render()))
+    assert np.array_equal(*pictures)
+
+
+def assert_equal(one, other):
+    """Compare nested results exactly."""
+    assert type(one) is type(other)
+    if isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for key in one:
+            assert_equal(one[key], other[key])
+    elif isinstance(one, list | tuple) or (isinstance(one, np.ndarray) and one.dtype == object):
+        assert len(one) == len(other)
+        for mine, theirs in zip(one, other, strict=True):
+            assert_equal(mine, theirs)
+    elif isinstance(one, np.ndarray):
+        assert np.array_equal(one, other)
+    else:
+        assert one == other

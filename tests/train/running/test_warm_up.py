@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 from dataclasses import replace
 
 import pytest
@@ -22,6 +23,12 @@ from train.reports.text_table import Grid, Publication
 from train.request import Request
 from train.running.engine import compile_first
 from train.running.runs import RunTask
+
+
+@pytest.fixture(autouse=True)
+def _alone(monkeypatch):
+    monkeypatch.setattr(warm_up, "usable_cpus", lambda: 1)
+
 
 LINE = "compiling for this machine, once: about a minute\n"
 
@@ -132,6 +139,107 @@ def test_python_says_it_too_once_in_a_process_and_can_be_silenced(monkeypatch, c
         for _ in range(2):
             Batch(mission={"base": "table1", "task": {"garbage": {"count": 1}}})
         assert capsys.readouterr().err == said
+
+
+LISTED = """
+import clean_swarm_env.learning.batch as batch
+from clean_swarm_env.learning.warm_up import run_through
+from selforg.compiler.ahead import compiled_lines
+run_through(batch.Batch())
+print(*compiled_lines(), sep="\\n")
+"""
+
+
+def test_the_list_has_the_kernels_that_the_first_mission_calls():
+    told = subprocess.check_output([sys.executable, "-c", LISTED], text=True).splitlines()
+    listed = warm_up.FIRST_KERNELS.read_text(encoding="utf-8").splitlines()
+    assert sorted(told) == sorted(listed), "python -m benchmarks.first_start --list makes it again"
+    last = [line for line in listed if line.startswith("clean_swarm_env.tasks.cleaning.cargo.")]
+    assert listed[-len(last) :] == last, "what says that all is compiled comes last"
+
+
+@pytest.fixture
+def compiled(monkeypatch):
+    """The lines that this process compiles, which are not compiled; the first one cannot be."""
+    lines = []
+
+    def note(line):
+        lines.append(line)
+        if len(lines) == 1:
+            raise RuntimeError("no room")
+
+    monkeypatch.setattr(warm_up, "compile_line", note)
+    return lines
+
+
+def test_each_kernel_is_taken_by_one_process_and_one_that_fails_stops_nobody(compiled, tmp_path):
+    listed = warm_up.FIRST_KERNELS.read_text(encoding="utf-8").splitlines()
+    (tmp_path / "3").touch()
+    warm_up.compile_share(str(tmp_path))
+    assert compiled == [line for number, line in enumerate(listed) if number != 3]
+    warm_up.compile_share(str(tmp_path))
+    assert len(compiled) == len(listed) - 1
+
+
+def test_a_helper_whose_parent_has_gone_ends(compiled, tmp_path):
+    warm_up.compile_share(str(tmp_path), parent=os.getpid())
+    assert compiled == []
+
+
+def test_a_list_of_other_sources_is_no_error(monkeypatch, tmp_path):
+    (tmp_path / "list").write_text("no.such.kernel int64\nselforg.space.shorten complex128\n\n")
+    monkeypatch.setattr(warm_up, "FIRST_KERNELS", tmp_path / "list")
+    warm_up.compile_share(str(tmp_path))
+
+
+@pytest.mark.parametrize("helper", ["raise SystemExit(3)", "import time\ntime.sleep(60)"], ids=["dies", "hangs"])
+def test_helpers_that_die_or_hang_hold_nothing_up(helper, compiled, monkeypatch):
+    monkeypatch.setattr(warm_up, "usable_cpus", lambda: 3)
+    monkeypatch.setattr(warm_up, "HELPER", helper)
+    monkeypatch.setattr(warm_up, "HELPERS_WAIT", 0.1)
+    began = time.monotonic()
+    warm_up.compile_listed()
+    assert time.monotonic() - began < 30.0
+    assert len(compiled) == len(warm_up.FIRST_KERNELS.read_text(encoding="utf-8").splitlines())
+
+
+def test_helpers_end_with_an_interruption(monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    started = []
+
+    def start(*words, **more):
+        started.append(subprocess.Popen(*words, **more))
+        return started[-1]
+
+    monkeypatch.setattr(warm_up, "usable_cpus", lambda: 2)
+    monkeypatch.setattr(warm_up, "HELPER", "import time\ntime.sleep(60)")
+    monkeypatch.setattr(warm_up, "compile_share", interrupted)
+    monkeypatch.setattr(
+        warm_up, "Popen", lambda *words, **more: started.append(subprocess.Popen(*words, **more)) or started[-1]
+    )
+    with pytest.raises(KeyboardInterrupt):
+        warm_up.compile_listed()
+    assert [one.poll() is not None for one in started] == [True]
+
+
+@pytest.mark.parametrize(("program", "cpus"), [("/usr/bin/blender", 4), (sys.executable, 1)])
+def test_no_other_program_is_started_and_none_on_one_core(program, cpus, monkeypatch):
+    monkeypatch.setattr(warm_up, "usable_cpus", lambda: cpus)
+    monkeypatch.setattr(sys, "executable", program)
+    monkeypatch.setattr(warm_up, "Popen", lambda *_, **__: pytest.fail("started"))
+    warm_up.compile_listed()
+
+
+def test_a_system_that_allows_no_more_processes_leaves_all_to_the_work(compiled, monkeypatch):
+    def refused(*_, **__):
+        raise OSError("no more processes")
+
+    monkeypatch.setattr(warm_up, "usable_cpus", lambda: 2)
+    monkeypatch.setattr(warm_up, "Popen", refused)
+    warm_up.compile_listed()
+    assert compiled == []
 
 
 def test_other_processes_wait_for_the_one_that_compiles(tmp_path):

@@ -70,7 +70,7 @@ class PpoTraining(Training):
         assert job.config.ppo is not None
         self.settings = job.config.ppo
         self._costs: list[float] = []
-        robots = RobotVecEnv(batches=self.curriculum.batches)
+        robots = RobotVecEnv(batches=self.curriculum.batches, threads=job.threads)
         goals = [named_goal(tuple(robots.options), name) for name in self.decides]
         self.normal = VecNormalize(
             TeamEnv(robots) if self.settings.critic == "team" else robots, gamma=self.settings.discount

@@ -1,0 +1,125 @@
+"""Worlds in blocks that several threads step: the same bits, whole errors, whole interruptions."""
+
+import hashlib
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.joined import Joined, blocks, family_batches, in_threads
+from clean_swarm_env.recording.recorder import RecordSettings
+from tests.clean_swarm_env.courses import mission
+
+WORLDS = 5
+SHORT = mission(garbage={"count": 2}, time_limit=12.0)
+
+
+def course_of(joined, steps=20, state=None):
+    """Return the hash of what a learner sees in some steps from a reset or a state on, and how many missions end."""
+    seen = joined.reset(range(joined.worlds)) if state is None else joined.set_state(state)
+    digest, rng, ended = hashlib.sha256(seen.tobytes()), np.random.default_rng(3), 0
+    for _ in range(steps):
+        step = joined.step(rng.integers(0, joined.counts[0], joined.rows))
+        ended += len(joined.finished)
+        for array in (*step, joined.masks()):
+            digest.update(array.tobytes())
+        digest.update(repr([(end.world, end.scenario.seed, end.result) for end in joined.finished]).encode())
+    return digest.hexdigest(), ended
+
+
+def test_any_number_of_threads_gives_the_same_bits():
+    each = [Joined(blocks(SHORT, WORLDS, threads), threads) for threads in (1, 2, 3, 5)]
+    courses = {course_of(joined) for joined in each}
+    assert len(courses) == 1
+    assert courses.pop()[1] > 0, "missions end and begin anew"
+    states = [joined.get_state() for joined in each]
+    crossed = {course_of(joined, state=state) for joined, state in zip(each, reversed(states), strict=True)}
+    assert len(crossed) == 1, "a state goes on in any number of threads"
+    one = each[1].get_state([3])
+    assert np.array_equal(each[2].set_state(one, [4])[20:], each[1].set_state(one, [0])[:5])
+
+
+def test_more_threads_than_worlds_are_no_mistake_and_none_is():
+    assert [batch.count for batch in blocks(SHORT, 2, 7)] == [1, 1]
+    with pytest.raises(ValueError, match="threads: expected a whole number of at least 1, got 0"):
+        blocks(SHORT, 2, 0)
+
+
+def test_worlds_with_a_source_and_recorded_ones_stay_together(tmp_path):
+    assert len(blocks(SHORT, 2, 2, record=RecordSettings(tmp_path))) == 1
+    assert len(blocks(SHORT, 2, 2, source=lambda world: None)) == 1
+
+
+def test_a_family_has_blocks_of_each_torus():
+    parts = family_batches("unseen", 7, threads=2)
+    assert sum(batch.count for batch in parts) == 7
+    assert len(parts) == 2 * len(family_batches("unseen", 7))
+
+
+def test_a_wrong_action_moves_no_world():
+    joined = Joined(blocks(SHORT, 4, 2), 2)
+    joined.reset(range(4))
+    before = [batch.get_state() for batch in joined.batches]
+    wrong = np.zeros(joined.rows, dtype=np.int64)
+    wrong[-1] = 99
+    with pytest.raises(ValueError, match="expected 0"):
+        joined.step(wrong)
+    assert [batch.get_state() for batch in joined.batches] == before
+
+
+def test_an_error_of_one_call_waits_for_the_others():
+    ended = []
+
+    def fail():
+        raise ValueError("one")
+
+    def last():
+        time.sleep(0.2)
+        ended.append(True)
+
+    with pytest.raises(ValueError, match="one"):
+        in_threads([fail, last], 2)
+    assert ended == [True]
+
+
+def test_ctrl_c_waits_for_the_end_of_the_step():
+    ended, main = [], threading.main_thread().ident
+
+    def interrupt():
+        time.sleep(0.1)
+        signal.pthread_kill(main, signal.SIGINT)
+
+    def last():
+        time.sleep(0.5)
+        ended.append(True)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # the tests may have been told to ignore it
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            in_threads([interrupt, last], 2)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert ended == [True]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+def test_a_forked_process_makes_threads_of_its_own():
+    assert in_threads([os.getpid] * 2, 2) == [os.getpid()] * 2
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if in_threads([os.getpid] * 2, 2) == [os.getpid()] * 2 else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_one_batch_is_stepped_in_the_thread_of_the_caller():
+    joined = Joined([Batch(SHORT)], 3)
+    threads = []
+    joined.batches[0].rewards.of, given = lambda *_: threads.append(threading.current_thread()), 0
+    joined.reset([1])
+    joined.step(np.zeros(joined.rows, dtype=np.int64))
+    assert threads == [threading.main_thread()]
+    assert given == 0
