@@ -26,7 +26,8 @@ from clean_swarm_env.world.mission_end import COMPLETED
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import DocumentError, unknown_key
 from selector.documents.fields import Closed, Number, Share
-from selector.documents.imported import imported, is_import, registered
+from selector.documents.imported import imported, registered
+from selector.documents.trust import is_import
 from selforg.arrays import READ, Floats
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Recording, Words
