@@ -8,7 +8,7 @@ UNCOMPILED := tests/selforg/mechanisms tests/selforg/gradients tests/selforg/com
 	$(addprefix tests/selforg/network/,test_contract.py test_network.py test_reference.py) \
 	tests/clean_swarm_env/world/test_reception.py
 
-.PHONY: check lint test uncompiled golden examples newest long soak mutants learning bench
+.PHONY: check lint test docs uncompiled golden examples newest long soak mutants learning bench
 
 check: lint test  ## all that CI asks for
 
@@ -20,6 +20,9 @@ lint:
 
 test:
 	$(BIN)python -m pytest -n 2 --dist loadfile
+
+docs:  ## the site, build/site/html/index.html, from docs/ and the code; warnings are errors, no network is needed
+	NUMBA_DISABLE_JIT=1 $(BIN)python -W ignore::RuntimeWarning -m docs.site.build
 
 uncompiled:  ## some tests with kernels as plain functions
 	NUMBA_DISABLE_JIT=1 $(BIN)python -m pytest -n 2 --dist loadfile $(UNCOMPILED)

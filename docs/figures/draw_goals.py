@@ -11,6 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
+from PIL.Image import Image
+from PIL.Image import open as open_picture
 
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import Task, World
@@ -23,6 +25,10 @@ INK, PAPER = "#2b2b2b", "#fbfaf7"
 TRACK, ATTRACTIVE, REPULSIVE, CHOSEN = "#0072B2", "#009E73", "#D55E00", "#E69F00"
 MOST_SHOWN = 6.0
 """Reach up to which the diffusion of a gradient is drawn [m]; beyond, it covers everything."""
+TOP, BOTTOM, GAP = 0.95, 0.05, 0.34
+"""Upper and lower edge of the panels, as shares of the picture; gap between lines of them, in heights of a panel."""
+ABOVE, BELOW = 0.048, 0.036
+"""Room for the text above and below a panel, as shares of the picture."""
 LAST = 60
 """Control periods at the end that are shown of a group on land where nothing lies around."""
 AROUND = 1.5
@@ -134,7 +140,7 @@ def draw_all() -> Figure:
     names = tasks_to_run()
     lines = -(-len(names) // COLUMNS)
     figure, grid = plt.subplots(lines, COLUMNS, figsize=(3.0 * COLUMNS, 3.7 * lines))
-    figure.subplots_adjust(left=0.01, right=0.99, top=0.95, bottom=0.05, wspace=0.06, hspace=0.34)
+    figure.subplots_adjust(left=0.01, right=0.99, top=TOP, bottom=BOTTOM, wspace=0.06, hspace=GAP)
     for axes, name in zip(grid.flat, names, strict=False):
         draw_task(axes, name)
     spare = list(grid.flat)[len(names) :]
@@ -142,6 +148,18 @@ def draw_all() -> Figure:
         axes.axis("off")
     draw_legend(spare[0] if spare else grid.flat[-1])
     return figure
+
+
+def cut_out(name: str) -> Image:
+    """Return the panel of one task from the picture of all, with the text above and below it."""
+    names, picture = tasks_to_run(), open_picture(FILE)
+    lines = -(-len(names) // COLUMNS)
+    line, column = divmod(names.index(name), COLUMNS)
+    height = (TOP - BOTTOM) / (lines + (lines - 1) * GAP)
+    top = 1.0 - TOP + line * height * (1.0 + GAP)
+    shares = (column / COLUMNS, top - ABOVE, (column + 1) / COLUMNS, top + height + BELOW)
+    box = (round(share * side) for share, side in zip(shares, picture.size * 2, strict=True))
+    return picture.crop(tuple(box))
 
 
 def draw_legend(axes: Axes) -> None:

@@ -1,0 +1,110 @@
+"""Builds the site: `python -m docs.site.build`, which `make docs` runs. Writes build/site/html; needs the extra `docs`.
+
+The pages are the Markdown pages of the repository, and those that `catalogue` and `api` make of what the code knows.
+A warning is an error. Nothing is asked of the network.
+"""
+
+import os
+import re
+import shutil
+import sys
+from pathlib import Path
+
+from docs.site.api import API, write_api
+from docs.site.catalogue import CATALOGUE, write_catalogue
+from docs.site.stage import ORPHAN, ROOT, SHOWN, Stage, site_path
+
+BUILD = ROOT / "build" / "site"
+GROUPS = {
+    "Tutorials": tuple(f"tutorials/{name}" for name in ("see", "learn", "selector", "mechanism", "task", "mind")),
+    "Do": (
+        "README", "commands", "play", "recordings", "environment", "tasks", "own_task", "learning", "strategies",
+        "machines", "tuning", "knowledge", "clusters", "trust",
+    ),
+    "Understand": (
+        "ARCHITECTURE", "glossary", "robot", "selector", "selforg", "network", "walls", "models", "transport", "cost",
+        "paper", "original", "quirks", "golden", "reliability", "limits", "compared",
+    ),
+    "Results": (
+        "results", "goal_results", "choosing", "exploring", "families", "scores", "robustness", "ablation",
+        "benchmarks",
+    ),
+    "Reference": CATALOGUE,
+    "API": API,
+    "Project": ("CONTRIBUTING", "CHANGELOG", "decisions/README"),
+}  # fmt: skip
+"""Part of the menu -> its pages."""
+
+
+def sources() -> list[Path]:
+    """Return the Markdown pages of the repository."""
+    return [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+def unnamed() -> tuple[str, ...]:
+    """Return the pages that no part of the menu names; records of decisions are linked from their own page."""
+    named = {name for names in GROUPS.values() for name in names} | {"index"}
+    pages = (site_path(path).removesuffix(".md") for path in sources())
+    return tuple(page for page in pages if page not in named and not page.startswith("decisions/"))
+
+
+def menu() -> str:
+    """Return the menu, for the end of the first page."""
+    parts = [
+        "\n".join((f"```{{toctree}}\n:caption: {name}\n:hidden:\n:maxdepth: 1\n", *pages, "```\n"))
+        for name, pages in {**GROUPS, "More": unnamed()}.items()
+        if pages
+    ]
+    return "\n" + "\n".join(parts)
+
+
+LARGEST = 25_000_000
+"""Most bytes of the site."""
+OUTSIDE = r"[\"']?(?:https?:)?//[^\"'> )]+"
+LOADED = re.compile(
+    rf"<(?:script|img|iframe|source|video)\b[^>]*\bsrc={OUTSIDE}|<link\b[^>]*\bhref={OUTSIDE}"
+    rf"|url\({OUTSIDE}|@import {OUTSIDE}"
+)
+"""What makes a browser ask another machine for something; links that a reader follows do not."""
+
+
+def faults(folder: Path) -> list[str]:
+    """Return what is wrong with a site: files that load something from outside, and its size."""
+    found = []
+    for path in sorted(folder.rglob("*")):
+        if path.suffix in (".html", ".css"):
+            for load in LOADED.findall(path.read_text(encoding="utf-8")):
+                found.append(f"{path.relative_to(folder)}: loads from outside: {load}")
+    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    if size > LARGEST:
+        found.append(f"{folder}: expected at most {LARGEST} bytes, got {size}")
+    return found
+
+
+def main() -> int:
+    """Build the site; return 1 if something is wrong with it, else the code of Sphinx."""
+    from sphinx.cmd.build import main as sphinx
+
+    stage, html = Stage(BUILD / "source"), BUILD / "html"
+    for path in sources():
+        record = path.parent.name == "decisions" and path.name != "README.md"
+        stage.page(path, ORPHAN if record else "", menu() if path.name == "index.md" else "")
+    write_api(stage)
+    write_catalogue(stage)
+    stage.clear()
+    settings = str(ROOT / "docs" / "site")
+    words = ["-q", "-W", "--keep-going", "-j", "2", "-b", "html", "-d", str(BUILD / "doctrees"), "-c", settings]
+    code = sphinx([*words, str(stage.folder), str(html)])
+    for path in stage.kept:
+        if path.suffix in SHOWN:  # pages of their own, which Sphinx would offer to save
+            shutil.copy(path, html / path.relative_to(stage.folder))
+    wrong = faults(html) if code == 0 else []
+    for line in wrong:
+        print(line, file=sys.stderr)
+    if code == 0:
+        print(f"{html / 'index.html'}: {sum(os.times()[:4]):.0f} s of CPU")
+    return 1 if wrong else code
+
+
+if __name__ == "__main__":
+    sys.exit(main())
