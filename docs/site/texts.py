@@ -10,18 +10,13 @@ from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.world.worlds import Worlds as Worlds  # imports all terms and mechanisms
 from docs.site.docstrings import converted
 from selector.strategies.registry import STRATEGIES
-from selforg.components import ACTIONS, SENSORS
 from selforg.mechanisms import MECHANISMS
-from selforg.network.model.activators import ACTIVATORS
 from selforg.registry import Registry
 
 REGISTRIES: dict[str, Registry] = {
     "strategy-classes": STRATEGIES,
     "mechanism-classes": MECHANISMS,
     "terms": TERMS,
-    "sensor-classes": SENSORS,
-    "action-classes": ACTIONS,
-    "activator-classes": ACTIVATORS,
 }
 
 
