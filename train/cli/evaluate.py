@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from clean_swarm_env.config.task_names import OWN_TASK, task_names
 from selector.documents.plain import DocumentError as ConfigurationError
@@ -141,24 +140,22 @@ def run_command(
         known = f"; the tasks are {', '.join(tasks_to_run())}" if task is None else ""
         raise ConfigurationError(f"run: expected a task or --all, got {'both' if every else 'neither'}{known}")
     outcomes, directories = [], tuple(configs or ())
-    with Console(stderr=True).status("running") as status:
-        for name in tasks_to_run() if every else (str(task),):
-            status.update(f"running {name}")
-            ground: Any = arena  # which has been checked
-            asked = TaskRun(
-                name,
-                seed=seed,
-                scenarios=runs,
-                knowledge=knowledge,
-                directories=directories,
-                store=StoreRequest(store, learn),
-                record=None if record is None else RecordSettings(record.resolve()),
-                option=option,
-                robots=robots,
-                seconds=seconds,
-                ground=ground,
-            )
-            outcomes.append(run_task(asked))
+    for name in tasks_to_run() if every else (str(task),):
+        ground: Any = arena  # which has been checked
+        asked = TaskRun(
+            name,
+            seed=seed,
+            scenarios=runs,
+            knowledge=knowledge,
+            directories=directories,
+            store=StoreRequest(store, learn),
+            record=None if record is None else RecordSettings(record.resolve()),
+            option=option,
+            robots=robots,
+            seconds=seconds,
+            ground=ground,
+        )
+        outcomes.append(run_task(asked))
     if json:
         plain = [outcome.content for outcome in outcomes]
         typer.echo(json_format.dumps(plain if every else plain[0], indent=2))

@@ -128,7 +128,8 @@ def names_of(kind: str, directories: Sequence[Path], *, told: bool = True) -> di
     Lines of files are empty unless they are to be `told`: reading a hundred files takes half a second.
     """
     found = _names_of_ours(kind, directories, told)
-    for name, origin in _names_of_plugins(kind).items():
+    brought = plugin_names() if named_plugins() or installed() else {}  # their code runs, if there are any
+    for name, origin in brought.get(REGISTERED.get(kind, kind), {}).items():
         found[name] = (f"{found.get(name, ('',))[0]} (from {origin})".strip(),)
     return dict(sorted(found.items()))
 
@@ -144,13 +145,6 @@ def _names_of_ours(kind: str, directories: Sequence[Path], told: bool) -> dict[s
     texts = [path.read_text(encoding="utf-8") for path in SHIPPED.parent.glob(places)]
     found = (match for text in texts for pattern in patterns for match in re.finditer(pattern, text))
     return {match["name"]: (match["line"] or "",) for match in found}
-
-
-def _names_of_plugins(kind: str) -> dict[str, str]:
-    """Return name -> origin of everything of a kind that plug-ins have brought; their code runs, if there are any."""
-    if not named_plugins() and not installed():
-        return {}
-    return plugin_names().get(REGISTERED.get(kind, kind), {})
 
 
 def _line(path: Path) -> str:

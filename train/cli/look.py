@@ -75,7 +75,7 @@ def course_of(run: Path, scenario: str | None, condition: str | None) -> Iterato
     from train.running.needs import most_numbers
 
     with TemporaryDirectory() as folder:
-        with repeating(run) if run.is_dir() else nullcontext():
+        with repeating(run, scenario, condition) if run.is_dir() else nullcontext():
             recording = recording_of(run, scenario, condition, Path(folder), minds=False)
         yield RecordedCourse(RecordedMission(recording, DRAWN, most_numbers()))
 

@@ -1,10 +1,11 @@
 """`clean-swarm explain`, `record` and `replay`: repeat a run of an evaluation to see its decisions."""
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
@@ -12,6 +13,9 @@ from rich.progress import track
 
 from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.options import MAY_NAME_CODE, check_there, error_console
+
+if TYPE_CHECKING:
+    from train.evaluation.repeat import Repeated
 
 RunDirectory = Annotated[
     Path, typer.Argument(help=f"Directory of an evaluation's results; {MAY_NAME_CODE}.", metavar="RUN")
@@ -37,10 +41,8 @@ def explain_command(
     """Repeat a run up to a time and explain what a robot decided then, what it planned, and why."""
     check_there(run)
     from train.evaluation import explain as explaining  # imports Numba
-    from train.evaluation.repeat import task_of
 
-    task = task_of(run, scenario, condition)
-    with repeating(run):
+    with repeating(run, scenario, condition, time) as task:
         explained = explaining.explained(task, robot, time, ahead=what_if)
     if json:
         typer.echo(explaining.as_json(*explained))
@@ -58,10 +60,9 @@ def record_command(
     """Repeat a run and record it: docs/recordings.md describes the file."""
     check_there(run)
     from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
-    from train.evaluation.repeat import record_run, task_of
+    from train.evaluation.repeat import record_run
 
-    task = task_of(run, scenario, condition)
-    with repeating(run):
+    with repeating(run, scenario, condition) as task:
         recording = RecordedMission(record_run(task, output, minds=minds), ())
     typer.echo(f"{recording.frames} steps of {recording.head['robots']} robots in {output}")
 
@@ -90,7 +91,7 @@ def replay_command(
     check_there(*runs)
     from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
     from train.evaluation.explain import foretold_along
-    from train.evaluation.repeat import recording_of, task_of
+    from train.evaluation.repeat import recording_of
     from train.replay.page_file import write_page
 
     conditions: list[str | None] = [*condition] if condition else [None]
@@ -102,10 +103,10 @@ def replay_command(
     recordings, foretold = [], []
     with TemporaryDirectory() as folder:
         for run, name in zip(chosen, conditions * (len(chosen) // len(conditions)), strict=True):
-            with repeating(run) if run.is_dir() else nullcontext():
+            with repeating(run, scenario, name) if run.is_dir() else nullcontext() as task:
                 recordings.append(RecordedMission(recording_of(run, scenario, name, Path(folder)), ()))
-                if what_if is not None:
-                    foretold.append(foretold_along(task_of(run, scenario, name), what_if))
+                if what_if is not None and task is not None:
+                    foretold.append(foretold_along(task, what_if))
         write_page(recordings, html, foretold)
     typer.echo(f"{html}: open it in a browser")
 
@@ -136,13 +137,18 @@ def check_what_if(every: float, runs: Sequence[Path]) -> None:
 
 
 @contextmanager
-def repeating(run: Path) -> Iterator[None]:
-    """Print on the standard error which versions have changed since a run, and show that it is being repeated."""
-    from train.evaluation.repeat import changed_versions  # imports Numba
+def repeating(run: Path, scenario: str | None, condition: str | None, until: float = math.inf) -> Iterator["Repeated"]:
+    """Give the task of a run, and show the progress while it is repeated up to a time [s].
 
-    errors = error_console()
+    The standard error says which versions have changed since the run.
+    """
+    from train.evaluation.repeat import changed_versions, task_of  # imports Numba
+    from train.running.commands import progress
+
+    task = task_of(run, scenario, condition)
     changed = changed_versions(run)
     if changed:
-        errors.print(f"note: the course may differ from the one then: {', '.join(changed)}", markup=False)
-    with errors.status("repeating the run"):
-        yield
+        error_console().print(f"note: the course may differ from the one then: {', '.join(changed)}", markup=False)
+    with progress("repeating the run", 1) as update:
+        update(most=min(until, task.first.mission.time_limit))
+        yield task

@@ -53,11 +53,7 @@ def explained(
     places, running = [np.array(place[:2]) for place in task.first.start.robots[robot : robot + 1]], []
     unseen: list[bool] = []
     latest: list[Deciding] = []
-
-    def note(deciding: Deciding) -> None:
-        latest[:] = [deciding]
-
-    for worlds in steps_until(task, time, note):
+    for worlds in steps_until(task, time, latest):
         if robot >= worlds.team.joined[0]:
             continue
         if not places:  # it has just joined
@@ -97,13 +93,9 @@ def foretold_along(task: Repeated, every: float) -> list[dict[str, Any]]:
     An answer has `robot`, `time` [s] from which on, and `options`: what happens under each, see `WhatIf.options`.
     """
     latest: list[Deciding] = []
-
-    def note(deciding: Deciding) -> None:
-        latest[:] = [deciding]
-
     answers: list[dict[str, Any]] = []
     what_if: WhatIf | None = None
-    for worlds in steps_of(task, note):
+    for worlds in steps_of(task, latest):
         ticks, per = int(worlds.ticks[0]), max(round(every / worlds.period), 1)
         if ticks > 1 and ticks % per:
             continue
@@ -138,19 +130,14 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, A
     options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
     title = f"{run}\nrobot {situation['robot']} at {situation['time_s']:g} s (step {situation['step']}); {options}"
     due = f"step {explanation.plan_index + 1} of {len(explanation.plan)} is due" if explanation.plan else ""
-    stopped = "a collision stops it for {stopped_s:g} s, this step included" if situation["stopped_s"] else ""
-    damaged = "collisions have damaged it" if situation["damaged"] else ""
-    long = before["stayed_s"] >= SHORTEST_STAY
-    stayed = f"it has stayed within {STILL:g} m for {before['stayed_s']:g} s" if long else ""
-    where = STATES.get(step.state, stayed)
-    ran = [f"{name} has run for {seconds:g} s" for name, seconds in before["running_s"].items()]
+    stayed = f"it has stayed within {STILL:g} m for {before['stayed_s']:g} s"
     told = [
         f"it {before['sentence']}",
         *(_moved(goal, move) for goal, move in before["policy"].items()),
-        where,
-        "; ".join(ran),
-        stopped.format(**situation),
-        damaged,
+        STATES.get(step.state, stayed if before["stayed_s"] >= SHORTEST_STAY else ""),
+        "; ".join(f"{name} has run for {seconds:g} s" for name, seconds in before["running_s"].items()),
+        f"a collision stops it for {situation['stopped_s']:g} s, this step included" if situation["stopped_s"] else "",
+        "collisions have damaged it" if situation["damaged"] else "",
         *header(explanation),
         due,
     ]

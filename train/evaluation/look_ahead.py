@@ -39,6 +39,7 @@ from train.evaluation.trial_task import TrialTask
 from train.reports.family_tables import excess_publication
 from train.reports.text_table import Publication
 from train.request import Request
+from train.running.pulse import tell
 from train.running.runs import RunRecord
 
 LOOKING = "look-ahead"
@@ -104,6 +105,7 @@ class LookingTeam:
             self.taken[self.alternatives[best]] += 1
             for _ in range(self._hold):
                 observations = batch.step(self._actions(0, np.full(batch.rows, best), observations)).observations
+                tell(batch.decision_period)
                 if batch.finished:
                     return batch.finished[0].result
 

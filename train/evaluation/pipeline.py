@@ -13,7 +13,6 @@ from statistics import fmean
 
 import numpy as np
 from rich.console import Console
-from rich.progress import MofNCompleteColumn
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
@@ -118,13 +117,14 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
         directory = (evaluation.request.output or results.folder.path).resolve()  # workers may have another
         settings = replace(settings, directory=directory / settings.directory)
     in_turn, left = evaluation.learns_in_turn, _count(tasks)
-    done, total = max(len(wanted) - left, 0), len(wanted)
-    bar = progress("missions", MofNCompleteColumn(), total, done, results.folder.path)
+    done, total, most = max(len(wanted) - left, 0), len(wanted), 0.0
+    bar = progress("missions", total, done, results.folder.path)
     costs: dict[str, list[float]] = {}
     with bar as update, evaluation.request.engine.rounds() as each_done:
         while tasks or in_turn:
             recorded = [task.recorded(settings) for task in tasks] if settings is not None else tasks
-            update(total=max(total, done + left))
+            most += sum(scenario.mission.time_limit for task in tasks for scenario in task.scenarios)
+            update(total=max(total, done + left), most=most)
             with closing(_lessons(evaluation, results, settings) if in_turn else each_done(recorded)) as runs:
                 for record in runs:
                     results.add(record)

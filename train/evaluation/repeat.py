@@ -1,6 +1,6 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -27,6 +27,7 @@ from train.evaluation.base import DIGEST, Identity
 from train.evaluation.trial_task import TrialTask, experiment_tasks, scenario_named
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import ALONE, check_needs
+from train.running.pulse import tell
 from train.running.run_folder import (
     CHOSEN_OPTIONS,
     LEARNED_BEFORE,
@@ -169,23 +170,24 @@ def changed_versions(directory: Path) -> list[str]:
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 
-def steps_of(task: Repeated, deciding: Callable[[Deciding], None] | None = None) -> Iterator[Worlds]:
+def steps_of(task: Repeated, latest: list[Deciding] | None = None) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period.
 
-    `deciding` is told who has decided, and on what, in every decision period, if there is a decider.
+    `latest` gets who has decided last, and on what, as its one entry, if there is a decider.
     """
     if isinstance(task, TrialTask):
-        yield from _trial_steps(task, deciding)
+        yield from _trial_steps(task, latest)
         return
     one = task.first
     run = MissionRun(one.mission, one.start, one.seed, task.scores, task.strategy, task.directories)
     course = Course(run, explained=True)
     while course.in_progress:
         course.tick()
+        tell(course.worlds.period)
         yield course.worlds
 
 
-def _trial_steps(task: TrialTask, deciding: Callable[[Deciding], None] | None) -> Iterator[Worlds]:
+def _trial_steps(task: TrialTask, latest: list[Deciding] | None) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
     scenarios = iter(task.scenarios)
     batch, decided, decider = task.team(source=lambda _: next(scenarios, None), explained=True)
@@ -193,14 +195,15 @@ def _trial_steps(task: TrialTask, deciding: Callable[[Deciding], None] | None) -
     decider.reset(batch.worlds.rows_of(0), task.first.seed)
     while batch.progress.outcome[0] == RUNNING:
         actions = decided.decide(decider, observations)
-        if deciding is not None:
-            deciding(Deciding(batch, decided, decider, observations))
+        if latest is not None:
+            latest[:] = [Deciding(batch, decided, decider, observations)]
         yield from batch.ticks(actions)
+        tell(batch.decision_period)
         if batch.progress.outcome[0] == RUNNING:
             observations = batch.end_period().observations
 
 
-def steps_until(task: Repeated, time: float, deciding: Callable[[Deciding], None] | None = None) -> Iterator[Worlds]:
+def steps_until(task: Repeated, time: float, latest: list[Deciding] | None = None) -> Iterator[Worlds]:
     """Repeat a run as `steps_of` does, up to the control period in which `time` [s] lies.
 
     Raises:
@@ -211,7 +214,7 @@ def steps_until(task: Repeated, time: float, deciding: Callable[[Deciding], None
     if not wanted:
         raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
     worlds = None
-    for worlds in steps_of(task, deciding):
+    for worlds in steps_of(task, latest):
         yield worlds
         if worlds.ticks[0] == wanted:
             return

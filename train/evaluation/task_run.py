@@ -34,6 +34,7 @@ from train.memory import as_plain
 from train.reports.task_tables import MEASURE_HEADS, measure_cells
 from train.reports.text_table import Grid
 from train.request import Request
+from train.running.commands import progress
 from train.running.engine import in_turn
 
 USUAL_RUNS = 20
@@ -164,7 +165,12 @@ def run_task(request: TaskRun) -> TaskOutcome:
     tasks = _tasks(request, family, names[0]) + _tasks(request, random_starts(of_baseline), BASELINE)
     if request.record is not None:
         tasks = [task.recorded(request.record) for task in tasks]
-    records = list(in_turn(tasks))
+    records = []
+    with progress(request.name, 2 * request.runs) as update:
+        update(most=2 * request.runs * mission.time_limit)
+        for record in in_turn(tasks):
+            records.append(record)
+            update(advance=1)
     if memory is not None:
         if memory.learns:
             costs = [record.result.cost_s for record in records if record.condition == names[0]]

@@ -77,7 +77,7 @@ class BanditTraining(Training):
         costs: list[float] = []
         for paid, decisions, ended in self._learning.lessons(self.strategy, self.checkpoint):
             self._decisions += decisions
-            self.job.on_progress(self._decisions)
+            self.job.update(completed=self._decisions)
             costs += ended
             if len(paid.rows):
                 self._learn_from(paid)

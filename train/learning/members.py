@@ -177,7 +177,7 @@ class MembersTraining(Training):
             place = int(run.condition)
             costs[place], seen[place] = judged(run.result), run.seen
             self._missions += 1
-            self.job.on_progress(self._missions)
+            self.job.update(completed=self._missions)
         self._costs += costs.tolist()
         return costs.reshape(len(scenarios), len(members)), seen.sum(axis=0)
 

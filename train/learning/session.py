@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -75,16 +74,16 @@ def run_training(
         )
         try:
             compile_once(lambda: run_through(Batch()))  # before the bar and the workers
-            bar = progress(
-                "decisions", TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions, log=folder.path
-            )
+            counted, total = TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions
+            bar = progress("decisions", total, log=folder.path, counted=counted)
             with bar as update, request.engine.rounds() as done:
                 parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
-                training = made(replace(job, on_progress=lambda now: update(completed=now), parts=parts, done=done))
+                training = made(replace(job, update=update, parts=parts, done=done))
                 update(completed=training.decisions, begun=training.decisions)
                 while not training.finished:
                     training.advance()
-                    _print(console, training.history.entries[-1])
+                    line = checkpoint_line(training.history.entries[-1])
+                    console.print(line, soft_wrap=True, highlight=False, markup=False)
                     update(more=beside_yardstick(training.validation) if training.validation else "")
         except ValueError:  # the configuration is wrong: nothing has been learned
             folder.discard()
@@ -115,7 +114,12 @@ def check_installed(learner: str) -> dict[str, str]:
     return versions(LEARNERS[learner], f"training by {learner} needs", "train")
 
 
-def _print(console: Console, entry: dict[str, Any]) -> None:
-    """Print the figures of a checkpoint."""
-    shown = {name: round(value, 3) if isinstance(value, float) else value for name, value in entry.items()}
-    console.print(json.dumps(shown), soft_wrap=True, highlight=False, markup=False)
+def checkpoint_line(entry: Mapping[str, Any]) -> str:
+    """Return the figures of a checkpoint in words; those of each family are of its validation missions."""
+    words = [f"checkpoint {entry['checkpoint']}: {entry['decisions']:,} decisions"]
+    if entry.get("training_excess_s") is not None:
+        words.append(f"excess while training {entry['training_excess_s']:,.0f} s a mission")
+    for family in [name.removesuffix("/excess_s") for name in entry if name.endswith("/excess_s")]:
+        cost, done = entry[f"{family}/excess_s"], entry[f"{family}/completed"]
+        words.append(f"on {family} {cost:,.0f} s, {1.0 - done:.0%} unfinished")
+    return ", ".join(words) + ("; the best so far" if entry["best"] else "")

@@ -136,8 +136,8 @@ class TrainingJob:
     """Seed of everything random."""
     folder: RunFolder
     """Directory of the training, which continues from the checkpoint there."""
-    on_progress: Callable[[int], None] = lambda _: None
-    """Called repeatedly with the number of decisions made."""
+    update: Callable[..., None] = lambda **_: None
+    """Shows what is done; see `progress`."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
     record: RecordSettings | None = None
@@ -273,6 +273,7 @@ class Training(ABC):
         if record is not None:
             about = {"experiment": self.config.name, "condition": name}
             record = replace(record, directory=self.job.folder.path / record.directory / name, about=about)
+        self.job.update(more="validating")
         results = results_on(self.curriculum.validation, self._decider_maker(), replace(self.trials, record=record))
         self._validated = excesses(results)
         return figures_of(results)

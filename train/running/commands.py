@@ -8,10 +8,13 @@ from functools import partial
 from pathlib import Path
 from threading import Event, Thread
 from time import strftime
+from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn
 from rich.text import Text
+
+from train.running.pulse import TELL_EVERY, listening
 
 FINISHED = 0
 FAILED = 1
@@ -32,36 +35,57 @@ class _TimeLeft(ProgressColumn):
 
 
 def time_left(task: Task) -> str:
-    """Return the time left of a task in words."""
-    done, elapsed = task.completed - task.fields["begun"], task.elapsed or 0.0
-    if done <= 0.0 or task.total is None:
-        return "time left: from the first result on"
-    seconds = round(elapsed / done * (task.total - task.completed))
-    return f"{seconds // 3600}:{seconds // 60 % 60:02d}:{seconds % 60:02d} left"
+    """Return the time left of a task in words.
+
+    Most missions end before their time limit. So the simulated seconds that have run, of all that may have to, say how
+    long it takes at most; the results say it more closely as soon as there are enough. The time until the first
+    missions run is not counted.
+    """
+    begun, most, ran, first = (task.fields[name] for name in ("begun", "most", "ran", "first"))
+    by_results = (task.completed - begun) / max((task.total or 0.0) - begun, 1.0)
+    by_seconds = min(ran / most, 1.0) if most else 0.0
+    if by_results <= 0.0 and by_seconds <= 0.0:
+        return "time left: not known yet"
+    share = max(by_results, by_seconds)
+    seconds = round(((task.elapsed or 0.0) - first) * (1.0 / share - 1.0))
+    words = f"{seconds // 3600}:{seconds // 60 % 60:02d}:{seconds % 60:02d} left"
+    return words if by_results >= by_seconds else f"at most {words}"
 
 
 def _keep_log(task: Task, what: str, log: Path, ended: Event) -> None:
     while not ended.wait(LOG_EVERY):
-        done = f"{task.completed:,.0f} of {task.total or 0:,.0f} {what}"
-        line = ", ".join(filter(None, (strftime("%H:%M:%S"), done, time_left(task), task.fields["more"])))
+        parts = (f"{task.completed:,.0f} of {task.total or 0:,.0f} {what}", time_left(task), task.fields["more"])
         with log.open("a", encoding="utf-8") as file:
-            file.write(f"{line}\n")
+            file.write(f"{', '.join(filter(None, (strftime('%H:%M:%S'), *parts)))}\n")
 
 
 @contextmanager
 def progress(
-    what: str, counted: ProgressColumn, total: int, done: int = 0, log: Path | None = None
+    what: str, total: int, done: int = 0, log: Path | None = None, counted: ProgressColumn | None = None
 ) -> Iterator[Callable[..., None]]:
-    """Show a bar for `what`, with a column that shows how much is done; a folder `log` gets a line now and then.
+    """Show a bar for `what`, with `counted`, a column that shows how much of `total` is done.
 
-    The function returned takes the keyword arguments of rich's `Progress.update`, and `more`, a text behind the bar.
+    A folder `log` gets a line now and then; without it the bar vanishes at the end.
+
+    The function returned takes the keyword arguments of rich's `Progress.update`, and `more`, a text behind the bar,
+    and `most`, the simulated seconds that all missions of this command take at most [s].
     """
-    columns = (TextColumn("{task.description}"), BarColumn(), counted, TimeElapsedColumn(), _TimeLeft())
-    with Progress(*columns, TextColumn("{task.fields[more]}"), console=Console(stderr=True)) as bar:
-        number, ended = bar.add_task(what, total=total, completed=done, more="", begun=done), Event()
+    shown = (TextColumn("{task.description}"), BarColumn(), counted or MofNCompleteColumn(), TimeElapsedColumn())
+    more, console = TextColumn("{task.fields[more]}"), Console(stderr=True)
+    with Progress(*shown, _TimeLeft(), more, console=console, transient=log is None) as bar:
+        known: dict[str, Any] = {"begun": done, "most": 0.0, "ran": 0.0, "first": 0.0}
+        number, ended = bar.add_task(what, total=total, completed=done, more="", **known), Event()
+        task = bar.tasks[0]
+
+        def hear(seconds: float) -> None:
+            if not task.fields["ran"]:
+                task.fields["first"] = max((task.elapsed or 0.0) - TELL_EVERY, 0.0)
+            bar.update(number, ran=task.fields["ran"] + seconds)
+
         if log is not None:
-            Thread(target=_keep_log, args=(bar.tasks[0], what, log / LOG, ended), daemon=True).start()
+            Thread(target=_keep_log, args=(task, what, log / LOG, ended), daemon=True).start()
         try:
-            yield partial(bar.update, number)
+            with listening(hear):
+                yield partial(bar.update, number)
         finally:
             ended.set()

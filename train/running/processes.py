@@ -18,6 +18,7 @@ from traceback import format_exc
 from clean_swarm_env.siblings import call
 from selector.documents.trust import Permission, current_permission, permitting
 from train.running.engine import MOST_DEATHS, Round, WorkerLost, in_turn
+from train.running.pulse import listening, tell
 from train.running.runs import RunKey, RunRecord, Work
 
 
@@ -92,7 +93,9 @@ class _Workers:
                     continue
                 if isinstance(answer, Exception):
                     raise answer
-                if answer is None:
+                if isinstance(answer, float):
+                    tell(answer)
+                elif answer is None:
                     del self._busy[connection]
                 else:
                     self._busy[connection].done.add(answer.key)
@@ -131,7 +134,7 @@ class _Workers:
             with suppress(EOFError, OSError):
                 while connection.poll():
                     answer = connection.recv()
-                    if answer is not None and not isinstance(answer, Exception):
+                    if isinstance(answer, RunRecord):
                         yield answer
 
     def end(self) -> None:
@@ -170,8 +173,9 @@ def work(connection: Connection, permission: Permission) -> None:
         while True:
             task: Work = connection.recv()
             try:
-                for record in task.each():
-                    connection.send(record)
+                with listening(connection.send):
+                    for record in task.each():
+                        connection.send(record)
                 connection.send(None)
             except Exception as error:
                 error.add_note(format_exc())

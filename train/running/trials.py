@@ -20,6 +20,7 @@ from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult
 from train.deciders.decided_goal import AskedGoal, DecidedGoal
 from train.deciders.decider import DeciderMaker
+from train.running.pulse import tell
 
 MOST_WORLDS = 32
 """Default of the largest number of worlds in a batch."""
@@ -94,6 +95,7 @@ def _trials(
         for world, seed in begun:
             decider.reset(batch.worlds.rows_of(world), seed)
         begun.clear()
+        tell(batch.decision_period * sum(place >= 0 for place in doing))
         observations = batch.step(decided.decide(decider, observations)).observations
         for end in batch.finished:
             yield did[end.world], end.result

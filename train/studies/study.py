@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rich.console import Console
-from rich.progress import MofNCompleteColumn
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of
@@ -88,8 +87,10 @@ def _searched(
     unchanged, arms = Candidate(UNCHANGED, space.unchanged()), list[Arm]()
     if not compiled_before():
         compile_first(make(STAGES[0], unchanged, (0,)))
-    bar = progress(study.method, MofNCompleteColumn(), study.trials * len(study.methods), log=results.folder.path)
+    trials = study.trials * len(study.methods)
+    bar = progress(study.method, trials, log=results.folder.path)
     with request.engine.rounds() as done, bar as update:
+        update(most=mission.time_limit * trials * study.race.block * study.race.blocks)
         missions = MissionField(make, results, done, mission)
         search = CandidateSearch(study, space, missions, unchanged)
         for method in study.methods:

@@ -142,7 +142,7 @@ class PpoTraining(Training):
         """Note the excess of missions that have ended; PPO calls this after each step and continues if it is True."""
         self.model.num_timesteps -= int((~self.model.rollout_buffer.deciding).sum())
         self._costs += [end.result.excess_s for batch in self.curriculum.batches for end in batch.finished]
-        self.job.on_progress(self.model.num_timesteps)
+        self.job.update(completed=self.model.num_timesteps)
         return True
 
     def _working(self) -> Flags:
