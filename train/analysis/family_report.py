@@ -202,7 +202,7 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
     limits = {} if comparison is None else limit_ratios(runs, comparison.best_fixed)
     measures = task_class(runs.family.mission).measures
     front = None if measures else _front(runs, summaries)
-    tables = {measure.name: runs.table(partial(_measured, measure=measure.name)) for measure in measures}
+    tables = {one.name: runs.table(partial(lambda name, _, r: r.measures[name], one.name)) for one in measures}
     values = {
         label: {name: table[label].mean(axis=(0, 2)) for name, table in tables.items()} for label in runs.conditions
     }
@@ -214,10 +214,6 @@ def ranking_of(runs: FamilyRuns) -> Ranking:
     """Return the strategies by their excess; the worlds of a scenario count as one."""
     off = "never avoiding" if GOAL in runs.goal else "Off"
     return Ranking.of({label: own.mean(axis=2) for label, own in excesses_of(runs).items()}, spoken={NEVER_AVOIDS: off})
-
-
-def _measured(_: MissionConfig, result: MissionResult, measure: str) -> float:
-    return result.measures[measure]
 
 
 def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:

@@ -14,7 +14,7 @@ from selforg.arrays import Floats
 from train.analysis.family_report import FIGURES, NEVER_AVOIDS, FamilyRuns
 from train.analysis.intervals import TAIL, Interval
 from train.analysis.strategy_comparison import Estimate
-from train.analysis.verdict import RANDOM, Ranking, amount
+from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
 
 ROBUSTNESS_FIGURES = {"completed": "completed", "duration_s": "duration_s", "collision_events": "events"}
 """Share of missions completed, duration or time limit [s], and collision events of a mission at the first distance; the
@@ -32,11 +32,6 @@ class RobustnessReport:
     estimates: Mapping[str, Mapping[str, Mapping[str, Estimate]]]
     """Disturbance -> label of a strategy -> figure of ROBUSTNESS_FIGURES -> its mean and interval."""
 
-    @property
-    def strategies(self) -> list[str]:
-        """Labels of the strategies."""
-        return list(next(iter(self.estimates.values())))
-
     def worst(self, label: str) -> str:
         """Return the disturbance under which a strategy completes fewest missions, then takes longest."""
         own = {name: by_label[label] for name, by_label in self.estimates.items()}
@@ -47,9 +42,7 @@ class RobustnessReport:
         best = ranking.labels[0]
         worst = self.worst(best)
         found = self.estimates[worst][best]
-        share = f"{found['completed'].value:.0%}"
-        if found["completed"].ci95 is not None:
-            share += " [{:.0%}, {:.0%}]".format(*found["completed"].ci95)
+        share = f"{found['completed'].value:.0%}{interval_words(found['completed'].ci95, '{:.0%}'.format)}"
         hit = f"{ranking.name(best)} is hit hardest by {worst}: {share} of its missions completed"
         return [*ranking.sentences((NEVER_AVOIDS, RANDOM)), f"{hit}, {amount(found['duration_s'].value)} s a mission."]
 

@@ -111,7 +111,7 @@ class Ranking:
         if len(alike) == len(others):
             names = [self.name(label) for label in self.labels]
             told = f"{listed(names)} cannot be told apart {self._would_tell(best, others)}"
-            return [f"{told}; the lowest mean has {names[0]}, {mean}."]
+            return [f"{told}; {names[0]} has the lowest mean, {mean}."]
         yardstick = next((label for label in (*yardsticks, others[-1]) if label in others), others[-1])
         found = [f"{self.name(best)} {self.verb} least: {mean}, {self._less(best, yardstick)}."]
         random = [label for label in tried if label not in alike and label != best and not self.apart(label, RANDOM)]

@@ -9,7 +9,6 @@ from typing import Final
 import numpy as np
 from matplotlib.axes import Axes
 
-from clean_swarm_env.drawing.look import OPTION_COLOURS
 from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Flags, Floats, Ints
 from train.reports.charts import colour_of, draw_rows, fit_axis, label_of, log_scale, panels, svg
@@ -34,20 +33,6 @@ def distributions(values: Floats, scenarios: Sequence[str], labels: Sequence[str
         draw_rows(axes, values, scenarios, labels, range(len(values)))
         fit_axis(axes, values)
         axes.set_xlabel(title)
-        return svg(figure)
-
-
-def differences(values: Floats, scenarios: Sequence[str], labels: Sequence[str], title: str) -> str:
-    """Return a row for each condition: its differences to the condition of the lowest mean, on the same scenarios."""
-    best = int(np.nanargmin(np.nanmean(values, axis=1)))
-    apart = values - values[best]
-    others = [c for c in range(len(values)) if c != best and np.isfinite(apart[c]).any()]
-    if not others:
-        return ""
-    with panels(1, 1, (WIDTH, 0.8 + 0.42 * len(others))) as (figure, ((axes,),)):
-        draw_rows(axes, apart[others], scenarios, [labels[c] for c in others], others)
-        axes.axvline(0.0, color="0.5", linewidth=1)
-        axes.set_xlabel(f"{title}, minus that of {label_of(labels[best])} on the same scenario")
         return svg(figure)
 
 
@@ -81,7 +66,7 @@ def selection_over_time(recordings: Sequence[RecordedMission], goal: str) -> str
     middles = ((edges[:-1] + edges[1:]) / 2.0)[there]
     with panels(1, 1, (WIDTH, _height(2.6, used))) as (figure, ((axes,),)):
         if used:
-            axes.stackplot(middles, shares[:, used].T, colors=[_colour_of_option(k) for k in used])
+            axes.stackplot(middles, shares[:, used].T, colors=[colour_of(k) for k in used])
         axes.set(xlim=(0.0, end or 1.0), ylim=(0.0, 1.0), xlabel="time [s]", ylabel="share of robots")
         _add_key(axes, [options[k] for k in used])
         return svg(figure)
@@ -103,18 +88,13 @@ def selection_by_situation(recordings: Sequence[RecordedMission], goal: str) -> 
         begins = np.zeros(len(shares))
         for k in used:
             widths = np.array([own[k] for own in shares.values()])
-            bars = axes.barh(list(shares), widths, left=begins, color=_colour_of_option(k))
+            bars = axes.barh(list(shares), widths, left=begins, color=colour_of(k))
             written = [f"{width:.0%}" if width >= LEAST_WRITTEN else "" for width in widths]
             axes.bar_label(bars, written, label_type="center", fontsize=7, color="black")
             begins += widths
         axes.set(xlim=(0.0, 1.0), ylim=(len(shares) - 0.5, -0.5), xlabel="share of time")
         _add_key(axes, [options[k] for k in used])
         return svg(figure)
-
-
-def _colour_of_option(place: int) -> str:
-    """Return the colour that an option has in pictures of robots, too."""
-    return OPTION_COLOURS[place % len(OPTION_COLOURS)]
 
 
 def _height(least: float, names: Sized) -> float:

@@ -19,7 +19,6 @@ from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Floats
 from train.analysis.statistics import share_cell
 from train.report_page.charts import (
-    differences,
     distributions,
     profile,
     selection_by_situation,
@@ -52,8 +51,8 @@ NOT_CHECKED = (
     "clean-swarm gather and --resume check it."
 )
 EXPLAINED = (
-    "Dots are runs, thin lines scenarios, boxes quartiles, diamonds means with their 95 % intervals (Student, by the "
-    "number of scenarios)."
+    "Dots: missions. Grey lines join those of one scenario. Boxes: the middle half of the missions. Diamonds: means, "
+    "with 95 % intervals (Student, by the number of scenarios)."
 )
 
 
@@ -96,28 +95,18 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
         for part in shown[1:]:
             head, _, rest = part.removeprefix("## ").partition("\n")
             yield f"<details><summary>{escape(head)}</summary>{html_of_markdown(rest)}</details>"
-    yield "<h2>Distributions</h2>"
-    yield _note(f"{len(records)} runs: {len(scenarios)} scenarios, {len(conditions)} conditions. {EXPLAINED}")
+    told = _note(f"{len(records)} runs: {len(scenarios)} scenarios, {len(conditions)} conditions. {EXPLAINED}")
+    yield f"<h2>Distributions</h2>{told}"
     labels = with_unfinished(records, conditions)
     for figure in FIGURES:
         values = table_of(records, conditions, scenarios, figure)
         yield f"<h3>{escape(figure)}</h3>" + distributions(values, scenarios, labels, figure)
     costs = table_of(records, conditions, scenarios, "cost [s]")
-    paired = differences(costs, scenarios, labels, "cost [s]")
-    if paired:
-        yield "<h2>Paired differences</h2>"
-        yield _note(
-            "The condition of the lowest mean was chosen on these very scenarios; some of its lead may be luck."
-        )
-        yield paired
-        yield "<h2>Performance profile</h2>"
-        yield _note("Share of scenarios on which a condition costs at most this multiple of the lowest cost there.")
-        yield profile(costs, conditions)
-    yield "<h2>Scenarios</h2>"
-    yield _note(
-        "Cost [s] of every run; stronger colours are further above the lowest of the scenario (full: ten times)."
-    )
-    yield scenario_map(costs, conditions, scenarios, links)
+    if len(conditions) > 1:
+        told = _note("Share of scenarios on which a condition costs at most this multiple of the lowest cost there.")
+        yield f"<h2>Performance profile</h2>{told}{profile(costs, conditions)}"
+    told = _note("Cost [s] of every run; stronger colours are further above the lowest there (full: ten times).")
+    yield f"<h2>Scenarios</h2>{told}{scenario_map(costs, conditions, scenarios, links)}"
     yield from _selection(results, "evaluate")
 
 
@@ -165,9 +154,9 @@ def _training(results: Sequence[HeldResults]) -> Iterator[str]:
         said = verdict_of(held.validation) if held.validation is not None else []
         before = f"{label}: " if len(results) > 1 and said else ""
         yield f"<blockquote>{escape(before + ' '.join(said))}</blockquote>" if said else ""
-    yield "<h2>Learning curves</h2>"
     figure = curves_of(results)
-    yield svg(figure) + _note(EXPLAINED_CURVES) if figure is not None else _note("Nothing was validated.")
+    drawn = svg(figure) + _note(EXPLAINED_CURVES) if figure is not None else _note("Nothing was validated.")
+    yield f"<h2>Learning curves</h2>{drawn}"
     for label, held in zip(labels, results, strict=True):
         columns = list(dict.fromkeys(name for entry in held.history for name in entry))
         rows = [[_cell(entry.get(name)) for name in columns] for entry in held.history]

@@ -22,8 +22,6 @@ from train.analysis.intervals import Interval
 from train.analysis.statistics import by_scenario, summarise
 from train.analysis.verdict import LOG_FROM
 
-COLOURS = tuple(colour for colour in OPTION_COLOURS if colour != "#F0E442")
-"""Colours of conditions in turn; without the yellow, which is hardly seen on white."""
 TEXT_COLOUR: Final = "#1b1b1b"
 """Colour of text and axes; on a page it becomes the colour of the page's text."""
 STYLE: Final[dict[Any, Any]] = {
@@ -80,8 +78,8 @@ def svg(figure: Figure) -> str:
 
 
 def colour_of(place: int) -> str:
-    """Return the colour of the condition at a place."""
-    return COLOURS[place % len(COLOURS)]
+    """Return the colour of the condition at a place, or of the option, as in pictures of robots."""
+    return OPTION_COLOURS[place % len(OPTION_COLOURS)]
 
 
 def label_of(name: str) -> str:

@@ -3,7 +3,7 @@
 `train.reports.text_table` writes them into `table.md`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from selforg.arrays import Floats
 from train.analysis.intervals import Interval, too_few
 from train.analysis.report import Report, agreements, ranking_of_conditions
-from train.analysis.statistics import COST, distance_metrics, share_cell
+from train.analysis.statistics import COST, distance_metrics, share_cell, summarise
 from train.reports.ranking_table import ranking_table
 from train.reports.task_tables import VERDICTS, measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid
@@ -25,11 +25,7 @@ TITLES = {
 SHOWN = {"duration_s": "time s", "collision_samples_per_s": "coll/s"}
 """Metric of Table 1 -> head of its column."""
 POPULATION = "std: of the population."
-SUMMARIES: dict[str, Callable[[Floats], float]] = {
-    "mean": lambda values: float(np.mean(values)),
-    "median": lambda values: float(np.median(values)),
-    "std": lambda values: float(np.std(values)),
-}
+SUMMARIES = ("mean", "median", "std")
 
 
 @dataclass(frozen=True)
@@ -43,8 +39,8 @@ class _Column:
 def all_tables(report: Report) -> list[Grid]:
     """Return the table of the conditions, then further ones."""
     of_task = measures_grids(report.experiment.name, report.measured_by_task)
-    tables = (*of_task, table_1(report), ratios(report), published(report), measured_means(report))
-    return [conditions_table(report), *(grid for grid in (*tables, measured_ratios(report)) if grid.rows)]
+    tables = (*of_task, table_1(report), ratios(report), beside_theirs(report))
+    return [conditions_table(report), *(grid for grid in tables if grid.rows)]
 
 
 def conditions_table(report: Report) -> Grid:
@@ -68,14 +64,14 @@ def conditions_table(report: Report) -> Grid:
     return ranking_table(title, ranking_of_conditions(report), what, columns, _notes(report))
 
 
-def published(report: Report) -> Grid:
-    """Return our figures beside those that were published with the experiment; no rows without."""
-    rows = [
-        (one.what, _number(one.ours), _number(one.theirs), VERDICTS[one.agrees])
-        for one in (() if report.means else agreements(report))
-    ]
-    note = "agree: the 95 % intervals meet; start configurations of the paper are not known"
-    return Grid("ours beside the paper", ("figure", "ours", "paper", "agree"), rows, notes=(note,))
+def beside_theirs(report: Report) -> Grid:
+    """Return our figures beside those that were measured, or published with the experiment; no rows without."""
+    rows = [(one.what, _number(one.ours), _number(one.theirs), VERDICTS[one.agrees]) for one in agreements(report)]
+    source = "measured" if report.means else "the paper"
+    note = "agree: 1 is in the 95 % interval of the ratio of means on the same starts; the intervals of ratios meet"
+    if not report.means:
+        note = "agree: the 95 % intervals meet; start configurations of the paper are not known"
+    return Grid(f"ours beside {source}", ("figure", "ours", source.split()[-1], "agree"), rows, notes=(note,))
 
 
 def table_1(report: Report) -> Grid:
@@ -91,7 +87,8 @@ def table_1(report: Report) -> Grid:
     columns = [column for group in groups for column in group]
     scenarios = report.figures.scenarios
     rows = [(scenario, *(_two(column.by_scenario.get(scenario)) for column in columns)) for scenario in scenarios]
-    summary = [(what, *(_summary(column, take) for column in columns)) for what, take in SUMMARIES.items()]
+    found = [summarise(column.values) if column.values.size else None for column in columns]
+    summary = [(what, *(_two(getattr(one, what, None)) for one in found)) for what in SUMMARIES]
     done = ["targets met" if report.measured_by_task else "completed"]
     for completed, group in zip(report.figures.completed, groups, strict=True):
         done += [f"{completed.sum()}/{completed.size}", *[""] * (len(group) - 1)]
@@ -114,31 +111,6 @@ def ratios(report: Report) -> Grid:
         rows.append(row)
     heads = ("figure", "conditions", "unfinished", "ratio", "95 % interval", "p") + (("paper",) if paper else ())
     return Grid("ratios of means", heads, rows, notes=too_few([*report.comparisons.values()]))
-
-
-def measured_means(report: Report) -> Grid:
-    """Return our means beside the measured means; no rows without measured figures."""
-    rows = [
-        (m.metric, m.condition, *map(_number, (m.ours, m.measured, m.ratio)), _interval(m.ci95), VERDICTS[m.agrees])
-        for m in report.means
-    ]
-    heads = ("figure", "condition", "ours", "measured", "ratio", "95 % interval", "agree")
-    return Grid("means, ours beside measured", heads, rows)
-
-
-def measured_ratios(report: Report) -> Grid:
-    """Return our ratios between conditions beside the measured ratios; no rows without measured figures."""
-    rows = [
-        (
-            r.metric,
-            f"{r.a} / {r.b}",
-            f"{_number(r.ours.ratio)} {_interval(r.ours.ci95)}",
-            f"{_number(r.measured.ratio)} {_interval(r.measured.ci95)}",
-            VERDICTS[r.agrees],
-        )
-        for r in report.ratios
-    ]
-    return Grid("ratios, ours beside measured", ("figure", "conditions", "ours", "measured", "agree"), rows)
 
 
 def _ours(report: Report, condition: int, metric: str) -> _Column:
@@ -180,10 +152,6 @@ def _notes(report: Report) -> tuple[str, ...]:
     if report.experiment.reference and not report.means:
         notes.append(f"paper: {report.experiment.reference.source}; its start configurations are not known.")
     return tuple(notes)
-
-
-def _summary(column: _Column, take: Callable[[Floats], float]) -> str:
-    return _two(take(column.values) if column.values.size else None)
 
 
 def _two(value: float | None) -> str:

@@ -22,15 +22,13 @@ from train.analysis.intervals import too_few
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
-from train.analysis.verdict import Ranking, amount, unfinished_sentence
+from train.analysis.verdict import Ranking, amount, interval_words, unfinished_sentence
 from train.reports.ranking_table import ranking_table
 from train.reports.task_tables import measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
 
-MEANS = {"items": "items", "duration_s": "duration s", "events": "events", "contact_s": "contact s", "cost_s": "cost s"}
-"""Figure -> head of its column."""
-CLEANING_ONLY = "items"
-"""The figure of cleaning alone."""
+MEANS = {"duration_s": "duration s", "events": "events", "contact_s": "contact s", "items": "items"}
+"""Figure of cleaning -> head of its column."""
 MOST_SENTENCES = 3
 """Most sentences of a verdict."""
 EXCESS = "excess: the cost less the time until items arrive, which no strategy can avoid"
@@ -48,7 +46,7 @@ def family_tables(report: FamilyReport) -> list[Grid]:
     compared = [] if report.comparison is None else [_gaps(report, report.comparison)]
     prices = [] if report.front is None else [_prices(report, report.front)]
     measured = measures_grids(report.runs.family.name, report.measured)
-    return [_ranked(report), *measured, _means(report), *compared, *prices]
+    return [_ranked(report), *measured, *compared, *prices]
 
 
 def _ranked(report: FamilyReport) -> Grid:
@@ -56,8 +54,15 @@ def _ranked(report: FamilyReport) -> Grid:
     columns = {_unfinished(report): {label: share_cell(report.unfinished(label)) for label in own}}
     for one in report.measured:
         columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
-    for name in ("duration_s", "events") if not report.measured else ():
-        columns[MEANS[name]] = {label: amount(own[label][name].mean) for label in own}
+    if not report.measured:
+        mission = runs.missions[0]
+        told = {
+            "duration_s": True,
+            "events": True,
+            "contact_s": mission.contact_cost > 0.0,
+            "items": mission.items.keep_coming,
+        }
+        columns |= {MEANS[name]: {label: amount(own[label][name].mean) for label in own} for name in told if told[name]}
     title = f"{runs.family.name}: {runs.scenarios} scenario{'s' * (runs.scenarios > 1)}, seed {runs.seed}"
     notes = (cost_line(report), *([EXCESS] if report.compared == "excess" else []))
     return ranking_table(title, report.ranking, f"{report.compared} s", columns, notes)
@@ -72,16 +77,6 @@ def cost_line(report: FamilyReport) -> str:
     contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
     left = "" if mission.items.keep_coming else f" + {LEFT_LIMITS * mission.time_limit:g} s an item left"
     return f"cost: {every}seconds + {mission.collision_cost:g} s a collision event{contact}{left}"
-
-
-def _means(report: FamilyReport) -> Grid:
-    shown = [name for name in MEANS if name != CLEANING_ONLY or not report.measured]
-    rows = [
-        (label, share_cell(report.unfinished(label)), *(f"{own[name].mean:.1f}" for name in shown))
-        for label, own in report.summaries.items()
-    ]
-    heads = ("strategy", _unfinished(report), *(MEANS[name] for name in shown))
-    return Grid(f"means; {cost_line(report)}", heads, rows)
 
 
 def _unfinished(report: FamilyReport) -> str:
@@ -106,17 +101,17 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
     title += f", and the {ORACLE}, the best fixed option of each scenario" if comparison.has_gap else ""
     if comparison.has_gap:
         notes.append(f"share of the gap: 0 for {yardstick}, 1 for the {ORACLE}.")
+    notes.append("The 95 % are of each ratio alone; those of the first table hold together, so they are wider.")
     if report.limits:
         notes.append("limit / 2, limit x 2: the ratio with items left priced by half and twice the time limit.")
     priced = ("limit / 2", "limit x 2") if report.limits else ()
     shares = ("share of the gap", "95 %") if comparison.has_gap else ()
-    heads = ("excess s", f"ratio to {yardstick}", "95 %", "p", *priced, *shares)
+    heads = ("excess s", f"ratio to {yardstick}", "95 %", *priced, *shares)
     return Grid(title, ("strategy", _unfinished(report), *heads), rows, notes=tuple(notes))
 
 
 def _gap_row(standing: StrategyStanding, report: FamilyReport, comparison: StrategyComparison) -> tuple[str, ...]:
     label, ratio, share = standing.label, standing.ratio, standing.share
-    alone = label == comparison.best_fixed.label
     priced = report.limits.get(label, ())
     return (
         label,
@@ -124,7 +119,6 @@ def _gap_row(standing: StrategyStanding, report: FamilyReport, comparison: Strat
         f"{standing.excess.value:.1f}",
         EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}",
         interval_cell(ratio.ci95),
-        EMPTY_CELL if ratio.p is None or alone else f"{ratio.p:.2g}",
         *(EMPTY_CELL if one.ratio is None else f"{one.ratio:.3f}" for one in priced),
         *(("",) * len(LIMITS) if report.limits and not priced else ()),
         *(() if share is None else (f"{share.value:.2f}", interval_cell(share.ci95))),
@@ -158,14 +152,11 @@ def robustness_tables(report: RobustnessReport, ranking: Ranking) -> list[Grid]:
     }
     title = f"{report.robustness.name}: means over {len(report.estimates)} variants of {report.scenarios} scenarios"
     grids = [ranking_table(f"{title}, seed {report.seed}", ranking, "duration s", columns, (INTERVALS,))]
-    heads = ("disturbance", *(text for head, _ in MULTIPLES.values() for text in (head, "95 %")))
+    heads = ("disturbance", *(f"{head} [95 %]" for head, _ in MULTIPLES.values()))
     for label in ranking.labels:
         rows = []
         for name, by_label in report.estimates.items():
-            cells = (
-                cell for figure, (_, factor) in MULTIPLES.items() for cell in _cells(by_label[label][figure], factor)
-            )
-            rows.append((name, *cells))
+            rows.append((name, *(_cell(by_label[label][figure], factor) for figure, (_, factor) in MULTIPLES.items())))
         title = f"{label}: {report.scenarios} scenarios, seed {report.seed}; {INTERVALS}"
         grids.append(Grid(title, heads, rows))
     return grids
@@ -210,6 +201,6 @@ def excess_publication(
     return Publication(runs.family.name, runs.family.description, said, [grid], content)
 
 
-def _cells(estimate: Estimate, factor: float) -> tuple[str, str]:
-    ends = "" if estimate.ci95 is None else "[{:.1f}, {:.1f}]".format(*(factor * end for end in estimate.ci95))
-    return f"{factor * estimate.value:.1f}", ends
+def _cell(estimate: Estimate, factor: float) -> str:
+    ends = interval_words(estimate.ci95, lambda end: f"{factor * end:.1f}")
+    return f"{factor * estimate.value:.1f}{ends}"

@@ -7,12 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from clean_swarm_env.config.families import UNDISTURBED, Disturbance
+from clean_swarm_env.drawing.look import OPTION_COLOURS
 from train.analysis.family_report import FIGURES, PRICES, FamilyReport, Front
 from train.analysis.report import Report, ranking_of_conditions
 from train.analysis.robustness_report import ROBUSTNESS_FIGURES, RobustnessReport
 from train.analysis.statistics import COST
 from train.reports.charts import (
-    COLOURS,
     TEXT_COLOUR,
     colour_of,
     draw_rows,
@@ -86,7 +86,7 @@ def draw_family(report: FamilyReport) -> Figure:
 
 def _look(place: int) -> dict[str, Any]:
     """Return colour, marker and line of the strategy at a place: markers and lines tell them apart in print, too."""
-    line = LINES[place // len(COLOURS) % len(LINES)]
+    line = LINES[place // len(OPTION_COLOURS) % len(LINES)]
     return {"color": colour_of(place), "marker": MARKERS[place % len(MARKERS)], "ls": line}
 
 
@@ -139,7 +139,7 @@ def draw_robustness(report: RobustnessReport) -> Figure:
 
 
 def _draw_levels(axes: Axes, report: RobustnessReport, figure: str, levels: list[Disturbance]) -> None:
-    names, labels = [UNDISTURBED, *(level.name for level in levels)], report.strategies
+    names, labels = [UNDISTURBED, *(level.name for level in levels)], list(report.estimates[UNDISTURBED])
     for k, label in enumerate(labels):
         estimates = [report.estimates[name][label][figure] for name in names]
         places = np.arange(len(names)) + SIDEWAYS * (k - (len(labels) - 1) / 2)

@@ -230,9 +230,8 @@ def _reading_in_words(sensor: str, activator: Activator) -> str:
         case Boolean(desired=desired):
             text = sensor if desired else f"not {sensor}"
         case Threshold(threshold=threshold, minimum=minimum):
-            text = f"{sensor} \N{GREATER-THAN OR EQUAL TO} {threshold:g}"
-            if not minimum:
-                text = f"{sensor} \N{LESS-THAN OR EQUAL TO} {threshold:g}"
+            sign = "\N{GREATER-THAN OR EQUAL TO}" if minimum else "\N{LESS-THAN OR EQUAL TO}"
+            text = f"{sensor} {sign} {threshold:g}"
         case Linear(zero=zero, full=full):
             text = f"{sensor}: none at {zero:g}, full at {full:g}"
         case Greedy(maximise=maximise):

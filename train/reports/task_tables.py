@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from train.analysis.statistics import Summary
 from train.analysis.task_report import MeasuredStrategy
+from train.analysis.verdict import interval_words
 from train.reports.text_table import EMPTY_CELL, Grid
 
 VERDICTS = {True: "yes", False: "no", None: EMPTY_CELL}
@@ -42,9 +43,5 @@ def measure_cells(one: MeasuredStrategy) -> tuple[str, ...]:
 
 
 def _interval(summary: Summary | None) -> str:
-    if summary is None:
-        return EMPTY_CELL
-    if summary.ci95 is None:
-        return f"{summary.mean:.3g}"
-    low, high = summary.ci95
-    return f"{summary.mean:.3g} [{low:.3g}, {high:.3g}]"
+    """Return a mean with its interval."""
+    return EMPTY_CELL if summary is None else f"{summary.mean:.3g}{interval_words(summary.ci95, '{:.3g}'.format)}"

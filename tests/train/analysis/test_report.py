@@ -9,9 +9,10 @@ import pytest
 from PIL import Image
 from rich.console import Console
 
+from clean_swarm_env.drawing.look import OPTION_COLOURS
 from tests.train.records import experiment, record
 from train.analysis.report import report_of, summary_of
-from train.reports.charts import COLOURS, picture_of
+from train.reports.charts import picture_of
 from train.reports.experiment_tables import all_tables, ratios, table_1
 from train.reports.figures import draw_experiment
 from train.reports.text_table import markdown, on_terminal
@@ -145,5 +146,5 @@ def test_the_figure_is_a_picture_with_every_condition(scenarios):
         ).convert("RGB")
     )
     assert image.shape[0] > 400
-    for colour in (tuple(bytes.fromhex(colour[1:])) for colour in COLOURS[:3]):
+    for colour in (tuple(bytes.fromhex(colour[1:])) for colour in OPTION_COLOURS[:3]):
         assert (np.abs(image.astype(int) - colour).sum(axis=-1) < 6).sum() > 50

@@ -15,7 +15,7 @@ import yaml
 from tests.train.commands import run
 from tests.train.records import record
 from train.analysis.statistics import by_scenario, summarise
-from train.report_page.charts import differences, distributions, profile
+from train.report_page.charts import distributions, profile
 from train.report_page.page import html_of_markdown, scenario_map, with_unfinished
 from train.report_page.results import SELECTION_CHANNELS, results_in
 from train.reports.charts import figure_of
@@ -94,7 +94,7 @@ def test_the_figures_are_those_of_the_runs_and_links_lead_to_replays(results, tm
     assert len(text.links) == len(set(text.links)) == len(costs) == 9
     assert all((tmp_path / unquote(link)).read_text().lower().startswith("<!doctype html>") for link in text.links)
     headings = [*text.found["h2"], *text.found["h3"]]
-    for heading in ("Distributions", "Paired differences", "Performance profile", "Scenarios", "Selection"):
+    for heading in ("Distributions", "Performance profile", "Scenarios", "Selection"):
         assert heading in headings
     assert "Random: AvoidCollision, 3 recorded runs" in headings
     assert json.loads(text.found["pre"][0]) == json.loads((results / "manifest.json").read_text())
@@ -236,11 +236,11 @@ def test_a_browser_shows_it_without_errors_or_requests(results, tmp_path, watche
 
 def test_charts_of_known_costs():
     costs, names, scenarios = np.array([[10.0, 20.0], [15.0, 10.0], [np.nan, 40.0]]), ("<b>", "a", "c" * 99), ("1", "2")
-    drawn = differences(costs, scenarios, names, "cost")
-    assert drawn == differences(costs, scenarios, names, "cost")
+    drawn = distributions(costs, scenarios, names, "cost")
+    assert drawn == distributions(costs, scenarios, names, "cost")
     text = Text(drawn)
     assert {"<b>", f"{'c' * 41}..."} <= set(text.found["text"])
-    assert {"mean 2.5", "mean 30"} <= set(text.found["text"])  # one scenario: no interval
+    assert {"mean 15", "mean 40"} <= set(text.found["text"])  # one scenario: no interval
     assert {"currentColor", "0.4", "1.0"} <= set(re.findall(r"currentColor|(?<=>)[\d.]+(?=<)", profile(costs, names)))
     table = scenario_map(costs, names, scenarios, {"1-a": "x.html?a&b"})
     assert '<a href="x.html?a&amp;b">15</a>' in table
