@@ -1,8 +1,8 @@
 """How things look in every picture of a world: files, arrays, windows, videos, and pages of replay and play.
 
 Colours, sizes, letters and words are defined here only; pages get them as JSON. The colours of options are those of
-Okabe and Ito (2008) and of Tol (2021), which colour-blind readers can tell apart; none is that of garbage, of a
-contact or of a robot that has failed.
+Okabe and Ito (2008) and of Tol (2021), and a violet that is seen on dark ground, too. Colour-blind readers can tell
+them apart; none is that of garbage, of a contact or of a robot that has failed.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 OPTION_COLOURS: Final = (
-    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#882255", "#56B4E9", "#999933", "#332288", "#8C6BB1", "#44AA99",
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#882255", "#56B4E9", "#999933", "#5A3FFF", "#8C6BB1", "#44AA99",
 )  # fmt: skip
 
 

@@ -265,8 +265,15 @@ class MissionRecorder:
             self._by_hand.clear()
 
 
+LONGEST_VECTOR = 1e6
+"""Length that no vector of a mechanism has [m]."""
+
+
 def _first_sentence(content: RunningConfiguration) -> str:
-    """Return the first sentence about a configuration."""
+    """Return the first sentence about a configuration; of one that asks for vectors of no possible length, this."""
+    least = max((getattr(sensor, "longer_than", 0.0) for sensor in content.spec.sensors.values()), default=0.0)
+    if least > LONGEST_VECTOR:
+        return f"Does nothing: it would act on vectors longer than {least:g} m, and none is."
     return " ".join(content.spec.description.split()).split(". ")[0].split(": ")[0].rstrip(".") + "."
 
 

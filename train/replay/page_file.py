@@ -20,8 +20,8 @@ from selector.documents.writing import write_whole
 from train.running.needs import check_file
 
 MODULES = (
-    "recording", "course", "world", "words", "score", "why", "policy", "mind", "charts", "pointer", "foretold", "page",
-    "live",
+    "recording", "course", "look", "floor", "robots", "world", "words", "score", "why", "policy", "mind", "charts",
+    "pointer", "foretold", "controls", "layers", "page", "live", "start",
 )  # fmt: skip
 """The modules in the order in which they are joined: each imports earlier ones only."""
 

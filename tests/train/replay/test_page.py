@@ -346,11 +346,54 @@ def test_things_that_move_are_drawn_where_they_are(watched, tmp_path, monkeypatc
     assert np.hypot(x - recording["thing_x"][0], y - recording["thing_y"][0]).max() > 0.5
     drawn = page.evaluate(
         "(() => { const { run, view } = replay.page.shown[0];"
-        " return run.head.things.map((thing) => view.placeOf(thing, run.frames - 1, 0)); })()"
+        " return run.head.things.map((thing) => replay.placeOf(view, thing, run.frames - 1, 0)); })()"
     )
     assert np.allclose(drawn[0], [4.0, 3.0])
     assert np.allclose(drawn[1:], np.stack([x, y], axis=1))
     assert said == []
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (390, 844)])
+def test_zones_walls_and_models_are_drawn_and_explained(watched, tmp_path, size):
+    """A mission with a silent zone and a wall, whose robots are of two models, at a desk and on a phone."""
+    groups = [{"model": model, "count": 3} for model in ("scout", "carrier")]
+    walls = [{"corners": [[3.0, 0.0], [3.0, 4.0]]}]
+    changes = {"robots": {"groups": groups}, "time_limit": 6.0, "world": {"walls": walls}}
+    held = load_mission("silent-zone").model_dump() | {"robots": {}}
+    mission = MissionConfig.model_validate(with_changes(held, changes))
+    run = MissionRun(mission, random_start(mission, 3, 0), 3, {})
+    record_mission(run, RecordSettings(tmp_path, minds=True, name="zone"), {})
+    write_page([RecordedMission(tmp_path / "zone.swarm")], tmp_path / "zone.html")
+    page, said, _ = watched(viewport={"width": size[0], "height": size[1]})
+    page.goto((tmp_path / "zone.html").as_uri() + "#t=3&robot=1")
+    page.wait_for_selector("body[data-ready]")
+    for name in ("fields", "paths"):
+        page.evaluate(f"document.querySelector('[name={name}]').click()")
+    assert said == []  # reading pixels is remarked upon
+    inside, outside = (colour_of(page, f"view.place({x}, 0.15)") for x in (8.0, 13.0))
+    assert outside == [251, 250, 247]  # paper
+    assert np.subtract(outside, inside).min() > 5
+    legend = page.text_content("#legend")
+    assert {"scout", "carrier"} & set(legend.split())
+    assert "zone of lost messages or slow ground" in legend
+    assert "wall" in legend.split()
+    shown = page.evaluate("document.querySelector('.world').toDataURL()")
+    page.evaluate("document.querySelector('[name=numbers]').click()")
+    assert page.evaluate("document.querySelector('.world').toDataURL()") != shown
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_numbers_of_robots_stand_apart(opened):
+    page, told = opened(), 0
+    page.uncheck("[name=causes]")
+    for moment in range(0, 40, 2):
+        page.evaluate(f"replay.page.go({moment})")
+        numbers = page.evaluate("replay.page.shown[0].view.numbers")
+        for k, (x, y, half) in enumerate(numbers):
+            for other_x, other_y, other_half in numbers[:k]:
+                assert abs(x - other_x) >= half + other_half - 1.0 or abs(y - other_y) >= 10.0
+                told += 1
+    assert told > 300
 
 
 def test_a_picture_of_a_hundred_robots_takes_8_ms_at_most(watched, tmp_path):

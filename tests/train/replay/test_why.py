@@ -34,6 +34,9 @@ CASES = {
     "stops because of robot 3, 0.6 m away, and robot 8; would go to recycling, 2.2 m": replace(
         AVOIDING, command=(0.01, 0.0), causes=((3, 0.6), (8, 0.9)), share=0.4
     ),
+    "stops because of robot 3, 0.6 m away; would go to an item, 0.7 m": replace(  # others hold it where it is
+        AVOIDING, running=("AvoidCollision",), wish=(0.0, 0.0), command=(0.01, 0.0), target=("an item", 0.7)
+    ),
     "slows down because of robot 3, 0.6 m away; would go to recycling, 2.2 m": replace(
         AVOIDING, command=(0.5, 0.0), causes=((3, 0.6), (8, 0.9)), share=0.1
     ),

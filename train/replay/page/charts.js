@@ -1,7 +1,7 @@
 // @ts-check
 /** Charts of runs over time, and the timeline with events. */
 import { valueAt } from "./recording.js";
-import { LOOK, colourOf } from "./world.js";
+import { LOOK, colourOf } from "./look.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {import("./course.js").RunEvent} RunEvent */
 

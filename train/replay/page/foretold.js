@@ -1,7 +1,7 @@
 // @ts-check
 /** What is foretold of one robot under each option: a table, and the ways in the world. */
 import { shorter } from "./course.js";
-import { colourOf, plain } from "./world.js";
+import { colourOf, plain } from "./look.js";
 /** @typedef {{option: string, seconds: number, collisions: number, own_collisions: number, items: number, cost_s: number, path: [number, number][]}} Foretold */
 /** @typedef {{robot: number, time: number, options: Foretold[]}} Answer of the server; time: from when on [s] */
 

@@ -2,7 +2,7 @@
 /** What goes on in one robot, as a panel. */
 import { titleOf, valueAt } from "./recording.js";
 import { shorter } from "./course.js";
-import { LOOK, colourOf, plain } from "./world.js";
+import { LOOK, colourOf, plain } from "./look.js";
 import { TERM_WORDS, optionWord, robotWord } from "./words.js";
 import { factsOf, sentenceOf } from "./why.js";
 import { inputsOf } from "./policy.js";

@@ -2,34 +2,24 @@
 /** The page: plays runs on one clock, and shows what is chosen. */
 import { titleOf } from "./recording.js";
 import { EVENT_WORDS, countsOf, eventsOf, partingFrame } from "./course.js";
-import { LOOK, WorldView, colourOf, keyOf, plain } from "./world.js";
-import { CHART_WORDS, WORDS, explainWords, optionWord } from "./words.js";
+import { LOOK, plain } from "./look.js";
+import { WorldView } from "./world.js";
+import { CHART_WORDS, WORDS } from "./words.js";
 import { drawCurves, drawEvents, drawHeld, opinionCurves } from "./charts.js";
 import { panelOf } from "./mind.js";
 import { scoreOf } from "./score.js";
 import { drawForetold, foretoldOf } from "./foretold.js";
 import { listenTo } from "./pointer.js";
 import { drawWhy } from "./why.js";
+import { SPEEDS, WIDE, connect, element, fold, put, scrubOn } from "./controls.js";
+import { offerLayers } from "./layers.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{run: Run, view: WorldView, events: import("./course.js").RunEvent[], counts: {items: Float64Array, contacts: Float64Array},
  *   charts: HTMLCanvasElement[], title: HTMLElement, caption: HTMLElement, score: HTMLElement}} Shown */
 
-export const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 50];
 const LINE = 12; // pixels of a line of the timeline, as of its words in page.css
 const PANEL_PERIOD = 120; // [ms] between two pictures of the panel while the page plays
 const LEAST_WORLD = 200; // [pixels] height of a world where there is no room
-const SHOWN_AT_FIRST = ["fields", "paths", "contacts", "numbers", "command", "added", "target", "causes"];
-const WIDE = matchMedia("(min-width: 901px)"); // as in page.css
-
-/** Return the element of an id. @param {string} id @returns {any} */
-export const element = (id) => document.getElementById(id);
-
-/** Write HTML where it differs from what is there: a tooltip would vanish. @param {HTMLElement} place @param {string} html */
-export function put(place, html) {
-  if (place.dataset.html === html) return;
-  place.innerHTML = html;
-  place.dataset.html = html;
-}
 
 /** The page; call `start` once. */
 export class Page {
@@ -50,7 +40,7 @@ export class Page {
     document.body.classList.toggle("task", runs.some((run) => run.head.things));
     document.body.classList.toggle("two", runs.length > 1);
     this.parting = runs.length > 1 ? partingFrame(runs[0], runs[1]) : -1;
-    this.offerLayers(runs);
+    offerLayers(runs);
     /** @type {Shown[]} */
     this.shown = runs.map((run, k) => this.build(run, k));
     /** What was foretold of the robots of each run, in the order of times. @type {import("./foretold.js").Answer[][]} */
@@ -68,8 +58,8 @@ export class Page {
 
   /** Listen to the user, and show the moment that the address names. */
   start() {
-    this.connect();
-    this.fold();
+    connect(this);
+    fold(this);
     this.readLink();
     this.size();
     this.draw();
@@ -89,48 +79,10 @@ export class Page {
     return Math.max(0, Math.min(run.frames + run.ahead - 1, Math.floor(this.time / this.period + 1e-6)));
   }
 
-  /** Offer the layers that the runs can show, and a legend of all that there is to see. @param {Run[]} runs */
-  offerLayers(runs) {
-    const cleans = runs.some((run) => !run.head.things);
-    /** @type {[string, import("./world.js").Sign][]} */
-    const own = [["fields", LOOK.pheromones], ...LOOK.layers];
-    const boxes = own.map(([name, { word }]) => {
-      const known = this.canShow(name, runs);
-      return `<label title="${plain(WORDS[name] + (known ? "" : " This recording does not hold it."))}"><input type="checkbox" data-layer name="${name}"
-        ${known && SHOWN_AT_FIRST.includes(name) ? "checked" : ""} ${known ? "" : "disabled"}>${word}</label>`;
-    });
-    boxes.push(`<label title="${WORDS.numbers}"><input type="checkbox" data-layer name="numbers" checked>numbers</label>`,
-      runs.some((run) => run.head.walls)
-        ? `<label title="${WORDS.walls}"><input type="checkbox" data-layer name="walls" checked>walls</label>`
-        : `<label title="Nothing could be drawn: the world is a torus without walls."><input type="checkbox" data-layer name="walls" disabled>walls (this world has none)</label>`);
-    element("boxes").innerHTML = boxes.join("");
-    /** @type {Map<string, [string, string]>} */
-    const entries = new Map();
-    for (const { head } of runs)
-      for (const [goal, options] of Object.entries(head.options).slice(0, 1))
-        options.forEach((word, k) => entries.set(word, [keyOf({ ...LOOK.failed, colour: colourOf(k) }), optionWord(head, goal, word)]));
-    for (const { head } of runs)
-      (head.mission.robots.groups ?? []).forEach((/** @type {{model: string}} */ { model }, /** @type {number} */ k) => {
-        const shape = LOOK.marks[k % LOOK.marks.length];
-        if (shape) entries.set(model, [keyOf({ ...LOOK.failed, colour: LOOK.ink, shape, half: LOOK.item.half }), `Robots of the model ${model} have this mark.`]);
-      });
-    for (const sign of LOOK.legends[cleans ? 1 : 0]) entries.set(sign.word, [keyOf(sign), WORDS[sign.word] ?? sign.word]);
-    if (runs.some((run) => run.head.zones)) entries.set(LOOK.zone.word, [keyOf(LOOK.zone), WORDS.zones]);
-    if (runs.some((run) => run.head.walls)) entries.set(LOOK.wall.word, [keyOf(LOOK.wall), WORDS.walls]);
-    for (const [name, sign] of LOOK.layers) entries.set(sign.word, [keyOf(sign), WORDS[name]]);
-    element("legend").innerHTML = [...entries].map(([word, [key, told]]) => `<span title="${plain(told)}">${key}${plain(word)}</span>`).join(" ");
-  }
-
-  /** Return whether recordings hold what a layer shows. @param {string} name @param {Run[]} runs */
-  canShow(name, runs) {
-    const needed = { command: "command_x", added: "wish_x", causes: "cause" }[name];
-    return !needed || runs.some((run) => run.tracks.has(needed));
-  }
-
   /** Build the figure of a run. @param {Run} run @param {number} k @returns {Shown} */
   build(run, k) {
     const figure = document.createElement("figure");
-    const titles = ["Option held by each robot", run.head.things ? "Collisions" : "Items dumped (line), collisions (dashes)", "What the chooser thinks of each option, mean of the robots"];
+    const titles = ["Option held by each robot", run.head.things ? "Collisions" : "Items dumped (line), collisions (dashes)", "What the chooser thinks of each option, averaged over robots"];
     figure.innerHTML = `<figcaption><b></b><span class="caption"></span></figcaption><div class="score"></div>
       <div class="stage"><canvas class="world" tabindex="0" role="img" aria-label="The world of run ${k + 1}"></canvas></div>
       <details class="charts"><summary>Charts</summary>
@@ -141,7 +93,7 @@ export class Page {
     const view = new WorldView(run, canvas);
     view.over.push(drawWhy);
     listenTo(canvas, view, k, this, element("hint"));
-    for (const chart of charts) this.scrubOn(chart);
+    for (const chart of charts) scrubOn(this, chart);
     const [title, caption, score] = ["b", ".caption", ".score"].map((name) => /** @type {HTMLElement} */ (figure.querySelector(name)));
     const events = eventsOf(run);
     return { run, view, events, counts: countsOf(run, events), charts, title, caption, score };
@@ -204,86 +156,6 @@ export class Page {
     const { kind, number } = view.thingAt(px, py, this.frameOf(view.run));
     if (number < 0) return { cursor: "move", words: "" };
     return kind === "robot" ? { cursor: "pointer", words: `a click chooses robot ${number}` } : { cursor: "default", words: `item ${number}` };
-  }
-
-  /** Let a canvas set the time. @param {HTMLCanvasElement} canvas */
-  scrubOn(canvas) {
-    /** @param {PointerEvent} e */
-    const scrub = (e) => {
-      const box = canvas.getBoundingClientRect();
-      this.go(((e.clientX - box.left) / box.width) * this.end);
-    };
-    canvas.addEventListener("pointerdown", (e) => { canvas.setPointerCapture(e.pointerId); scrub(e); });
-    canvas.addEventListener("pointermove", (e) => { if (e.buttons) scrub(e); });
-  }
-
-  connect() {
-    explainWords(document);
-    element("time").max = String(this.end);
-    element("time").step = String(this.period);
-    element("time").addEventListener("input", () => this.go(Number(element("time").value)));
-    element("play").addEventListener("click", () => this.toggle());
-    element("speed").innerHTML = SPEEDS.map((speed, k) => `<option value="${k}">${speed}x</option>`).join("");
-    element("speed").value = String(this.speed);
-    element("speed").addEventListener("change", () => { this.setSpeed(Number(element("speed").value)); element("speed").blur(); });
-    element("follow").addEventListener("click", () => this.follow(!this.following));
-    element("whole").addEventListener("click", () => { this.follow(false); for (const { view } of this.shown) this.zoomBy(view, 0); });
-    element("theme").addEventListener("click", () => {
-      const dark = this.colours().paper !== LOOK.paper;
-      document.documentElement.dataset.theme = dark ? "light" : "dark";
-      this.pictures();
-      this.draw();
-    });
-    this.scrubOn(element("timeline"));
-    for (const box of document.querySelectorAll("[data-layer]")) box.addEventListener("change", () => this.draw());
-    if (this.shown.length > 1) {
-      element("parting").hidden = false;
-      element("parting").textContent = this.parting < 0 ? "The runs are the same." : `The runs part at ${(this.parting * this.period).toFixed(1)} s`;
-      element("parting").addEventListener("click", () => this.go(Math.max(this.parting, 0) * this.period));
-    }
-    addEventListener("keydown", (e) => this.press(e));
-    addEventListener("click", (e) => { // by a mouse, not by a key: space plays again
-      const pressed = /** @type {HTMLElement | null} */ (/** @type {HTMLElement} */ (e.target).closest?.("button, summary"));
-      if (e.detail) pressed?.blur();
-    });
-    addEventListener("hashchange", () => { this.readLink(); this.draw(); });
-    addEventListener("resize", () => { this.size(); this.draw(); });
-    for (const group of document.querySelectorAll("details")) group.addEventListener("toggle", () => { this.size(); this.draw(); });
-    WIDE.addEventListener("change", () => this.fold());
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.pictures(); this.draw(); });
-  }
-
-  /** Fold the groups of controls on a phone, and unfold them where there is room. */
-  fold() {
-    for (const group of document.querySelectorAll("details"))
-      /** @type {HTMLDetailsElement} */ (group).open = WIDE.matches && (group.id !== "keys" || this.shown.length === 1);
-  }
-
-  /** @param {KeyboardEvent} e */
-  press(e) {
-    if (e.ctrlKey || e.metaKey || e.altKey) return;
-    const on = /** @type {HTMLElement} */ (e.target), control = on.closest?.("button, select, summary, input:not(#time)");
-    if (control && (e.key === " " || (e.key.startsWith("Arrow") && on.matches("select, input")))) return; // it has these keys itself
-    const robots = this.shown[this.chosen].run.head.robots, step = e.shiftKey ? 5 : 1;
-    /** @type {Record<string, () => void>} */
-    const keys = {
-      " ": () => this.toggle(),
-      ArrowRight: () => this.go(this.time + step * this.period),
-      ArrowLeft: () => this.go(this.time - step * this.period),
-      ArrowUp: () => this.choose(this.chosen, (this.robot + 1) % robots),
-      ArrowDown: () => this.choose(this.chosen, (this.robot + robots - 1) % robots),
-      Home: () => this.go(0),
-      End: () => this.go(this.end),
-      f: () => this.follow(!this.following),
-      n: () => this.goToEvent(1),
-      p: () => this.goToEvent(-1),
-      r: () => this.choose((this.chosen + 1) % this.shown.length, this.robot),
-      "+": () => this.setSpeed(this.speed + 1),
-      "-": () => this.setSpeed(this.speed - 1),
-    };
-    if (!keys[e.key]) return;
-    e.preventDefault(); // else the slider would move by itself, too
-    keys[e.key]();
   }
 
   /** @param {number} speed */
@@ -366,7 +238,7 @@ export class Page {
     const style = getComputedStyle(document.documentElement);
     /** @param {string} name */
     const of = (name) => style.getPropertyValue(name).trim();
-    return { ink: of("--ink"), paper: of("--paper"), faint: of("--faint") };
+    return { ink: of("--ink"), paper: of("--paper"), faint: of("--faint"), rim: of("--rim") };
   }
 
   /** Fit the canvases to the window: the world gets the height that is free, charts are below it. */

@@ -1,7 +1,7 @@
 // @ts-check
 /** What a run has brought and cost up to a frame; `clean_swarm_env/tasks/cleaning/cost.py` defines the cost. */
 import { valueAt } from "./recording.js";
-import { plain } from "./world.js";
+import { plain } from "./look.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{items: Float64Array, contacts: Float64Array}} Counts */
 /** @typedef {{time: number, contacts: number, left: number, items: number, all: number, cost: number}} Cost parts [s]; items: dumped */

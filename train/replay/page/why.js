@@ -2,7 +2,7 @@
 /** Why a robot moves as it does: facts of a frame, one sentence made of them by rules, and arrows in the world. */
 import { valueAt } from "./recording.js";
 import { shorter } from "./course.js";
-import { LOOK } from "./world.js";
+import { LOOK } from "./look.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {import("./world.js").WorldView} WorldView */
 /**
@@ -18,6 +18,8 @@ const SLOW = 0.05; // [m/s] that a difference of speeds must have to count
 const COUNTS = 0.25; // share from which a second neighbour is named
 const DOING = /** @type {Record<string, string>} */ ({ PickGarbage: "picks an item", Recycle: "recycles its item", Dump: "dumps its leftovers" });
 const PATROLS = ["Patrol", "ExplorationPatrol"];
+const LEAST_LINE = 33; // length from which a line to a neighbour has its share beside it [pixels]
+const AVOIDS = "AvoidCollision";
 
 /** Return the sensor's reading of the robot's network; NaN if there is none. @param {Run} run @param {string} name @param {number} frame @param {number} robot */
 function reading(run, name, frame, robot) {
@@ -80,7 +82,8 @@ export function sentenceOf({ state, stands, running, wish, command, heading, cau
   if (stands > 0) return `stands after a collision, for ${stands.toFixed(1)} s more`;
   const to = target && (target[1] < 0 ? target[0] : `${target[0]}, ${target[1].toFixed(1)} m`);
   const [wanted, told] = [Math.hypot(...wish), Math.hypot(...command)];
-  if (causes.length && Math.hypot(command[0] - wish[0], command[1] - wish[1]) > SLOW) {
+  const heldUp = running.includes(AVOIDS) && told < SLOW; // avoiding holds it where it is
+  if (causes.length && (heldUp || Math.hypot(command[0] - wish[0], command[1] - wish[1]) > SLOW)) {
     const before = wanted > SLOW ? Math.atan2(wish[1], wish[0]) : heading, turn = shorter(Math.atan2(command[1], command[0]) - before, 2 * Math.PI);
     const does = told < SLOW ? "stops" : turn > STRAIGHT ? "turns left" : turn < -STRAIGHT ? "turns right" : told < wanted - SLOW ? "slows down" : "keeps away";
     const who = `robot ${causes[0][0]}, ${causes[0][1].toFixed(1)} m away${causes.length > 1 && share >= COUNTS ? `, and robot ${causes[1][0]}` : ""}`;
@@ -113,13 +116,15 @@ function arrow(c, x, y, dx, dy, colour, width) {
 
 /**
  * Draw the commands of robots and what mechanisms add to them, and of the chosen robot its target and who counts.
- * @param {WorldView} view @param {number} frame @param {number} chosen @param {import("./world.js").Layers} layers @param {import("./world.js").Colours} colours
+ * @param {WorldView} view @param {number} frame @param {number} chosen @param {import("./look.js").Layers} layers @param {import("./look.js").Colours} colours
  */
 export function drawWhy(view, frame, chosen, layers, colours) {
   const { run } = view, { width, height } = run.head, c = /** @type {CanvasRenderingContext2D} */ (view.canvas.getContext("2d")), s = view.scale;
   const colourOfLayer = Object.fromEntries(LOOK.layers.map(([name, { colour }]) => [name, colour])), most = causesOf(run);
   /** @param {number} i @param {number} x @param {number} y @returns {[number, number]} the way to a place by the torus [pixels] */
   const way = (i, x, y) => [shorter(x - view.x[i], width) * s, -shorter(y - view.y[i], height) * s];
+  /** Words over the lines, with their places. @type {[string, number, number][]} */
+  const shares = [];
   if (layers.causes && view.rows.includes(chosen))
     for (let k = 0; k < most; k++) {
       const who = valueAt(run, "cause", frame, chosen * most + k), share = valueAt(run, "cause_share", frame, chosen * most + k);
@@ -131,14 +136,7 @@ export function drawWhy(view, frame, chosen, layers, colours) {
       c.moveTo(x, y);
       c.lineTo(x + dx, y + dy);
       c.stroke();
-      const words = `${Math.round(100 * share)} %`, at = 0.6;
-      c.font = `600 ${LOOK.letter_size}px sans-serif`;
-      c.textAlign = "center";
-      c.lineWidth = 3;
-      c.strokeStyle = colours.paper;
-      c.strokeText(words, x + at * dx, y + at * dy - 4);
-      c.fillStyle = colours.ink;
-      c.fillText(words, x + at * dx, y + at * dy - 4);
+      if (Math.hypot(dx, dy) > LEAST_LINE) shares.push([`${Math.round(100 * share)} %`, x + 0.6 * dx, y + 0.6 * dy - 4]);
     }
   const target = layers.target ? targetOf(run, frame, chosen) : null;
   if (target && target.distance >= 0 && view.rows.includes(chosen)) {
@@ -146,12 +144,22 @@ export function drawWhy(view, frame, chosen, layers, colours) {
     arrow(c, ...view.place(view.x[chosen], view.y[chosen]), ...way(chosen, ...target.place), colourOfLayer.target, 2);
     c.setLineDash([]);
   }
-  if (!layers.command && !layers.added) return;
-  for (const i of view.rows) {
+  for (const i of layers.command || layers.added ? view.rows : []) {
     const [x, y] = view.place(view.x[i], view.y[i]), width = i === chosen ? 3 : 1.5;
     const [vx, vy] = [valueAt(run, "command_x", frame, i), valueAt(run, "command_y", frame, i)];
     const [wx, wy] = [valueAt(run, "wish_x", frame, i), valueAt(run, "wish_y", frame, i)];
     if (layers.added && i === chosen && valueAt(run, "cause", frame, i * most) >= 0) arrow(c, x + wx * s, y - wy * s, (vx - wx) * s, -(vy - wy) * s, colourOfLayer.added, width);
     if (layers.command) arrow(c, x, y, vx * s, -vy * s, colours.ink, width);
+  }
+  c.font = `600 ${LOOK.letter_size}px sans-serif`;
+  c.textAlign = "center";
+  c.lineWidth = 3;
+  c.strokeStyle = colours.paper;
+  c.fillStyle = colours.ink;
+  for (const [words, x, y] of shares) {
+    const inside = Math.max(18, Math.min(view.wide - 18, x)), below = Math.max(LOOK.letter_size, y);
+    c.strokeText(words, inside, below);
+    c.fillText(words, inside, below);
+    view.numbers.push([inside, below - LOOK.letter_size / 3, 14]);
   }
 }

@@ -1,0 +1,46 @@
+// @ts-check
+/** What can be shown in the worlds, and the legend of all that there is to see. */
+import { LOOK, colourOf, keyOf, plain } from "./look.js";
+import { WORDS, optionWord } from "./words.js";
+import { element } from "./controls.js";
+/** @typedef {import("./recording.js").Run} Run */
+
+const SHOWN_AT_FIRST = ["fields", "paths", "contacts", "numbers", "command", "added", "target", "causes"];
+
+/** Offer the layers that the runs can show, and a legend of all that there is to see. @param {Run[]} runs */
+export function offerLayers(runs) {
+  const cleans = runs.some((run) => !run.head.things);
+  /** @type {[string, import("./look.js").Sign][]} */
+  const own = [["fields", LOOK.pheromones], ...LOOK.layers];
+  const boxes = own.map(([name, { word }]) => {
+    const known = canShow(name, runs);
+    return `<label title="${plain(WORDS[name] + (known ? "" : " This recording does not hold it."))}"><input type="checkbox" data-layer name="${name}"
+      ${known && SHOWN_AT_FIRST.includes(name) ? "checked" : ""} ${known ? "" : "disabled"}>${word}</label>`;
+  });
+  boxes.push(`<label title="${WORDS.numbers}"><input type="checkbox" data-layer name="numbers" checked>numbers</label>`,
+    runs.some((run) => run.head.walls)
+      ? `<label title="${WORDS.walls}"><input type="checkbox" data-layer name="walls" checked>walls</label>`
+      : `<label title="Nothing could be drawn: the world is a torus without walls."><input type="checkbox" data-layer name="walls" disabled>walls (this world has none)</label>`);
+  element("boxes").innerHTML = boxes.join("");
+  /** @type {Map<string, [string, string]>} */
+  const entries = new Map();
+  for (const { head } of runs)
+    for (const [goal, options] of Object.entries(head.options).slice(0, 1))
+      options.forEach((word, k) => entries.set(word, [keyOf({ ...LOOK.failed, colour: colourOf(k) }), optionWord(head, goal, word)]));
+  for (const { head } of runs)
+    (head.mission.robots.groups ?? []).forEach((/** @type {{model: string}} */ { model }, /** @type {number} */ k) => {
+      const shape = LOOK.marks[k % LOOK.marks.length];
+      if (shape) entries.set(model, [keyOf({ ...LOOK.failed, colour: LOOK.ink, shape, half: LOOK.item.half }), `Robots of the model ${model} have this mark.`]);
+    });
+  for (const sign of LOOK.legends[cleans ? 1 : 0]) entries.set(sign.word, [keyOf(sign), WORDS[sign.word] ?? sign.word]);
+  if (runs.some((run) => run.head.zones)) entries.set(LOOK.zone.word, [keyOf(LOOK.zone), WORDS.zones]);
+  if (runs.some((run) => run.head.walls)) entries.set(LOOK.wall.word, [keyOf(LOOK.wall), WORDS.walls]);
+  for (const [name, sign] of LOOK.layers) entries.set(sign.word, [keyOf(sign), WORDS[name]]);
+  element("legend").innerHTML = [...entries].map(([word, [key, told]]) => `<span title="${plain(told)}">${key}${plain(word)}</span>`).join(" ");
+}
+
+/** Return whether recordings hold what a layer shows. @param {string} name @param {Run[]} runs */
+function canShow(name, runs) {
+  const needed = { command: "command_x", added: "wish_x", causes: "cause" }[name];
+  return !needed || runs.some((run) => run.tracks.has(needed));
+}
