@@ -43,7 +43,7 @@ def time_left(task: Task) -> str:
     """
     begun, most, ran, first = (task.fields[name] for name in ("begun", "most", "ran", "first"))
     by_results = (task.completed - begun) / max((task.total or 0.0) - begun, 1.0)
-    by_seconds = min(ran / most, 1.0) if most else 0.0
+    by_seconds = min(ran / most, 1.0) if most > 0.0 else 0.0
     if by_results <= 0.0 and by_seconds <= 0.0:
         return "time left: not known yet"
     share = max(by_results, by_seconds)
@@ -72,7 +72,8 @@ def progress(
     """
     shown = (TextColumn("{task.description}"), BarColumn(), counted or MofNCompleteColumn(), TimeElapsedColumn())
     more, console = TextColumn("{task.fields[more]}"), Console(stderr=True)
-    with Progress(*shown, _TimeLeft(), more, console=console, transient=log is None) as bar:
+    hidden = log is None and not console.is_terminal  # nothing is left of it
+    with Progress(*shown, _TimeLeft(), more, console=console, transient=log is None, disable=hidden) as bar:
         known: dict[str, Any] = {"begun": done, "most": 0.0, "ran": 0.0, "first": 0.0}
         number, ended = bar.add_task(what, total=total, completed=done, more="", **known), Event()
         task = bar.tasks[0]

@@ -34,6 +34,8 @@ def time_left(completed, total, elapsed, **fields):
 
 def test_the_time_left_counts_what_this_command_did():
     assert time_left(30.0, 90.0, 10.0, begun=20) == "0:01:00 left"
+    for most in (-1.0, float("nan")):  # a time that is refused later
+        assert time_left(0.0, 1.0, 10.0, most=most, ran=1.0) == "time left: not known yet"
 
 
 def test_before_there_are_results_the_simulated_seconds_bound_the_time_left():
