@@ -192,11 +192,12 @@ def test_batches_of_which_the_last_one_does_not_fit_stay_as_they_were():
     other.batches = (other.batches[0], Batch(CROWD))
     other.batches[1].reset([1])
     before = whole.get_state()
-    sizes, (first, _), *rest = unsealed("robots", before)
+    sizes, states, *rest = unsealed("robots", before)
+    first, foreign = (unsealed("batch", one)[0] for one in (states, other.batches[1].get_state()))
     with pytest.raises(ValueError, match="world: expected"):
-        whole.set_state(sealed("robots", (sizes, [first, other.batches[1].get_state()], *rest)))
+        whole.set_state(sealed("robots", (sizes, sealed("batch", [first, foreign]), *rest)))
     assert whole.get_state() == before
-    with pytest.raises(ValueError, match=r"^state: batches: expected 2, got 1$"):
+    with pytest.raises(ValueError, match=r"^state: worlds: expected 2, got 1$"):
         whole.set_state(RobotVecEnv(worlds=1, mission=SHORT).get_state())
 
 
