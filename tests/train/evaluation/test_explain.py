@@ -227,7 +227,8 @@ def test_what_does_not_exist_is_one_line(evaluated, told, words, expected):
 def test_directories_without_results_are_refused(tmp_path, told):
     words = ("--robot", 0, "--time", 1)
     code, _, err = told("explain", tmp_path / "none", *words)
-    assert (code, err.splitlines()) == (2, [f"error: {tmp_path / 'none'}: no such directory"])
+    missing = f"error: {tmp_path / 'none'}: cannot be read (No such file or directory)"
+    assert (code, err.splitlines()) == (2, [missing])
     code, _, err = told("explain", tmp_path, *words)
     assert code == 2
     assert "has no manifest.json; expected the results of an evaluation" in err
