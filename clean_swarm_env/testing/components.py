@@ -41,7 +41,7 @@ PARTS = {
 }
 
 
-class Surroundings:
+class Scene:
     """Four robots, two of them close together, one at a goal and one alone; and all that components refer to."""
 
     def __init__(self) -> None:
@@ -90,7 +90,7 @@ def check_sensor(cls: type[SensorComponent], **parameters: Any) -> None:  # noqa
     twice, and changes nothing. `parameters` come beside those of the class's `example`.
     """
     expect_registered(cls, SENSORS)
-    around = Surroundings()
+    around = Scene()
     sensor = around.build(cls, parameters)
     before = around.state()
 
@@ -118,7 +118,7 @@ def check_action(cls: type[Action], **parameters: Any) -> None:  # noqa: ANN401 
     for those in which that has just started, and does nothing without rows. `parameters`: beside those of `example`.
     """
     expect_registered(cls, ACTIONS)
-    around = Surroundings()
+    around = Scene()
     action, commands, before = around.build(cls, parameters), Commands(4, 2), around.state()
     for rows, started in ((EACH_ROW[:0], EACH_ROW[:0]), (SOME, SOME[:1])):
         with contract(action, "", rows, started):

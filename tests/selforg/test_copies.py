@@ -13,6 +13,7 @@ from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
+from selforg.parameters import parameters_of
 from selforg.randomness import next_direction
 from tests.selforg.worlds import directions, make_world, scatter, set_pose
 
@@ -73,8 +74,8 @@ def play_mechanism(mechanism, begin):
 def test_copies_of_mechanisms_are_independent(name, how):
     def make():
         world, kind = world_of(), MECHANISMS.find(name)
-        parameters = dict(kind.example)
-        if issubclass(kind, MovementMechanism):
+        parameters = {key: one(world.buffer) if callable(one) else one for key, one in kind.example.items()}
+        if "directions" in parameters_of(kind):
             parameters["directions"] = directions(5)
         return kind(world.buffer, **parameters)
 

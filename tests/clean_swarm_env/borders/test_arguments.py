@@ -121,7 +121,7 @@ def test_a_function_of_the_users_gives_the_rewards(tmp_path, monkeypatch):
     for wrong in (lambda batch: 1.0, lambda batch: np.full(5, np.nan)):
         batch = Batch(reward=wrong)
         batch.reset([1])
-        with pytest.raises(ValueError, match=r"reward: expected finite numbers of shape \(5,\), got"):
+        with pytest.raises(ValueError, match=r"expected finite numbers of shape \(5,\), got"):
             batch.step(np.zeros(5, dtype=np.int64))
     with pytest.raises(ValueError, match="reward: my_rewards defines no 'dropped'"):
         Batch(reward="my_rewards:dropped")

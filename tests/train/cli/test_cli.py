@@ -153,7 +153,7 @@ def _experiment(path: Path, **changes: object) -> Path:
             ["--starts", "broken.json"],
             "broken.json: line 1: expected JSON, got ",
         ),
-        (["--starts", "x", "--scenarios", "3"], "--scenarios and --starts: expected one of them, got both"),
+        (["--starts", "broken.json", "--scenarios", "3"], "--scenarios and --starts: expected one of them, got both"),
         (["--output", "taken"], "taken: has other files"),
         (["misspelt.yaml"], "misspelt.yaml: mission.world.widht: unknown key 'widht'"),
         (["crowded.yaml"], "crowded.yaml: mission.robots.count: expected at most 277 solid robots"),

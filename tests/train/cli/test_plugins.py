@@ -91,7 +91,7 @@ def test_ppo_learns_on_the_family_of_an_installed_plugin(installed):
 
 
 def test_a_plugin_that_is_only_named_is_known_as_well_and_not_without(site):
-    assert "unknown task with a baseline 'KeepApart'" in refused(run(site, "run", "KeepApart"))
+    assert "unknown task 'KeepApart'" in refused(run(site, "run", "KeepApart"))
     words = ("--strategy", "my_swarm:Second", "--strategy", "fixed", "--scenarios", "2", "--workers", "2")
     done = run(site, "evaluate", "--family", "my_swarm:KeepApart", *words, "--output", "r")
     assert done.returncode == 0, done.stderr

@@ -86,7 +86,7 @@ def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
         (("MaxValue", "--runs", "0"), "--runs: expected a whole number of at least 1, got 0"),
         (("MaxValue", "--seconds", "nan"), "--seconds: expected a positive number up to 1e+07, got nan"),
         (("MaxValue", "--arena", "cave"), "--arena: expected torus or open, got 'cave'"),
-        (("MaxValeu",), "unknown task with a baseline 'MaxValeu'"),
+        (("MaxValeu",), "unknown task 'MaxValeu'"),
         (("Cleaning",), "unknown task with a baseline 'Cleaning'"),
         (("MaxValue", "--option", "Shout"), "goal MaxValue: unknown option 'Shout'"),
         (("MaxValue", "--configs", "/nowhere"), "/nowhere: no such directory"),
