@@ -6,6 +6,7 @@ import time
 
 import pytest
 
+import train.reports.charts  # noqa: F401  (Matplotlib, so that its import is not measured)
 from tests.attacks.readers import MOST_BYTES, MOST_SECONDS
 from tests.paths import SHARED
 from train import cli
