@@ -121,7 +121,7 @@ def test_what_cannot_be_gathered_is_one_line(run, tmp_path):
             ("evaluate", "--store", "s", "--learn", "--workers", 1, "--on", "tcp://127.0.0.1:1"),
             "--on: expected no --learn, where missions learn in turn",
         ),
-        (("gather", "nothing"), "nothing/shares: expected shares of one number, got none"),
+        (("gather", "."), "shares: expected shares of one number, got none"),
         (
             ("machine", "slurm", "train", "ppo", "--output", "r"),
             "machine slurm: expected evaluate or study score or study look-ahead or study periods, got train ppo",
