@@ -69,9 +69,9 @@ def by_blocks(scenario: Scenario, modes: Sequence[str], folder: Path) -> dict[st
 
 def together(mode: str, folder: Path) -> Callable[[], float]:
     """Return a contestant that gives the CPU seconds of missions under the policy `exploring-ppo`."""
-    places = tuple((k, 0) for k in range(TOGETHER))
     family, member = load_family("crowded-exploring"), "policy:exploring-ppo"
-    task = TrialTask(family, 0, places, "policy", member, "ExplorationPatrol", ())
+    scenarios = tuple(family.scenario(0, k, "test") for k in range(TOGETHER))
+    task = TrialTask(family.name, 0, scenarios, "policy", member, "ExplorationPatrol")
     wanted = task if mode == MODES[0] else task.recorded(RecordSettings(folder / mode, minds=mode == MODES[2]))
 
     def spent() -> float:
