@@ -173,7 +173,7 @@ def test_trainings_stand_beside_the_best_fixed_options(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda path: None, "nowhere: no such directory"),
+        (lambda path: None, "nowhere: cannot be read (No such file or directory)"),
         (lambda path: path.mkdir(), "nowhere: has no manifest.json; expected the results of an evaluation"),
         (
             lambda path: (path.mkdir(), (path / "manifest.json").write_text('{"identity": {}}')),

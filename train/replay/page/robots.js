@@ -200,16 +200,19 @@ export function drawNumbers(view, c, colours) {
   c.lineWidth = 3;
   c.textAlign = "center";
   c.textBaseline = "middle";
-  const written = view.numbers;
+  const written = view.numbers, widest = 0.3 * high * String(view.run.head.robots).length;
   for (const [x, y, size, i] of view.discs) {
-    const half = 0.3 * high * String(i).length;
+    const half = 0.3 * high * String(i).length, far = size + 2 + 2 * half + 2 * high + largest + widest;
+    /** @template {number[]} T @param {T[]} all @returns {T[]} those that a number of this robot may cover */
+    const near = (all) => all.filter(([ox, oy]) => Math.abs(ox - x) < far && Math.abs(oy - y) < far);
+    const discs = near(view.discs), before = near(written);
     /** How much a number at a corner would cover. @param {number} corner */
     const covered = (corner) => {
       const [px, py] = besideOf(x, y, size, corner, half, high);
       let sum = px < half || px > view.wide - half || py < high / 2 || py > view.high - high / 2 ? 1 : 0;
-      for (const [ox, oy, wide, other] of view.discs)
+      for (const [ox, oy, wide, other] of discs)
         if (other !== i) sum += Math.max(0, wide - Math.hypot(Math.max(0, Math.abs(px - ox) - half), Math.max(0, Math.abs(py - oy) - high / 2)));
-      for (const [ox, oy, wide] of written) sum += 2 * Math.max(0, wide + half - Math.abs(px - ox)) * (Math.abs(py - oy) < high ? 1 : 0);
+      for (const [ox, oy, wide] of before) sum += 2 * Math.max(0, wide + half - Math.abs(px - ox)) * (Math.abs(py - oy) < high ? 1 : 0);
       return sum;
     };
     let best = view.corners[i], least = covered(best);
