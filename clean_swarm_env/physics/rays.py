@@ -142,7 +142,7 @@ class Rays:
 
 
 @kernel
-def meet_discs(rows: Ints, fan: Written[Fan], discs: Words[Discs]) -> None:
+def meet_discs(rows: Ints, fan: Words[Fan], discs: Words[Discs]) -> None:
     """Shorten the rays of `rows` (P,) to the discs that they meet, in all their images on the torus."""
     f, d = open_fan(fan), open_discs(discs)
     lines, columns = cells_along(d.members, d.farthest, f.extent)
@@ -189,7 +189,7 @@ def shorten_rays(row: int, ahead: float, left: float, radius: float, f: Fan) -> 
 
 
 @lean_kernel
-def meet_walls(rows: Ints, fan: Written[Fan], walls: Words[Walls]) -> None:
+def meet_walls(rows: Ints, fan: Words[Fan], walls: Words[Walls]) -> None:
     """Shorten the rays of `rows` (P,) to the walls that they meet."""
     f, w = open_fan(fan), open_walls(walls)
     for row in rows:

@@ -60,7 +60,7 @@ def test_the_host_of_the_page_brings_its_robots_to_the_goal():
 
 def test_all_words_are_explained():
     types = [cls.__name__ for cls in (*SENSORS, *ACTIONS) if cls.__module__.startswith("selforg.")]
-    assert len(types) == 19
+    assert len(types) == 20
     assert [name for name in types if f"`{name}`" not in PAGE] == []
 
 

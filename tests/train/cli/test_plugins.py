@@ -126,11 +126,14 @@ def test_names_have_their_origin(installed):
 
 
 KINDS = """
+from dataclasses import dataclass
+
 import numpy as np
 from clean_swarm_env import TERMS, Term
 from clean_swarm_env.learning.reward import REWARD_TERMS
 from selforg.components import ACTIONS, Action
-from selforg.network.model.activators import ACTIVATORS, THRESHOLD_RULE, Activator
+from selforg.network.model.activators import ACTIVATORS, Threshold
+from selforg.parameters import AtLeastZero, Finite, UpToOne  # of the inherited keys
 
 @ACTIONS.register
 class North(Action):
@@ -139,9 +142,11 @@ class North(Action):
         commands.vectors[rows], commands.commanded[rows] = (0.0, 1.0), True
 
 @ACTIVATORS.register
-class Low(Activator):
+@dataclass(frozen=True)
+class Low(Threshold):
     "Fulfilled at or below 1."
-    kind, parameters = THRESHOLD_RULE, (1.0, 0.0, -1.0)
+    threshold: float = 1.0
+    minimum: bool = False
 
 @TERMS.register
 class East(Term):
@@ -209,11 +214,11 @@ print(batch.observer.names, (step.rewards * 5.5).round(6).tolist() == north.roun
         assert done.stdout.split(") ")[-1].strip() == "True", done.stderr
 
 
-def test_ppo_learns_with_terms_of_a_plugin(installed, kinds):
+def test_ppo_learns_with_terms_of_a_plugin(site, kinds):
     pytest.importorskip("stable_baselines3")
     words = ("train", "ppo", "--config", "kinds", "--configs", ".", "--output", "r")
-    assert "reward.northward: unknown key 'northward'" in refused(run(installed, *words)).replace("reward: ", "reward.")
-    done = run(installed, *words, "--import", "kinds.py")
+    assert "northward: unknown key 'northward'" in refused(run(site, *words))
+    done = run(site, *words, "--import", "kinds.py")
     assert done.returncode == 0, done.stderr
 
 

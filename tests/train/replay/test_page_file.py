@@ -52,7 +52,7 @@ def test_the_types_of_the_modules_fit():
         (("none.swarm",), "none.swarm: cannot be read (No such file or directory)"),
         (("other.swarm",), "other.swarm: expected a recording of a mission (.swarm), got another kind of file"),
         ((".",), "has no manifest.json; expected the results of an evaluation"),
-        (("a", "b", "c"), "replay: expected one or two runs, and a condition for each or for all"),
+        ((".", ".", "."), "replay: expected one or two runs, and a condition for each or for all"),
     ],
 )
 def test_what_cannot_be_shown_is_one_line(tmp_path, monkeypatch, capsys, words, expected):
