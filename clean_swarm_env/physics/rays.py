@@ -16,7 +16,7 @@ from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_al
 from clean_swarm_env.physics.physics import Physics
 from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, kernel, lean_kernel
-from selforg.compiler.records import Packed, Recording, Words, Written
+from selforg.compiler.records import Packed, Recording, Words
 from selforg.components.sources import Surroundings
 from selforg.elementary import sine_cosine, unit_vectors
 from selforg.space import nearest_image
