@@ -170,9 +170,9 @@ behaviours:
 
 
 @pytest.fixture
-def kinds(site):
+def kinds(tmp_path):
     """A file with an action, an activator, an observation term and a reward term, and YAML files that name them."""
-    folder = site.parent
+    folder = tmp_path
     (folder / "kinds.py").write_text(KINDS)
     for name in ("mechanisms/Hop", "knowledge/kinds", "families/kinds", "training/kinds"):
         (folder / name).parent.mkdir()
@@ -214,11 +214,11 @@ print(batch.observer.names, (step.rewards * 5.5).round(6).tolist() == north.roun
         assert done.stdout.split(") ")[-1].strip() == "True", done.stderr
 
 
-def test_ppo_learns_with_terms_of_a_plugin(site, kinds):
+def test_ppo_learns_with_terms_of_a_plugin(installed, kinds):
     pytest.importorskip("stable_baselines3")
     words = ("train", "ppo", "--config", "kinds", "--configs", ".", "--output", "r")
-    assert "northward: unknown key 'northward'" in refused(run(site, *words))
-    done = run(site, *words, "--import", "kinds.py")
+    assert "northward: unknown key 'northward'" in refused(run(installed, *words))
+    done = run(installed, *words, "--import", "kinds.py")
     assert done.returncode == 0, done.stderr
 
 
