@@ -27,13 +27,18 @@ MOVEMENTS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), Mov
 RULES = ("max", "min", "average", "new", "newparent", "newframe")
 
 
+def parts_of(name, buffer):
+    """Return the arguments of a mechanism that are made of others."""
+    return {key: one(buffer) for key, one in MECHANISMS.find(name).example.items() if callable(one)}
+
+
 def play(rule, torus, whole_seconds, sequence, movements=MOVEMENTS):
     """Play (message, pause [s], pose) steps; return why messages were refused, and all movements (M, 2)."""
     space = Torus(11.0, 7.0) if torus else Euclidean(2)
     poses = OwnPoses(space, 1)
     settings = BufferSettings(aggregation={"DEFAULT": rule}, whole_seconds=whole_seconds)
     buffer = SoBuffer(settings, space, poses)
-    looking = [MECHANISMS.create(name, buffer) for name in movements]
+    looking = [MECHANISMS.create(name, buffer, **parts_of(name, buffer)) for name in movements]
     queries, now, refused, vectors = Queries(buffer), 0.0, [], [np.zeros(2)]
     for message, pause, pose in sequence:
         now += pause  # negative too: clocks do run backwards
