@@ -19,7 +19,9 @@ def parameters_of(cls: type) -> dict[str, Parameter]:
     found: dict[str, Parameter] = {}
     if cls.__init__ is object.__init__:  # type: ignore[misc]
         return found  # of a class without a constructor
-    for name, parameter in inspect.signature(cls.__init__, eval_str=True).parameters.items():  # type: ignore[misc]
+    fields = "__dataclass_fields__" in vars(cls)  # of a dataclass: those of a base are named in the module of the base
+    hints = get_type_hints(cls, include_extras=True) if fields else {}
+    for name, parameter in inspect.signature(cls.__init__, eval_str=not fields).parameters.items():  # type: ignore[misc]
         if parameter.kind is Parameter.VAR_KEYWORD:
             (options,) = get_args(parameter.annotation)
             found |= {
@@ -28,5 +30,5 @@ def parameters_of(cls: type) -> dict[str, Parameter]:
                 if option not in found
             }
         elif name != "self":
-            found[name] = parameter
+            found[name] = parameter.replace(annotation=hints.get(name, parameter.annotation))
     return found

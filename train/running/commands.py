@@ -46,7 +46,7 @@ def time_left(task: Task) -> str:
     by_seconds = min(ran / most, 1.0) if most > 0.0 else 0.0
     if by_results <= 0.0 and by_seconds <= 0.0:
         return "time left: not known yet"
-    share = max(by_results, by_seconds)
+    share = min(max(by_results, by_seconds), 1.0)  # a training ends with a whole round, beyond its total
     seconds = round(((task.elapsed or 0.0) - first) * (1.0 / share - 1.0))
     words = f"{seconds // 3600}:{seconds // 60 % 60:02d}:{seconds % 60:02d} left"
     return words if by_results >= by_seconds else f"at most {words}"

@@ -25,7 +25,7 @@ class Activator(ABC):
     """The base of all activators: the satisfaction when it is not fulfilled and when it is.
 
     A registered activator can be declared in documents: its keys are its fields. One of a new class shares the rule of
-    another, by its `kind`; the planner knows the rules of the classes below, and those of their subclasses.
+    another, by its `kind` and `parameters`.
     """
 
     low: UpToOne = 0.0

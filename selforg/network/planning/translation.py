@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from selforg.network.model.activators import Activator, Boolean, Equal, Greedy, Linear, Threshold
+from selforg.network.model.activators import GREEDY_RULE, LINEAR_RULE, THRESHOLD_RULE, Activator
 from selforg.network.model.behaviours import Behaviour, Interface
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional, Tree
 from selforg.network.model.model import NetworkModel
@@ -95,32 +95,32 @@ class Translation:
             return TRUE
         if (high < level) if above else (low > level):
             return FALSE
-        if isinstance(activator, Linear):
-            at = activator.zero + (level - low) / (high - low) * (activator.full - activator.zero)
+        if activator.kind == LINEAR_RULE:
+            zero, full, _ = activator.parameters
+            at = zero + (level - low) / (high - low) * (full - zero)
             return number_is(self.numbers.index(column), ">=" if (activator.direction > 0.0) is above else "<=", at)
-        if isinstance(activator, Greedy):
-            return TRUE if (activator.step_size == 0.0) == above else FALSE
+        if activator.kind == GREEDY_RULE:
+            return TRUE if (activator.parameters[0] == 0.0) == above else FALSE
         if column in self.facts:
             fact = self.facts.index(column)
             values = [value for value in (False, True) if _accepts(activator, float(value)) == above]
             return TRUE if len(values) == 2 else any_of(fact_is(fact, value) for value in values)
-        return self._bound(activator, self.numbers.index(column), above)
+        return _bound(activator, self.numbers.index(column), above)
 
-    def _bound(self, activator: Activator, number: int, fulfilled: bool) -> Guard:
-        """Return the condition that an activator is fulfilled by a number, or is not."""
-        reached: Relation = ">=" if fulfilled else ">"
-        not_passed: Relation = "<=" if fulfilled else "<"
-        if isinstance(activator, Threshold):
-            return number_is(number, reached if activator.minimum == fulfilled else not_passed, activator.threshold)
-        if isinstance(activator, Equal):
-            bounds = number_is(number, reached, activator.value), number_is(number, not_passed, activator.value)
-            return all_of(bounds) if fulfilled else any_of(bounds)
-        raise TypeError(f"no planning form for {type(activator).__name__}")
+
+def _bound(activator: Activator, number: int, fulfilled: bool) -> Guard:
+    """Return the condition that an activator is fulfilled by a number, or is not."""
+    reached: Relation = ">=" if fulfilled else ">"
+    not_passed: Relation = "<=" if fulfilled else "<"
+    at = activator.parameters[0]
+    if activator.kind == THRESHOLD_RULE:
+        return number_is(number, reached if (activator.direction > 0.0) == fulfilled else not_passed, at)
+    bounds = number_is(number, reached, at), number_is(number, not_passed, at)
+    return all_of(bounds) if fulfilled else any_of(bounds)
 
 
 def _accepts(activator: Activator, value: float) -> bool:
-    if isinstance(activator, Boolean):
-        return value == float(activator.desired)
-    if isinstance(activator, Threshold):
-        return value >= activator.threshold if activator.minimum else value <= activator.threshold
-    return isinstance(activator, Equal) and value == activator.value
+    at = activator.parameters[0]
+    if activator.kind == THRESHOLD_RULE:
+        return value >= at if activator.direction > 0.0 else value <= at
+    return value == at

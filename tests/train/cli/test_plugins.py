@@ -126,14 +126,15 @@ def test_names_have_their_origin(installed):
 
 
 KINDS = """
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
 from clean_swarm_env import TERMS, Term
 from clean_swarm_env.learning.reward import REWARD_TERMS
 from selforg.components import ACTIONS, Action
-from selforg.network.model.activators import ACTIVATORS, Threshold
-from selforg.parameters import AtLeastZero, Finite, UpToOne  # of the inherited keys
+from selforg.network.model.activators import ACTIVATORS, THRESHOLD_RULE, Activator
 
 @ACTIONS.register
 class North(Action):
@@ -143,10 +144,13 @@ class North(Action):
 
 @ACTIVATORS.register
 @dataclass(frozen=True)
-class Low(Threshold):
-    "Fulfilled at or below 1."
-    threshold: float = 1.0
-    minimum: bool = False
+class Low(Activator):
+    "Fulfilled at or below a limit."
+    limit: float = 1.0
+    kind = THRESHOLD_RULE
+    @property
+    def parameters(self):
+        return self.limit, 0.0, -1.0
 
 @TERMS.register
 class East(Term):

@@ -34,6 +34,7 @@ def time_left(completed, total, elapsed, **fields):
 
 def test_the_time_left_counts_what_this_command_did():
     assert time_left(30.0, 90.0, 10.0, begun=20) == "0:01:00 left"
+    assert time_left(95.0, 90.0, 10.0, begun=20) == "0:00:00 left"  # a training ends with a whole round
     for most in (-1.0, float("nan")):  # a time that is refused later
         assert time_left(0.0, 1.0, 10.0, most=most, ran=1.0) == "time left: not known yet"
 
