@@ -25,7 +25,7 @@ from train.report_page.charts import (
     selection_over_time,
 )
 from train.report_page.results import SELECTION_CHANNELS, HeldResults
-from train.reports.charts import svg
+from train.reports.charts import figure_of, svg
 from train.reports.curves import EXPLAINED as EXPLAINED_CURVES
 from train.reports.curves import Trained, draw_curves, verdict_of
 from train.reports.text_table import markdown_table
@@ -34,7 +34,7 @@ from train.running.runs import RunRecord
 FIGURES: Final[Mapping[str, Callable[[RunRecord], float]]] = {
     "cost [s]": lambda record: record.result.cost_s,
     "duration [s]": lambda record: record.result.duration_s,
-    "collision events [1/s]": lambda record: record.result.collision_events_per_s[0],
+    "collision events a second": lambda record: record.result.collision_events_per_s[0],
 }
 PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
@@ -175,7 +175,7 @@ def with_unfinished(records: Sequence[RunRecord], conditions: Sequence[str]) -> 
     done = {name: [record.result.completed for record in records if record.condition == name] for name in conditions}
     if not any(map(any, done.values())):
         return list(conditions)
-    return [f"{name}, {share_cell(1.0 - sum(own) / len(own))} unfinished" for name, own in done.items()]
+    return [f"{name}\n{share_cell(1.0 - sum(own) / len(own))} unfinished" for name, own in done.items()]
 
 
 def scenario_map(values: Floats, conditions: Sequence[str], scenarios: Sequence[str], links: Mapping[str, str]) -> str:
@@ -192,7 +192,11 @@ def scenario_map(values: Floats, conditions: Sequence[str], scenarios: Sequence[
                 continue
             excess = min(np.log(max(value / max(lowest[k], 1e-9), 1.0)) / np.log(10.0), 1.0)
             link = links.get(f"{scenario}-{name}")
-            text = f"{value:.4g}" if link is None else f'<a href="{escape(link, quote=True)}">{value:.4g}</a>'
+            text = (
+                f"{figure_of(value)}"
+                if link is None
+                else f'<a href="{escape(link, quote=True)}">{figure_of(value)}</a>'
+            )
             cells.append(f'<td style="--excess:{100 * excess:.0f}%">{text}</td>')
         rows.append(f"<tr>{''.join(cells)}</tr>")
     return f'<div class="wide"><table class="map">{"".join(rows)}</table></div>'
@@ -209,4 +213,4 @@ def _note(text: str) -> str:
 
 
 def _cell(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) and np.isfinite(value) else "" if value is None else str(value)
+    return figure_of(value) if isinstance(value, float) and np.isfinite(value) else "" if value is None else str(value)

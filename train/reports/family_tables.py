@@ -3,7 +3,7 @@
 Of strategies under disturbances there is a table for each strategy, with a row for each disturbance.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -22,7 +22,8 @@ from train.analysis.intervals import too_few
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
-from train.analysis.verdict import Ranking, amount, interval_words, unfinished_sentence
+from train.analysis.verdict import RANDOM, Ranking, amount, interval_words, unfinished_sentence
+from train.deciders.named import FIXED, MACHINE, POLICY
 from train.reports.ranking_table import ranking_table
 from train.reports.task_tables import measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
@@ -31,6 +32,14 @@ MEANS = {"duration_s": "duration s", "events": "events", "contact_s": "contact s
 """Figure of cleaning -> head of its column."""
 MOST_SENTENCES = 3
 """Most sentences of a verdict."""
+MEANINGS = {
+    FIXED: "all robots hold the option that follows",
+    f"{FIXED}:Off": "no robot avoids others",
+    POLICY: "a trained network chooses",
+    MACHINE: "a state machine chooses",
+    RANDOM: "any option, drawn anew at every decision",
+}
+"""Name or kind of a strategy -> what it does, in words."""
 EXCESS = "excess: the cost less the time until items arrive, which no strategy can avoid"
 MULTIPLES = {
     "completed": ("completed %", 100.0),
@@ -64,8 +73,15 @@ def _ranked(report: FamilyReport) -> Grid:
         }
         columns |= {MEANS[name]: {label: amount(own[label][name].mean) for label in own} for name in told if told[name]}
     title = f"{runs.family.name}: {runs.scenarios} scenario{'s' * (runs.scenarios > 1)}, seed {runs.seed}"
-    notes = (cost_line(report), *([EXCESS] if report.compared == "excess" else []))
+    notes = (cost_line(report), *([EXCESS] if report.compared == "excess" else []), *_meanings(own))
     return ranking_table(title, report.ranking, f"{report.compared} s", columns, notes)
+
+
+def _meanings(labels: Iterable[str]) -> list[str]:
+    """Return a line on what names of strategies mean, as far as they occur."""
+    names = {label.partition(":")[0]: label for label in labels} | {label: label for label in labels}
+    said = [f"{name}: {meaning}" for name, meaning in MEANINGS.items() if name in names]
+    return [f"{'; '.join(said)}."] if said else []
 
 
 def cost_line(report: FamilyReport) -> str:
@@ -86,11 +102,11 @@ def _unfinished(report: FamilyReport) -> str:
 
 def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
     rows = [_gap_row(standing, report, comparison) for standing in comparison.standings]
-    title, yardstick = f"excess cost beside the best fixed option, {comparison.best_fixed.label}", "best fixed"
+    title, yardstick = f"{report.compared} beside the best fixed option, {comparison.best_fixed.label}", "best fixed"
     notes = ["The best fixed option is chosen on one half of the scenarios and judged on the other, both ways round."]
     if len(report.runs.fixed) == 1:
         yardstick = comparison.best_fixed.label
-        title = f"excess cost beside {yardstick}"
+        title = f"{report.compared} beside {yardstick}"
         notes = [f"{yardstick} is the only fixed option that ran, not the best of all: --strategy fixed runs them all."]
     if comparison.gap is None:
         notes.append(f"no {ORACLE}: it needs --world-seeds 2 or more")
@@ -106,7 +122,7 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
         notes.append("limit / 2, limit x 2: the ratio with items left priced by half and twice the time limit.")
     priced = ("limit / 2", "limit x 2") if report.limits else ()
     shares = ("share of the gap", "95 %") if comparison.has_gap else ()
-    heads = ("excess s", f"ratio to {yardstick}", "95 %", *priced, *shares)
+    heads = (f"{report.compared} s", f"ratio to {yardstick}", "95 % alone", *priced, *shares)
     return Grid(title, ("strategy", _unfinished(report), *heads), rows, notes=tuple(notes))
 
 
@@ -137,8 +153,12 @@ def _prices(report: FamilyReport, front: Front) -> Grid:
         for label, excesses in front.excesses.items()
     ]
     heads = ("strategy", "unfinished", "best trade", *(f"{price:g} s" for price in PRICES))
-    title = "excess in s by the price of a collision; * lowest; best trade: no other is faster and has fewer collisions"
-    return Grid(title, heads, rows)
+    title = f"{report.compared} in s by the price of a collision event; * lowest"
+    notes = (
+        "best trade: no other is faster and has fewer collisions",
+        f"Collisions beyond the price of one time limit count for less, all of them for less than {LEFT_LIMITS:g}.",
+    )
+    return Grid(title, heads, rows, notes=notes)
 
 
 def robustness_tables(report: RobustnessReport, ranking: Ranking) -> list[Grid]:

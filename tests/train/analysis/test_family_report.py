@@ -65,7 +65,7 @@ def test_without_an_unfinished_mission_there_are_no_other_limits():
 
 def test_a_single_fixed_option_is_not_called_the_best():
     _, gaps, _ = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
-    assert gaps.title == "excess cost beside fixed:a"
+    assert gaps.title == "cost beside fixed:a"
     assert "ratio to fixed:a" in gaps.heads
     assert "only fixed option that ran" in gaps.notes[0]
 
@@ -103,3 +103,9 @@ def test_equal_figures_are_equal_files(suffix):
     one, other = (picture_of(draw_family(report({})), suffix) for _ in range(2))
     assert one == other
     assert one.startswith({".pdf": b"%PDF", ".svg": b"<?xml", ".png": b"\x89PNG"}[suffix])
+
+
+def test_a_line_says_what_the_names_of_strategies_mean():
+    ranked, *_ = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
+    said = "fixed: all robots hold the option that follows; Random: any option, drawn anew at every decision."
+    assert ranked.notes[-1] == said

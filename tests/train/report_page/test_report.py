@@ -260,7 +260,7 @@ def test_intervals_are_by_the_number_of_scenarios_however_many_worlds_each_has()
 
 def test_the_share_of_unfinished_missions_stands_beside_every_condition():
     records = [record(str(k), "a", completed=k > 0) for k in range(4)] + [record(str(k), "b") for k in range(4)]
-    assert with_unfinished(records, ("a", "b")) == ["a, 25% unfinished", "b, 0% unfinished"]
+    assert with_unfinished(records, ("a", "b")) == ["a\n25% unfinished", "b\n0% unfinished"]
     coming = [record(str(k), "a", completed=False) for k in range(4)]
     assert with_unfinished(coming, ("a",)) == ["a"]
 
