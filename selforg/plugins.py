@@ -28,11 +28,14 @@ OF_FILE = "file "
 """Beginning of the name of a module that is no more than a file."""
 
 _lock = RLock()
-_loaded: list[bool] = []
 
 
 class PluginError(ValueError):
     """A plug-in cannot be imported, or does not keep its contract; the message is one line."""
+
+
+_loaded: list[PluginError | None] = []
+"""Once plug-ins were imported: what went wrong then, which goes wrong each time, as part of them is imported by now."""
 
 
 def named_plugins() -> tuple[str, ...]:
@@ -84,16 +87,20 @@ def load() -> None:
     """Import the plug-ins that the process which started this one has named, and all that are installed; once."""
     with _lock:
         if not _loaded:
-            _loaded.append(True)  # a plug-in may look up names itself
+            _loaded.append(None)  # a plug-in may look up names itself
             try:
                 for place in named_plugins():
                     module_of(place)
                 for entry in installed():
                     with told_in_a_line(entry.module):
                         entry.load()
+            except PluginError as error:
+                _loaded[0] = error
             except BaseException:
                 _loaded.clear()
                 raise
+        if _loaded[0] is not None:
+            raise _loaded[0]
 
 
 @cache

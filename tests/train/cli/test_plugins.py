@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.learning.reward import RewardConfig
+from selforg.plugins import NAMED
 from tests.paths import ROOT
 from train.learning.config import TrainingConfig
 
@@ -364,3 +365,22 @@ def test_the_page_of_plugins_runs(installed):
         assert done.returncode == 0, done.stderr
     (shown,) = re.findall(r"```yaml\n(.*?)```", page, flags=re.DOTALL)
     assert TrainingConfig.model_validate(yaml.safe_load(shown)).reward == RewardConfig()
+
+
+def test_a_plugin_that_broke_half_way_is_the_same_line_at_every_lookup(tmp_path):
+    broken = tmp_path / "broken.py"
+    broken.write_text(KINDS + "\nraise RuntimeError('half way')\n")
+    code = """
+from selforg import plugins
+for _ in range(2):
+    try:
+        plugins.load()
+    except plugins.PluginError as error:
+        print(error)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, NAMED: str(broken)}, capture_output=True, text=True
+    )
+    first, second = done.stdout.splitlines()
+    assert first == second
+    assert first.endswith("RuntimeError: half way")
