@@ -1,7 +1,7 @@
 # The environment of the repository if there is one, else the one that is active.
 BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
-	benchmarks.costs benchmarks.threads benchmarks.switching benchmarks.document benchmarks.required
+	benchmarks.costs benchmarks.walls benchmarks.threads benchmarks.switching benchmarks.document benchmarks.required
 
 UNCOMPILED := tests/selforg/mechanisms tests/selforg/gradients tests/selforg/components \
 	$(addprefix tests/selforg/,test_elementary.py test_grid.py test_randomness.py test_space.py) \

@@ -67,6 +67,10 @@ REQUIREMENTS = (
     Requirement("growth from 50 to 10,000 robots, exponent", ("tick", "growth", "exponent"), 1.2),
     Requirement("growth from 1,000 to 10,000 robots, exponent", ("tick", "growth", "exponent from 1,000 robots"), 1.05),
     Requirement("late tick / floor, 64 x 5", ("late", "64 x 5", "late tick / floor"), 3.0),
+    *(
+        Requirement(f"64 x 5, {what}", ("walls", what, "ratio"), limit, ("walls", what, "spread"))
+        for what, limit in {"20 walls, to none": 1.5, "8 rays among 20 walls, to none": 1.5}.items()
+    ),
     Requirement("late / early, 1 x 5", ("late", "1 x 5", "late / early"), 1.5),
     Requirement("late / early, 64 x 5", ("late", "64 x 5", "late / early"), 1.5),
     Requirement(
