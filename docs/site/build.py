@@ -12,7 +12,7 @@ from pathlib import Path
 
 from docs.site.api import API, write_api
 from docs.site.catalogue import CATALOGUE, write_catalogue
-from docs.site.stage import ORPHAN, ROOT, SHOWN, Stage, site_path
+from docs.site.stage import ROOT, SHOWN, Stage, site_path
 
 BUILD = ROOT / "build" / "site"
 GROUPS = {
@@ -34,6 +34,8 @@ GROUPS = {
     "Project": ("CONTRIBUTING", "CHANGELOG", "decisions/README"),
 }  # fmt: skip
 """Part of the menu -> its pages."""
+RECORD = "---\norphan: true\nnosearch: true\n---\n\n"
+"""Head of the page of a decision: whoever searches wants what holds now, not how it came."""
 
 
 def sources() -> list[Path]:
@@ -88,7 +90,7 @@ def main() -> int:
     stage, html = Stage(BUILD / "source"), BUILD / "html"
     for path in sources():
         record = path.parent.name == "decisions" and path.name != "README.md"
-        stage.page(path, ORPHAN if record else "", menu() if path.name == "index.md" else "")
+        stage.page(path, RECORD if record else "", menu() if path.name == "index.md" else "")
     write_api(stage)
     write_catalogue(stage)
     stage.clear()
