@@ -62,6 +62,8 @@ class StateMachine(Closed):
     """Name of the self-organisation goal."""
     description: str = ""
     """What it does, in one sentence."""
+    terms: tuple[Name, ...] = ()
+    """Terms of the observation that it looks at beside the usual ones and those of the mission."""
     start: Name
     """State of every robot before its first decision."""
     states: Annotated[dict[Name, MachineState], Field(min_length=1, max_length=MOST_STATES)]

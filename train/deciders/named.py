@@ -14,7 +14,7 @@ from typing import Any
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import Mode
-from clean_swarm_env.learning.observation.config import TRUE_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
 from selector.documents.arrays import check_known
 from selector.documents.errors import shown, validated
 from selector.documents.fields import JOINT
@@ -60,6 +60,8 @@ class NamedDecider:
     """Names of the components of an observation that it was trained with; none if it takes any."""
     terms: tuple[str, ...] = ()
     """Terms of the observation that it was trained with; none if its file does not say."""
+    further: tuple[str, ...] = ()
+    """Terms of the observation that it needs beside the usual ones."""
     knows: tuple[str, ...] = ()
     """Names of the options that it was trained with; none if it knows all."""
     network: Mapping[str, Any] = field(default_factory=dict)
@@ -80,11 +82,12 @@ class NamedDecider:
         return self.goal or asked or self.meant_for
 
     def observation(self, terms: Sequence[str]) -> ObservationConfig:
-        """Return what it sees: its own terms, or the default terms, `terms`, and true ones that it learned from."""
+        """Return what it sees: its own terms, or the usual ones, `terms`, what it needs and true ones it learned from."""
         if self.terms:
             return validated(ObservationConfig, {"terms": self.terms}, self.text, own=True)
         true = [term for term in TRUE_TERMS if any(component.startswith(term) for component in self.trained_with)]
-        return ObservationConfig().beside((*terms, *true), driven=self.mode == "velocity")
+        further = [term for term in self.further if term not in (*DEFAULT_TERMS, *terms)]
+        return ObservationConfig().beside((*terms, *true, *further), driven=self.mode == "velocity")
 
     def strategy(self) -> StrategySpec:
         """Return the strategy that chooses once in a mission; ConfigurationError for any other decider."""
@@ -150,7 +153,7 @@ def _learned(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
 def _machine(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
     """Return a state machine."""
     machine, digest = load_machine(name, directories), _sha256(find_file("machines", name, directories))
-    return NamedDecider(text, partial(MachineDecider, machine), digest, meant_for=machine.goal)
+    return NamedDecider(text, partial(MachineDecider, machine), digest, meant_for=machine.goal, further=machine.terms)
 
 
 def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:

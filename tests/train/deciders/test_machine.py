@@ -105,3 +105,9 @@ def test_chance_that_holds_draws_every_option_alike_and_anew_every_eight_decisio
     for one in (chosen[0], chosen[-1]):
         assert np.bincount(one) / 2000 == pytest.approx(np.full(7, 1 / 7), abs=0.03)
     assert np.mean(chosen[1:] != chosen[:-1]) == pytest.approx(6 / 7 / 8, abs=0.003)
+
+
+def test_a_machine_sees_the_terms_that_it_names():
+    named = decider_named("fsm:recent-finds")
+    assert [term.name for term in named.observation(()).terms][-1] == "recent_finds"
+    assert [term.name for term in named.observation(("recent_finds",)).terms].count("recent_finds") == 1
