@@ -82,7 +82,7 @@ class NamedDecider:
         return self.goal or asked or self.meant_for
 
     def observation(self, terms: Sequence[str]) -> ObservationConfig:
-        """Return what it sees: its own terms, or the usual ones, `terms`, what it needs and true ones it learned from."""
+        """Return what it sees: its own terms, or the usual ones, `terms`, those it needs and true ones it learned."""
         if self.terms:
             return validated(ObservationConfig, {"terms": self.terms}, self.text, own=True)
         true = [term for term in TRUE_TERMS if any(component.startswith(term) for component in self.trained_with)]
