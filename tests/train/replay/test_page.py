@@ -111,6 +111,29 @@ def test_keys_move_one_step(opened):
     assert page.evaluate("replay.page.robot") == 1
 
 
+def test_keys_change_the_speed_step_by_step_and_buttons_of_the_panel_choose_robots(opened):
+    page = opened("#t=10")
+    page.focus("#speed")
+    before = page.evaluate("replay.page.speed")
+    for _ in range(2):
+        page.keyboard.press("ArrowUp")
+    assert (page.evaluate("replay.page.speed"), page.evaluate("document.activeElement.id")) == (before - 2, "speed")
+    robots = page.evaluate("replay.page.shown[0].run.head.robots")
+    for turn, expected in ((-1, robots - 1), (1, 0), (1, 1)):
+        page.click(f"#panel [data-turn='{turn}']")
+        assert page.evaluate("replay.page.robot") == expected
+    page.focus("#panel [data-turn='1']")
+    page.keyboard.press("Enter")
+    assert page.evaluate("replay.page.robot") == 2
+
+
+def test_every_input_of_a_policy_has_a_plain_line(opened):
+    page = opened("#t=10")
+    lines = page.evaluate("[...document.querySelectorAll('.inputs td[title]')].map(cell => cell.title)")
+    assert lines
+    assert not [line for line in lines if line.startswith("Input ")]
+
+
 def test_the_timeline_and_the_charts_scrub(opened):
     page = opened()
     for selector in ("#timeline", ".chart >> nth=1"):

@@ -26,7 +26,16 @@ export function connect(page) {
   element("play").addEventListener("click", () => page.toggle());
   element("speed").innerHTML = SPEEDS.map((speed, k) => `<option value="${k}">${speed}x</option>`).join("");
   element("speed").value = String(page.speed);
-  element("speed").addEventListener("change", () => { page.setSpeed(Number(element("speed").value)); element("speed").blur(); });
+  let pointed = false; // a key that chooses a speed may choose another one
+  for (const kind of ["pointerdown", "keydown"]) addEventListener(kind, () => { pointed = kind === "pointerdown"; }, true);
+  element("speed").addEventListener("change", () => { page.setSpeed(Number(element("speed").value)); if (pointed) element("speed").blur(); });
+  /** @param {PointerEvent | MouseEvent} e */
+  const turn = (e) => {
+    const robots = page.shown[page.chosen].run.head.robots, by = Number(/** @type {HTMLElement} */ (e.target).dataset.turn ?? 0);
+    if (by) page.choose(page.chosen, (page.robot + robots + by) % robots);
+  };
+  element("panel").addEventListener("pointerdown", turn); // the panel may be drawn anew before a click is whole
+  element("panel").addEventListener("click", (/** @type {MouseEvent} */ e) => { if (!e.detail) turn(e); }); // by a key
   element("follow").addEventListener("click", () => page.follow(!page.following));
   element("whole").addEventListener("click", () => { page.follow(false); for (const { view } of page.shown) page.zoomBy(view, 0); });
   element("theme").addEventListener("click", () => {

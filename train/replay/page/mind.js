@@ -87,7 +87,7 @@ export function panelOf(run, frame, robot, beside = "") {
   const { head } = run, parts = [];
   const works = valueAt(run, "working", frame, robot), there = valueAt(run, "present", frame, robot);
   const cargo = valueAt(run, "cargo", frame, robot) < 0 ? 0 : 1 + valueAt(run, "recycled", frame, robot);
-  parts.push(`<h2>Robot ${robot}</h2><p>${plain(titleOf(run, frame))}</p>`);
+  parts.push(`<h2>Robot ${robot} <button data-turn="-1" title="The robot before (down).">before</button> <button data-turn="1" title="The next robot (up).">next</button></h2><p>${plain(titleOf(run, frame))}</p>`);
   if (run.tracks.has("command_x")) parts.push(`<p class="because" data-sentence>${plain(sentenceOf(factsOf(run, frame, robot)))}</p>`);
   parts.push(beside);
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
@@ -107,7 +107,7 @@ export function panelOf(run, frame, robot, beside = "") {
 function optionsOf(run, goal, options, frame, robot) {
   const held = valueAt(run, `held/${goal}`, frame, robot), thought = run.tracks.has(`opinion/${goal}`);
   const values = options.map((_, k) => valueAt(run, `opinion/${goal}`, frame, robot * options.length + k));
-  const most = Math.max(...values.map(Math.abs), 1e-9);
+  const most = values.every((value) => value >= 0 && value <= 1) ? 1 : Math.max(...values.map(Math.abs)); // of shares the whole is 1
   const rows = options.map((name, k) => `<tr class="${k === held ? "run" : ""}"><td>${key(colourOf(k), name, optionWord(run.head, goal, name))}</td>
     <td><div class="bar"><i style="left:0;width:${thought ? (Math.abs(values[k]) / most) * 100 : 0}%;background:${colourOf(k)}"></i></div></td>
     <td class="n">${thought ? fixed(values[k]) : ""}</td></tr>`);

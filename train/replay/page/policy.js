@@ -2,6 +2,7 @@
 /** What a trained network saw and how likely it found each option, computed again from its inputs and weights in the recording. */
 import { bytesOf, titleOf, valueAt } from "./recording.js";
 import { plain } from "./look.js";
+import { inputWord } from "./words.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{goals: Record<string, string[]>, observations: string[], mean: number[], deviation: number[], clip: number, activation: string,
  *   widths: number[], weights: string}} Policy weights: of each layer the matrix (inputs, outputs) and the biases, float32 in base64 */
@@ -65,9 +66,9 @@ export function inputsOf(run, frame, robot, goal) {
   const found = movesOf(run, frame, robot, goal);
   if (!found) return "";
   const [most] = found.moves, rows = found.moves.map(({ name, value, moved }) =>
-    `<tr><td title="${plain(`Input ${name} of the policy, as docs/environment.md describes it.`)}">${plain(name)}</td><td class="n">${value.toFixed(2)}</td>
+    `<tr><td title="${plain(inputWord(name))}">${plain(name)}</td><td class="n">${value.toFixed(2)}</td>
     <td class="n" data-input="${plain(name)}" data-moved="${moved}">${moved > 0 ? "+" : ""}${(100 * moved).toFixed(0)} %</td></tr>`);
-  return `<p class="small">${plain(found.option)} has ${(100 * found.likely).toFixed(0)} %. <b>${plain(most.name)}</b> moved the choice most: if it had its
+  return `<p class="small">${plain(found.option)} has ${(100 * found.likely).toFixed(0)} %. <b title="${plain(inputWord(most.name))}">${plain(most.name)}</b> (${plain(inputWord(most.name).replace(/\.$/, ""))}; here ${most.value.toFixed(2)}) moved the choice most: if it had its
     average, ${plain(found.option)} would have ${(100 * (found.likely - most.moved)).toFixed(0)} %.</p><details class="inputs"><summary class="small" title="What the policy saw, and how much more likely each made the option than its average would.">Inputs of the policy</summary>
     <table>${rows.join("")}</table></details>`;
 }

@@ -106,6 +106,50 @@ const ROBOT_WORDS = {
   GarbageCleaned: "The goal that no garbage is left.",
 };
 
+/** Inputs of a policy, by the beginning of their names; the longest that fits counts. @type {Record<string, string>} */
+const INPUT_WORDS = {
+  garbage_: "The nearest item in sight: 1 if there is one, and the way to it by the range of sight.",
+  carrying: "1 while it carries something.",
+  recycled: "1 when what it carries has been recycled.",
+  phase_: "1 in this phase: nothing in sight, an item in sight, on the way to recycling, on the way to the dump.",
+  free_far: "1 while it carries nothing and is far from all stations.",
+  free_near: "1 while it carries nothing near a station.",
+  carrying_far: "1 while it carries something far from all stations.",
+  carrying_near: "1 while it carries something near a station.",
+  recycling_: "The way to the nearest recycling station, by half the diagonal of the world; _near: 1 at it.",
+  dump_: "The way to the nearest dump, by half the diagonal of the world; _near: 1 at it.",
+  target_: "The way to the station that its cargo has to go to, by half the diagonal of the world; 0 without cargo.",
+  neighbour_: "The nearest robot that it has heard: the way to it, its heading, and how fast it comes closer.",
+  crowd_: "Robots that it has heard within this distance, by six.",
+  avoidance_length: "Length of the vector away from others.",
+  avoiding: "1 while it avoids others.",
+  speed: "Its speed, by the largest.",
+  turn_rate: "How fast it turns, by the fastest.",
+  time_left: "Share of the time limit that is left.",
+  idle: "Time since it last picked, recycled or dumped something, by one minute.",
+  holds_: "1 while it holds this option.",
+  finds_none: "1 if it has heard of no find in the last two minutes.",
+  finds_apart: "1 if the finds of the last two minutes lie far apart.",
+  finds_together: "1 if the finds of the last two minutes lie in one place.",
+  recent_finds_none: "1 if it has heard of no find in the last 24 s.",
+  recent_finds_one: "1 if it has heard of one find in the last 24 s.",
+  recent_finds_apart: "1 if the finds of the last 24 s lie far apart.",
+  recent_finds_together: "1 if the finds of the last 24 s lie in one place.",
+  identity: "Its number, by the size of its team.",
+  collided_: "1 for what its collisions of the last minutes did: there were none, they did not stop it, they stopped it.",
+  collisions: "Its collisions of the last minutes, by six.",
+  stopped: "Share of the last minutes for which collisions stopped it.",
+  load_: "Robots nearer than it to the nearest station, and to the next one, by six.",
+  next_farther: "How much farther the next station is; 1 without any.",
+  true_: "What no robot can know; the policy is told it.",
+};
+
+/** Return the line for an input of a policy. @param {string} name */
+export function inputWord(name) {
+  const [best] = Object.keys(INPUT_WORDS).filter((start) => name.startsWith(start)).sort((a, b) => b.length - a.length);
+  return best ? INPUT_WORDS[best] : `Input ${name} of the policy.`;
+}
+
 /** Return the line for a sensor, a behaviour or a goal. @param {string} kind @param {string} name */
 export const robotWord = (kind, name) => ROBOT_WORDS[name] ?? `${kind} ${name} of the robot's own file.`;
 
