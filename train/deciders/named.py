@@ -31,9 +31,12 @@ from train.deciders.decided_goal import AskedGoal, option_named
 from train.deciders.decider import BaselineDecider, Decider, DeciderMaker, mode_of
 from train.deciders.machines import MachineDecider
 from train.deciders.models import LOADERS, ModelDecider, remembered
+from train.deciders.models_of_robots import ByModelDecider
 from train.deciders.strategies import PolicyDecider, StrategyDecider
 
 FIXED, POLICY, LEARNED, MACHINE, VELOCITY = FILED_KINDS
+BY_MODEL = "models"
+"""Kind of a decider that follows one for each model of robots."""
 FILED = (POLICY, LEARNED, MACHINE, VELOCITY)
 """Kinds of deciders that name a file."""
 
@@ -104,6 +107,8 @@ def decider_named(text: str, directories: Sequence[Path] = ()) -> NamedDecider:
 
     """
     kind, _, name = text.partition(":")
+    if kind == BY_MODEL:
+        return _by_model(text, name, directories)
     if kind == VELOCITY or (kind == POLICY and Path(name).suffix in LOADERS):
         return _model(text, Path(name))
     if kind in SEARCHED:
@@ -111,6 +116,26 @@ def decider_named(text: str, directories: Sequence[Path] = ()) -> NamedDecider:
     if kind == BASELINE:
         return NamedDecider(text, BaselineDecider)
     return _option(text, name) if kind == FIXED else _strategy(text)
+
+
+def _by_model(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
+    """Return what follows a decider for each model of robots."""
+    pairs = [one.partition("=")[::2] for one in name.split(";")]
+    if not all(model and own for model, own in pairs) or len(dict(pairs)) < len(pairs):
+        raise ConfigurationError(f"{text}: expected models:MODEL=STRATEGY;MODEL=STRATEGY")
+    each = {model: decider_named(own, directories) for model, own in pairs}
+    for own in each.values():
+        if own.mode != "option" or own.text == BASELINE:
+            raise ConfigurationError(f"{own.text}: expected a strategy that only chooses options")
+    seen = [term for own in each.values() for term in (*own.terms, *own.further) if term not in DEFAULT_TERMS]
+    digests = [own.digest for own in each.values() if own.digest]
+    return NamedDecider(
+        text,
+        partial(ByModelDecider, {model: own.build for model, own in each.items()}),
+        hashlib.sha256("".join(digests).encode()).hexdigest() if digests else "",
+        meant_for=next((own.decides(None) for own in each.values() if own.decides(None)), None),
+        further=tuple(dict.fromkeys(["model", *seen])),
+    )
 
 
 def _strategy(text: str) -> NamedDecider:

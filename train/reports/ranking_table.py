@@ -12,6 +12,8 @@ from train.reports.text_table import EMPTY_CELL, POINT, Grid
 
 LETTERS = 20
 """Width of a drawn cell."""
+LARGEST_RATIO = 1_000
+"""Ends of intervals of ratios beyond this one say nothing: there are too few scenarios."""
 
 
 def ranking_table(
@@ -35,7 +37,7 @@ def ranking_table(
     rows = []
     for label, mean in ranking.means.items():
         ratio, ends = ranking.ratio(label, best).ratio, None if label == best else ranking.interval(label, best)
-        again = EMPTY_CELL if ratio is None else f"{ratio:.2f}{interval_words(ends, '{:.2f}'.format)}"
+        again = EMPTY_CELL if ratio is None else f"{ratio:.2f}{interval_words(ends, _ratio_words)}"
         drawn = strip(mean.value, mean.ci95, (low, most), logarithmic)
         cells = (f"{amount(mean.value)}{interval_words(mean.ci95, amount)}", drawn, again)
         rows.append((label, *cells, *(column.get(label, "") for column in columns.values())))
@@ -44,6 +46,10 @@ def ranking_table(
     alone = ranking.scenarios == 1 or len(rows) == 1
     line = "times the first: ratio of means; the 95 % hold for all pairs of the table together"
     return Grid(title, heads, rows, notes=(*([] if alone else [line]), *notes))
+
+
+def _ratio_words(ratio: float) -> str:
+    return f"{ratio:.2f}" if ratio < LARGEST_RATIO else f"over {LARGEST_RATIO:,}"
 
 
 def strip(value: float, ends: Interval | None, axis: Interval, logarithmic: bool) -> str:
