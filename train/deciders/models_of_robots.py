@@ -49,5 +49,6 @@ class ByModelDecider(OptionDecider):
 
     def _choose(self, observations: Observations) -> Ints:
         self._of, self._rows = observations[:, self._columns].argmax(axis=1), np.arange(len(observations))
-        chosen: Ints = np.stack([decider.decide(observations).options for decider in self._deciders])
-        return chosen[self._of, self._rows]
+        each = np.stack([decider.decide(observations).options for decider in self._deciders])
+        chosen: Ints = each[self._of, self._rows]
+        return chosen
