@@ -34,8 +34,10 @@ GROUPS = {
     "Project": ("CONTRIBUTING", "CHANGELOG", "decisions/README"),
 }  # fmt: skip
 """Part of the menu -> its pages."""
-RECORD = "---\norphan: true\nnosearch: true\n---\n\n"
-"""Head of the page of a decision: whoever searches wants what holds now, not how it came."""
+HOW_IT_CAME = "---\nnosearch: true\n---\n\n"
+"""Head of pages on the project itself: whoever searches wants what holds, not how it came."""
+RECORD = HOW_IT_CAME.replace("---\n", "---\norphan: true\n", 1)
+"""Head of the page of a decision."""
 
 
 def sources() -> list[Path]:
@@ -90,7 +92,8 @@ def main() -> int:
     stage, html = Stage(BUILD / "source"), BUILD / "html"
     for path in sources():
         record = path.parent.name == "decisions" and path.name != "README.md"
-        stage.page(path, RECORD if record else "", menu() if path.name == "index.md" else "")
+        own = site_path(path).removesuffix(".md") in GROUPS["Project"]
+        stage.page(path, RECORD if record else HOW_IT_CAME if own else "", menu() if path.name == "index.md" else "")
     write_api(stage)
     write_catalogue(stage)
     stage.clear()
