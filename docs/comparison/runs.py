@@ -59,11 +59,11 @@ class Raced:
 def make(manifest: Manifest, folder: Path) -> None:
     """Do what is missing in the directory of the results."""
     folder.mkdir(parents=True, exist_ok=True)
+    learners = {**manifest.learners, **_ablated(folder, manifest)}
+    members = _trained(folder, learners)
     raced_numbers(manifest, folder)
     for family in manifest.families:
         _race(folder, manifest, family)
-    learners = {**manifest.learners, **_ablated(folder, manifest)}
-    members = _trained(folder, learners)
     best = {label: [preferred(own)] if manifest.screening else own for label, own in members.items()}
     for family, compared in manifest.families.items():
         best_there, rules = raced(manifest, folder, family), {}

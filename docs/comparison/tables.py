@@ -148,7 +148,8 @@ class Results:
         for name, options in {BEST: self.best[family], NUMBERS: numbers}.items():
             if (held := f"{FIXED}:{options}") in own:
                 own[name] = own[held]
-                self._left[label][name] = self._left[label].get(held, np.zeros((1, 1, 1)))
+                if held in self._left[label]:  # missions of this family end
+                    self._left[label][name] = self._left[label][held]
         return own
 
     def _read(self, label: str, seeds: Sequence[int]) -> dict[str, Floats]:
