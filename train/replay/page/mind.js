@@ -87,7 +87,7 @@ export function panelOf(run, frame, robot, beside = "") {
   const { head } = run, parts = [];
   const works = valueAt(run, "working", frame, robot), there = valueAt(run, "present", frame, robot);
   const cargo = valueAt(run, "cargo", frame, robot) < 0 ? 0 : 1 + valueAt(run, "recycled", frame, robot);
-  parts.push(`<h2>Robot ${robot} <button data-turn="-1" title="The robot before (down).">before</button> <button data-turn="1" title="The next robot (up).">next</button></h2><p>${plain(titleOf(run, frame))}</p>`);
+  parts.push(`<div class="turn"><h2>Robot ${robot}</h2> <button data-turn="-1" title="The robot before (down).">before</button> <button data-turn="1" title="The next robot (up).">next</button></div><p>${plain(titleOf(run, frame))}</p>`);
   if (run.tracks.has("command_x")) parts.push(`<p class="because" data-sentence>${plain(sentenceOf(factsOf(run, frame, robot)))}</p>`);
   parts.push(beside);
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
