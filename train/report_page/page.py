@@ -192,12 +192,9 @@ def scenario_map(values: Floats, conditions: Sequence[str], scenarios: Sequence[
                 continue
             excess = min(np.log(max(value / max(lowest[k], 1e-9), 1.0)) / np.log(10.0), 1.0)
             link = links.get(f"{scenario}-{name}")
-            text = (
-                f"{figure_of(value)}"
-                if link is None
-                else f'<a href="{escape(link, quote=True)}">{figure_of(value)}</a>'
-            )
-            cells.append(f'<td style="--excess:{100 * excess:.0f}%">{text}</td>')
+            text = figure_of(value)
+            shown = text if link is None else f'<a href="{escape(link, quote=True)}">{text}</a>'
+            cells.append(f'<td style="--excess:{100 * excess:.0f}%">{shown}</td>')
         rows.append(f"<tr>{''.join(cells)}</tr>")
     return f'<div class="wide"><table class="map">{"".join(rows)}</table></div>'
 

@@ -79,7 +79,7 @@ def _ranked(report: FamilyReport) -> Grid:
 
 def _meanings(labels: Iterable[str]) -> list[str]:
     """Return a line on what names of strategies mean, as far as they occur."""
-    names = {label.partition(":")[0]: label for label in labels} | {label: label for label in labels}
+    names = {name for label in labels for name in (label, label.partition(":")[0])}
     said = [f"{name}: {meaning}" for name, meaning in MEANINGS.items() if name in names]
     return [f"{'; '.join(said)}."] if said else []
 
