@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import READ, SCRATCH, Floats, Ints
+from selforg.arrays import READ, SCRATCH, Floats, Ints, derived
 from selforg.compiler.records import Packed, Recording
 
 LEAF, NEGATION, CONJUNCTION, DISJUNCTION = range(4)
@@ -98,20 +98,20 @@ PACKED_MODEL = Recording(PackedModel)
 open_model = PACKED_MODEL.open
 
 
-POSITIVE, NEGATIVE, EITHER, WISH_MORE, WISH_LESS, COUNTS = range(6)
-"""Rows of counts: operational behaviours with an effect up, down, any; with a wish up, down."""
+POSITIVE, NEGATIVE, EITHER, COUNTS = range(4)
+"""Rows of counts: operational behaviours with an effect up, down, any."""
 
 
 class Scratch(NamedTuple):
-    """Memory overwritten for each row; S sensors, L leaves, C nodes, B behaviours, G goals, E effects, U wishes."""
+    """Memory overwritten for each row, or for a row that differs from the one before; see `PackedModel` for the axes."""
 
     leaf_satisfaction: Annotated[Floats, "L", SCRATCH]
     leaf_wish: Annotated[Floats, "L", SCRATCH]
     node_satisfaction: Annotated[Floats, "C", SCRATCH]
-    operational: Annotated[Ints, "B", SCRATCH]  # 1 where a behaviour is operational
-    live_effect: Annotated[Ints, "E", SCRATCH]  # 1 where an effect takes part
-    live_wish: Annotated[Ints, "U", SCRATCH]
-    counts: Annotated[Ints, "COUNTS S", SCRATCH]
+    shown: Annotated[Ints, "B", derived(-1)]  # marks of each behaviour from which the next three follow
+    operational: Annotated[Ints, "B", derived(-1)]  # 1 where a behaviour is operational
+    live_effect: Annotated[Ints, "E", derived(-1)]  # 1 where an effect takes part
+    counts: Annotated[Ints, "COUNTS S", derived(-1)]
     goal_share: Annotated[Floats, "G", SCRATCH]  # factor on what each goal gives
     order: Annotated[Ints, "B", SCRATCH]  # behaviours in falling activation
     counted: Annotated[Ints, "B", SCRATCH]  # 1 where a behaviour takes one of the places of `max_parallel`
@@ -125,15 +125,15 @@ def scratch_for(model: PackedModel) -> Packed[Scratch]:
     """Return the scratch memory of a network."""
     sensors, behaviours, goals = len(model.is_fact), len(model.priority), len(model.goal_permanent)
     leaves, nodes = len(model.leaf_kind), len(model.node_kind)
-    effects, wishes = len(model.effect_owner), len(model.wish_owner)
+    effects = len(model.effect_owner)
     return STEP_SCRATCH.pack(
         Scratch(
             leaf_satisfaction=np.zeros(leaves),
             leaf_wish=np.zeros(leaves),
             node_satisfaction=np.zeros(nodes),
+            shown=np.full(behaviours, -1, dtype=np.int64),
             operational=np.zeros(behaviours, dtype=np.int64),
             live_effect=np.zeros(effects, dtype=np.int64),
-            live_wish=np.zeros(wishes, dtype=np.int64),
             counts=np.zeros((COUNTS, sensors), dtype=np.int64),
             goal_share=np.zeros(goals),
             order=np.zeros(behaviours, dtype=np.int64),

@@ -22,8 +22,6 @@ from selforg.network.model.packed import (
     EITHER,
     NEGATIVE,
     POSITIVE,
-    WISH_LESS,
-    WISH_MORE,
     PackedModel,
     Scratch,
     open_model,
@@ -127,17 +125,18 @@ def flow_between(row: int, model: Words[PackedModel], states: Written[RowStates]
     total = s.row_values[row, st.TOTAL]
     for p in range(m.pair_effect.shape[0]):
         e, u = m.pair_effect[p], m.pair_wish[p]
-        if not own.live_effect[e] or not own.live_wish[u]:
+        b, q = m.effect_owner[e], m.wish_owner[u]
+        if not own.live_effect[e] or not is_live(row, u, q, states):
             continue
         effect, wish, sensor = m.effect_change[e], s.wishes[row, u], m.effect_sensor[e]
-        b, q = m.effect_owner[e], m.wish_owner[u]
         if effect * wish > 0.0:
             help_ = helping(effect, wish, m.uniform) / total
             if own.operational[q] and not s.marks[row, st.READY, q]:
                 share = help_ * s.values[row, st.ACTIVATION, q] / helpers(effect, sensor, own.counts)
                 s.values[row, st.SUCCESSORS, b] += m.successor_weight * share
             if own.operational[b] and s.marks[row, st.READY, b] and s.values[row, st.SATISFACTION, b] > 0.0:
-                share = help_ * s.values[row, st.ACTIVATION, b] / wishers(wish, sensor, own.counts)
+                share = help_ * s.values[row, st.ACTIVATION, b]
+                share /= wishers(row, wish, sensor, model, states, own.operational)
                 s.values[row, st.PREDECESSORS, q] += m.predecessor_weight * share
         elif own.operational[q]:
             share = hindering(effect, wish, m.uniform) * s.values[row, st.ACTIVATION, q] / total
@@ -166,9 +165,26 @@ def sum_terms(row: int, model: Words[PackedModel], states: Written[RowStates]) -
 
 @inlined
 def share_row(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
-    """Find for `row` the operational behaviours, the live effects and wishes, and how many behaviours share each."""
-    find_live(row, model, states, scratch)
-    count_sharers(row, model, states, scratch)
+    """Find for `row` the operational behaviours, the live effects, and how many behaviours share those of each sensor.
+
+    All this follows from three marks of each behaviour. Most rows have those of the row before, whose results then stay.
+    """
+    if note_shown(row, states, scratch):
+        find_live(row, model, states, scratch)
+        count_sharers(model, scratch)
+
+
+@inlined
+def note_shown(row: int, states: Words[RowStates], scratch: Words[Scratch]) -> bool:
+    """Note in `shown` which behaviours `row` has, on or off, with which alternatives; return whether that is new."""
+    marks, shown = open_states(states).marks, open_scratch(scratch).shown
+    new = False
+    for b in range(shown.shape[0]):
+        switches = 2 * marks[row, st.PRESENT, b] + marks[row, st.ENABLED, b]
+        here = 4 * (marks[row, st.ALTERNATIVE, b] + 1) + switches
+        new = new or shown[b] != here
+        shown[b] = here
+    return new
 
 
 @inlined
@@ -179,62 +195,45 @@ def is_operational(row: int, b: int, marks: Ints) -> bool:
 
 @inlined
 def find_live(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
-    """Fill `operational`, `live_effect` and `live_wish` for `row`."""
+    """Fill `operational` and `live_effect` for `row`."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
-    behaviours = s.marks.shape[2]
-    for b in range(behaviours):
+    for b in range(s.marks.shape[2]):
         own.operational[b] = 1 if is_operational(row, b, s.marks) else 0
     for e in range(own.live_effect.shape[0]):
         b = m.effect_owner[e]
         shown = m.effect_tag[e] < 0 or m.effect_tag[e] == s.marks[row, st.ALTERNATIVE, b]
         own.live_effect[e] = 1 if shown and m.effect_change[e] != 0.0 and s.marks[row, st.PRESENT, b] else 0
-    for u in range(own.live_wish.shape[0]):  # the wishes of goals are always live
-        b = m.wish_owner[u]
-        own.live_wish[u] = 1 if b >= behaviours or (s.wish_kept[row, u] and s.marks[row, st.PRESENT, b]) else 0
 
 
 @inlined
-def count_sharers(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
-    """Fill `counts` for every sensor, from the effects of behaviours and the wishes of `row`."""
-    m, own, wishes = open_model(model), open_scratch(scratch), open_states(states).wishes[row]
-    live_effect, live_wish, operational = own.live_effect, own.live_wish, own.operational
+def is_live(row: int, wish: int, owner: int, states: Words[RowStates]) -> bool:
+    """Return whether a wish of `row` counts; those of goals always do."""
+    s = open_states(states)
+    return bool(owner >= s.marks.shape[2] or (s.wish_kept[row, wish] and s.marks[row, st.PRESENT, owner]))
+
+
+@inlined
+def count_sharers(model: Words[PackedModel], scratch: Words[Scratch]) -> None:
+    """Fill `counts` for every sensor, from the live effects of operational behaviours, those of one side by side."""
+    m, own = open_model(model), open_scratch(scratch)
     for sensor in range(own.counts.shape[1]):
-        begin, end = m.sensor_effect_first[sensor], m.sensor_effect_first[sensor + 1]
-        up, down, either = count_owners(
-            m.sensor_effect, begin, end, m.effect_owner, m.effect_change, live_effect, operational
-        )
-        begin, end = m.sensor_wish_first[sensor], m.sensor_wish_first[sensor + 1]
-        more, less, _ = count_owners(m.sensor_wish, begin, end, m.wish_owner, wishes, live_wish, operational)
+        up, down, either = 0, 0, 0
+        last_up, last_down, last = -1, -1, -1
+        for k in range(m.sensor_effect_first[sensor], m.sensor_effect_first[sensor + 1]):
+            effect = m.sensor_effect[k]
+            b = m.effect_owner[effect]
+            if not own.live_effect[effect] or not own.operational[b]:
+                continue
+            if m.effect_change[effect] > 0.0 and b != last_up:
+                up += 1
+                last_up = b
+            if m.effect_change[effect] < 0.0 and b != last_down:
+                down += 1
+                last_down = b
+            if b != last:
+                either += 1
+                last = b
         own.counts[POSITIVE, sensor], own.counts[NEGATIVE, sensor], own.counts[EITHER, sensor] = up, down, either
-        own.counts[WISH_MORE, sensor], own.counts[WISH_LESS, sensor] = more, less
-
-
-@inlined
-def count_owners(
-    entries: Ints, begin: int, end: int, owner: Ints, size: Floats, live: Ints, operational: Ints
-) -> tuple[int, int, int]:
-    """Count the operational behaviours with a live entry above 0, below 0, and of any size.
-
-    The effects or wishes are entries[begin:end], those of one behaviour next to each other; `owner`, `size` and `live`
-    have an element for each effect or wish.
-    """
-    above, below, either = 0, 0, 0
-    last_above, last_below, last = -1, -1, -1
-    for k in range(begin, end):
-        entry = entries[k]
-        b = owner[entry]
-        if not live[entry] or not operational[b]:
-            continue
-        if size[entry] > 0.0 and b != last_above:
-            above += 1
-            last_above = b
-        if size[entry] < 0.0 and b != last_below:
-            below += 1
-            last_below = b
-        if b != last:
-            either += 1
-            last = b
-    return above, below, either
 
 
 @inlined
@@ -244,9 +243,20 @@ def helpers(effect: float, sensor: int, counts: Ints) -> int:
 
 
 @inlined
-def wishers(wish: float, sensor: int, counts: Ints) -> int:
-    """Return how many share what goes to wishes of this sign, at least 1."""
-    return int(max(counts[WISH_MORE, sensor] if wish > 0.0 else counts[WISH_LESS, sensor], 1))
+def wishers(
+    row: int, wish: float, sensor: int, model: Words[PackedModel], states: Words[RowStates], operational: Ints
+) -> int:
+    """Return how many operational behaviours of `row` share what goes to wishes of this sign, at least 1."""
+    m, wishes = open_model(model), open_states(states).wishes
+    found, last = 0, -1
+    for k in range(m.sensor_wish_first[sensor], m.sensor_wish_first[sensor + 1]):
+        u = m.sensor_wish[k]
+        b = m.wish_owner[u]
+        alike = wishes[row, u] > 0.0 if wish > 0.0 else wishes[row, u] < 0.0
+        if alike and b != last and operational[b] and is_live(row, u, b, states):
+            found += 1
+            last = b
+    return max(found, 1)
 
 
 @inlined
