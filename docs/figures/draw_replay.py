@@ -1,9 +1,9 @@
 """Draws the replay page in Chromium: `python -m docs.figures.draw_replay [DIR]` (default docs).
 
 Writes the picture of two runs side by side, `pictures/replay.png`; the animation of one, `pictures/mission.webp`; its
-page, `replay.html`; the picture of a mission that is played, `pictures/play.png`; and that of a report,
-`pictures/report.png`. Needs Chromium (`apt-get install chromium`)
-and Playwright (`pip install playwright`).
+page, `replay.html`; pages of missions with walls, zones and different robots, `replays/NAME.html`; the picture of a
+mission that is played, `pictures/play.png`; and that of a report, `pictures/report.png`. Needs Chromium
+(`apt-get install chromium`) and Playwright (`pip install playwright`).
 """
 
 import shutil
@@ -39,6 +39,7 @@ from train.running.run_folder import RECORDINGS
 DOCS = Path(__file__).parents[1]
 FAMILY, GOAL = "crowded-exploring", "ExplorationPatrol"
 CONDITIONS = ("fixed:Patrol", "policy:exploring-ppo")
+MISSIONS = {"scouts": "fixed:ORCA", "silent-zone": "fixed:RepulsionGradient", "three-rooms": "fixed:RepulsionGradient"}
 MOMENT = "#t=64&robot=7&run=1"
 SIZE = (1500, 900)
 FAST, PLAYED = 10.0, 10.4
@@ -54,13 +55,12 @@ SHOWN = 100
 """Time that a picture is shown [ms]: eight times as fast as the mission."""
 
 
-def record(folder: Path) -> list[RecordedMission]:
-    """Record one scenario of the family under both conditions."""
-    scenario = load_family(FAMILY).scenario(0, 0, "test")
-    for condition in CONDITIONS:
-        task = TrialTask(FAMILY, 0, (scenario,), condition, condition, GOAL)
-        task.recorded(RecordSettings(folder, minds=True, name=condition.partition(":")[0])).run()
-    return [RecordedMission(folder / f"{condition.partition(':')[0]}.swarm") for condition in CONDITIONS]
+def record(folder: Path, family: str, condition: str, goal: str = "") -> RecordedMission:
+    """Record the first test scenario of a family or mission under a condition."""
+    scenario, name = load_family(family).scenario(0, 0, "test"), f"{family}, {condition.partition(':')[0]}"
+    task = TrialTask(family, 0, (scenario,), condition, condition, goal)
+    task.recorded(RecordSettings(folder, minds=True, name=name)).run()
+    return RecordedMission(folder / f"{name}.swarm")
 
 
 def opened(browser: Browser, path: Path, link: str = "") -> Page:
@@ -128,7 +128,11 @@ def write_report(folder: Path) -> Path:
 def main(folder: Path) -> None:
     """Write picture, animation and page."""
     with TemporaryDirectory() as place, chromium() as browser:
-        recordings = record(Path(place))
+        for mission, condition in MISSIONS.items():
+            page = folder / "replays" / f"{mission}.html"
+            page.parent.mkdir(exist_ok=True)
+            write_page([record(Path(place), mission, condition)], page)
+        recordings = [record(Path(place), FAMILY, condition, GOAL) for condition in CONDITIONS]
         both = Path(place) / "both.html"
         write_page(recordings, both)
         write_page(recordings[1:], folder / "replay.html")
