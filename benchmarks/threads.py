@@ -21,7 +21,7 @@ from clean_swarm_env.learning.joined import Joined, blocks
 from clean_swarm_env.learning.warm_up import usable_cpus
 from selforg.compiler.decorators import KERNELS, UNLOCKED
 
-SIZES = ((64, 5), (256, 5), (8, 50))
+SIZES = ((64, 5), (256, 5), (8, 50), (2, 1000))
 """Worlds, and robots of each."""
 PERIODS, ROUNDS = 4, 25
 

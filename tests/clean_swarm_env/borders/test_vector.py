@@ -250,9 +250,9 @@ def test_make_vec_takes_what_make_takes_and_every_id_has_both():
 @pytest.mark.parametrize("border", [RobotVectorEnv, TeamVectorEnv])
 def test_threads_change_no_bit_of_what_a_learner_gets(border, autoreset):
     told, states = [], []
-    for threads in (1, 2, 5):
+    for threads in (1, 2, 3, 5):
         envs = border(
-            3, mission=mission(garbage={"count": 2}, time_limit=8.0), threads=threads, autoreset_mode=autoreset
+            5, mission=mission(garbage={"count": 2}, time_limit=8.0), threads=threads, autoreset_mode=autoreset
         )
         envs.action_space.seed(1)
         seen = [envs.reset(seed=4), *(envs.step(envs.action_space.sample()) for _ in range(12))]
