@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import READ, SCRATCH, Floats, Ints, derived
+from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.records import Packed, Recording
 
 LEAF, NEGATION, CONJUNCTION, DISJUNCTION = range(4)
@@ -108,10 +108,10 @@ class Scratch(NamedTuple):
     leaf_satisfaction: Annotated[Floats, "L", SCRATCH]
     leaf_wish: Annotated[Floats, "L", SCRATCH]
     node_satisfaction: Annotated[Floats, "C", SCRATCH]
-    shown: Annotated[Ints, "B", derived(-1)]  # marks of each behaviour from which the next three follow
-    operational: Annotated[Ints, "B", derived(-1)]  # 1 where a behaviour is operational
-    live_effect: Annotated[Ints, "E", derived(-1)]  # 1 where an effect takes part
-    counts: Annotated[Ints, "COUNTS S", derived(-1)]
+    shown: Annotated[Ints, "B", SCRATCH]  # marks of each behaviour from which the next three follow
+    operational: Annotated[Ints, "B", SCRATCH]  # 1 where a behaviour is operational
+    live_effect: Annotated[Ints, "E", SCRATCH]  # 1 where an effect takes part
+    counts: Annotated[Ints, "COUNTS S", SCRATCH]
     goal_share: Annotated[Floats, "G", SCRATCH]  # factor on what each goal gives
     order: Annotated[Ints, "B", SCRATCH]  # behaviours in falling activation
     counted: Annotated[Ints, "B", SCRATCH]  # 1 where a behaviour takes one of the places of `max_parallel`
