@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image
 
 from clean_swarm_env import clean_swarm_v0
-from clean_swarm_env.config.tasks import CLEANING, task_names
+from train.evaluation.task_run import tasks_to_run
 
 FOLDER = Path(__file__).parents[1] / "pictures" / "loops"
 MISSIONS = ("table1", "bumpers", "exploring", "cleaning-patrol", "scouts", "silent-zone", "three-rooms", "transport")
@@ -44,7 +44,7 @@ def draw_loop(name: str) -> Path:
 
 def main() -> None:
     """Draw those that are named, or all."""
-    for name in sys.argv[1:] or (*(task for task in task_names() if task != CLEANING), *MISSIONS):
+    for name in sys.argv[1:] or (*tasks_to_run(), *MISSIONS):
         path = draw_loop(name)
         print(path, path.stat().st_size)
 
