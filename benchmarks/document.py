@@ -70,6 +70,13 @@ def others(results: Any) -> list[str]:
     return lines
 
 
+def speed(results: Any) -> list[str]:
+    """Return the table of simulated seconds."""
+    stack = results["stack"]
+    lines = [f"| simulated seconds for a CPU second ({stack['machine']['cpu']}) | |", "|---|---|"]
+    return [*lines, *(f"| {name} | {rate:.0f} |" for name, rate in stack["simulated seconds per CPU second"].items())]
+
+
 def _order(size: str) -> tuple[int, int]:
     worlds, robots = (int(number) for number in size.split(" x "))
     return robots, worlds
@@ -122,6 +129,7 @@ def main() -> None:
     lines += ["![parts of a tick by size](pictures/benchmark_parts.png)", ""]
     lines += ["## Patrol alone", "", *ages(results), "", "## Border, memory, start", "", *others(results)]
     record("benchmarks/measured", "\n".join(lines))
+    record("results/speed", "\n".join(speed(results)))
 
 
 if __name__ == "__main__":

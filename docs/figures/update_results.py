@@ -1,7 +1,7 @@
 """Makes results of docs/results.md again and records them: `python -m docs.figures.update_results`.
 
-The table of `clean-swarm evaluate`, what 100 random start configurations give, the reference experiment (where its
-file lies beside the repository) and the speed that `make bench` has recorded. Takes some minutes.
+The table of `clean-swarm evaluate`, what 100 random start configurations give, and the reference experiment (where its
+file lies beside the repository). Takes some minutes.
 """
 
 import json
@@ -74,21 +74,12 @@ def interval(ratio: dict[str, Any]) -> str:
     return f"{ratio['ratio']:.2f} [{low:.2f}, {high:.2f}]"
 
 
-def of_speed() -> str:
-    """Return the recorded speed of the stack as Markdown."""
-    stack = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))["stack"]
-    rates = stack["simulated seconds per CPU second"]
-    lines = [f"| simulated seconds for a CPU second ({stack['machine']['cpu']}) | |", "|---|---|"]
-    return "\n".join([*lines, *(f"| {name} | {rate:.0f} |" for name, rate in rates.items())])
-
-
 def main() -> None:
     """Record all results that can be made here."""
     record("results/table1", f"```text\n{evaluate()[0]}\n```")
     record("results/many", of_many(evaluate("--scenarios", str(SCENARIOS), "--seed", str(SEED))[1]))
     if REFERENCE.exists():
         record("results/reference", of_reference(evaluate("table1-reference", "--starts", str(REFERENCE))[1]))
-    record("results/speed", of_speed())
 
 
 if __name__ == "__main__":
