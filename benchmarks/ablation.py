@@ -2,7 +2,7 @@
 
     python -m benchmarks.ablation [STARTS] [SEED]
 
-prints the tables and puts them into docs/ablation.md, below its marker. The network lacks one term at a time (its
+prints the tables and records them for docs/ablation.md. The network lacks one term at a time (its
 weight is 0), or its planner. Robots pass through each other, or are solid. A mission that is not completed counts with
 the time limit. 20 starts take 11 minutes on one core.
 """
@@ -10,7 +10,6 @@ the time limit. 20 starts take 11 minutes on one core.
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from clean_swarm_env.config.mission import MissionConfig, NetworkConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import run_mission
+from docs.figures.stored import record
 from selforg.arrays import Floats
 from train.analysis.intervals import Ratio
 from train.analysis.statistics import summarise
@@ -28,8 +28,6 @@ TERMS = ("situation", "goal", "conflictor", "predecessor", "successor", "plan")
 ALL, OFF = "all terms", "planner off"
 TIME_LIMIT = 6000.0  # [s], twice that of the missions, so that slow variants are measured and not cut off
 STARTS, SEED = 20, 1
-DOCUMENT = Path(__file__).parents[1] / "docs" / "ablation.md"
-MARKER = "<!-- from here on written by python -m benchmarks.ablation -->\n"
 
 
 @dataclass(frozen=True)
@@ -109,14 +107,13 @@ def document(starts: int, seed: int) -> Iterator[str]:
 
 
 def main(arguments: list[str]) -> None:
-    """Print the results line by line and put them into the document."""
+    """Print the results line by line and record them."""
     starts, seed = (int(text) for text in (*arguments, *(str(STARTS), str(SEED))[len(arguments) :]))
     lines = []
     for line in document(starts, seed):
         print(line, flush=True)
         lines.append(line)
-    above = DOCUMENT.read_text(encoding="utf-8").partition(MARKER)[0]
-    DOCUMENT.write_text(f"{above}{MARKER}\n" + "\n".join(lines).rstrip() + "\n", encoding="utf-8")
+    record("ablation/terms", "\n".join(lines).rstrip())
 
 
 if __name__ == "__main__":

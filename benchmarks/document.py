@@ -9,10 +9,10 @@ import matplotlib
 from benchmarks.required import REQUIREMENTS, value_at
 from benchmarks.shared.parts import PARTS
 from benchmarks.shared.record import RESULTS
+from docs.figures.stored import record
 
 DOCS = Path(__file__).parents[1] / "docs"
-DOCUMENT, PICTURES = DOCS / "benchmarks.md", DOCS / "pictures"
-MARKER = "<!-- from here on written by python -m benchmarks.document -->\n"
+PICTURES = DOCS / "pictures"
 COLOURS = ("#4c72b0", "#dd8452", "#55a868", "#c44e52", "#8172b3", "#937860")
 
 
@@ -70,6 +70,13 @@ def others(results: Any) -> list[str]:
     return lines
 
 
+def speed(results: Any) -> list[str]:
+    """Return the table of simulated seconds."""
+    stack = results["stack"]
+    lines = [f"| simulated seconds for a CPU second ({stack['machine']['cpu']}) | |", "|---|---|"]
+    return [*lines, *(f"| {name} | {rate:.0f} |" for name, rate in stack["simulated seconds per CPU second"].items())]
+
+
 def _order(size: str) -> tuple[int, int]:
     worlds, robots = (int(number) for number in size.split(" x "))
     return robots, worlds
@@ -109,7 +116,7 @@ def draw_growth(results: Any) -> None:
 
 
 def main() -> None:
-    """Write the document and its pictures."""
+    """Record the results for the document, and draw its pictures."""
     matplotlib.use("Agg")
     results = json.loads(RESULTS.read_text(encoding="utf-8"))
     draw_parts(results)
@@ -121,8 +128,8 @@ def main() -> None:
     lines += ["![tick and floor by robots](pictures/benchmark_growth.png)", ""]
     lines += ["![parts of a tick by size](pictures/benchmark_parts.png)", ""]
     lines += ["## Patrol alone", "", *ages(results), "", "## Border, memory, start", "", *others(results)]
-    above = DOCUMENT.read_text(encoding="utf-8").partition(MARKER)[0]
-    DOCUMENT.write_text(f"{above}{MARKER}\n" + "\n".join(lines) + "\n", encoding="utf-8")
+    record("benchmarks/measured", "\n".join(lines))
+    record("results/speed", "\n".join(speed(results)))
 
 
 if __name__ == "__main__":

@@ -13,12 +13,11 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 from clean_swarm_env.learning.warm_up import usable_cpus
+from docs.figures.stored import record
 from tests.attacks.targets import TARGETS
 from tests.paths import ROOT
 from tests.soaking import SECONDS
 
-PAGE = ROOT / "docs" / "reliability.md"
-BEGIN, END = "<!-- begin: soak -->\n", "<!-- end: soak -->\n"
 CPUS = 2
 """Processors for which the limits of time are made: together they take 27 minutes there."""
 FUZZ_SECONDS = 50.0
@@ -79,7 +78,7 @@ def table(outcomes: list[Outcome]) -> str:
     lines += [
         f"| {o.soak.name} | {o.soak.asked:,} | {o.tried:,} | {o.survived:,} | {o.seconds:.0f} |" for o in outcomes
     ]
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines)
 
 
 def main(arguments: list[str]) -> int:
@@ -94,8 +93,7 @@ def main(arguments: list[str]) -> int:
             print(f"{outcome.soak.name}: {outcome.tried} tried, {outcome.seconds:.0f} s, {words}", flush=True)
     print(f"\n{table(outcomes)}\n{(time.monotonic() - began) / 60:.1f} minutes on {cpus} CPUs")
     if "--write" in arguments:
-        before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-        PAGE.write_text(before + BEGIN + table(outcomes) + END + rest.split(END)[1], encoding="utf-8")
+        record("reliability/soak", table(outcomes))
     return 0 if all(outcome.passed for outcome in outcomes) else 1
 
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from docs.figures.update_results import CLEAN_SWARM, ROOT
+from docs.figures.stored import ROOT
+from docs.figures.update_results import CLEAN_SWARM
 from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
 

@@ -14,7 +14,7 @@ from docs.comparison.manifest import Ablations, Learner, Manifest, Variant
 from docs.comparison.raced_numbers import Won, knowledge_with, race_numbers
 from docs.comparison.running import run, written
 from docs.comparison.shuffled import ShuffledEvaluation
-from docs.figures.update_results import ROOT
+from docs.figures.stored import ROOT
 from selector.documents.fields import JOINT
 from selector.documents.find import find_file, load_file
 from selector.documents.reading import read_mapping

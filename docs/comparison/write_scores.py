@@ -11,8 +11,8 @@ from docs.comparison.loop import LoopManifest
 from docs.comparison.loop_runs import make_loop
 from docs.comparison.loop_tables import LoopResults
 from docs.comparison.thoughts import make_thoughts
-from docs.comparison.write_choosing import DOCS, put_tables
-from docs.figures.update_results import ROOT
+from docs.comparison.write_choosing import DOCS, inputs_of, put_tables
+from docs.figures.stored import ROOT
 from selector.documents.errors import validated
 from selector.documents.reading import read_mapping
 
@@ -27,7 +27,8 @@ def main(arguments: list[str]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     results = LoopResults(manifest, {label: make_loop(manifest, label, folder) for label in manifest.families})
     thoughts = make_thoughts(manifest.thoughts, folder)
-    put_tables(manifest.name, {**results.tables(), **thoughts})
+    inputs = [*inputs_of(given, manifest.families), *(one.file for one in manifest.families.values() if one.file)]
+    put_tables(manifest.name, {**results.tables(), **thoughts}, "python -m docs.comparison.write_scores", inputs)
     results.draw(DOCS / "pictures" / f"{manifest.name}-loop.png")
 
 

@@ -1,4 +1,4 @@
-"""Draws `docs/pictures/robustness.png` and writes the table of docs/robustness.md from the results of an evaluation.
+"""Draws `docs/pictures/robustness.png` and records the table of docs/robustness.md from the results of an evaluation.
 
 `clean-swarm evaluate robustness --scenarios 25 --output FOLDER`, then `python -m docs.figures.draw_robustness FOLDER`.
 """
@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.load import load_robustness
+from docs.figures.stored import record
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.strategy_comparison import Estimate
 from train.reports.charts import picture_of
 from train.reports.figures import draw_robustness
 
 DOCS = Path(__file__).parents[1]
-PAGE, PICTURE = DOCS / "robustness.md", DOCS / "pictures" / "robustness.png"
-BEGIN, END = "<!-- begin: robustness -->\n", "<!-- end: robustness -->\n"
+PICTURE = DOCS / "pictures" / "robustness.png"
 
 
 def report_of(summary: dict[str, Any]) -> RobustnessReport:
@@ -46,15 +46,14 @@ def table(report: RobustnessReport) -> str:
             events = f"{by_label[label]['collision_events'].value:.0f} ev."
             cells.append(f"{duration.value:.0f} [{low:.0f}, {high:.0f}]{share}, {events}")
         lines.append(f"| {name} | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines)
 
 
 def main(folder: Path) -> None:
-    """Draw the picture and write the table."""
+    """Draw the picture and record the table."""
     report = report_of(json.loads((folder / "summary.json").read_text(encoding="utf-8")))
     PICTURE.write_bytes(picture_of(draw_robustness(report), PICTURE.suffix))
-    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    PAGE.write_text(before + BEGIN + table(report) + END + rest.split(END)[1], encoding="utf-8")
+    record("robustness/robustness", table(report))
 
 
 if __name__ == "__main__":

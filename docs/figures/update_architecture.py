@@ -3,12 +3,11 @@
 import inspect
 import re
 from importlib import import_module
-from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from docs.figures.stored import ROOT, put
+
 PAGE = ROOT / "ARCHITECTURE.md"
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train")
-BEGIN, END = "<!-- begin: records -->\n", "<!-- end: records -->"
 
 
 def record_modules() -> list[str]:
@@ -32,13 +31,12 @@ def records() -> str:
         said = " ".join((inspect.getdoc(kind) or "").partition("\n\n")[0].split())
         file = kind.__module__.replace(".", "/") + ".py"
         lines.append(f"| `{kind.__name__}` | {said} | {len(kind._fields)} | `{file}` |")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines)
 
 
 def updated(text: str) -> str:
     """Return the text of the page with the records of the code."""
-    before, rest = text.split(BEGIN)
-    return before + BEGIN + records() + END + rest.split(END, 1)[1]
+    return put(text, "records", records())
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Puts real output into docs/results.md, between its `begin` and `end` marks: `python -m docs.figures.update_results`.
+"""Makes results of docs/results.md again and records them: `python -m docs.figures.update_results`.
 
-The table of `clean-swarm evaluate`, what 100 random start configurations give, the reference experiment (where its
-file lies beside the repository) and the speed that `make bench` has recorded. Takes some minutes.
+The table of `clean-swarm evaluate`, what 100 random start configurations give, and the reference experiment (where its
+file lies beside the repository). Takes some minutes.
 """
 
 import json
@@ -12,8 +12,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "results.md"
+from docs.figures.stored import ROOT, record
+
 REFERENCE = ROOT.parent / "shared" / "table1" / "reference.json"
 SEED, SCENARIOS = 1, 100
 CLEAN_SWARM = (sys.executable, "-c", "from train.cli import main; main()")
@@ -74,33 +74,12 @@ def interval(ratio: dict[str, Any]) -> str:
     return f"{ratio['ratio']:.2f} [{low:.2f}, {high:.2f}]"
 
 
-def of_speed() -> str:
-    """Return the recorded speed of the stack as Markdown."""
-    stack = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))["stack"]
-    rates = stack["simulated seconds per CPU second"]
-    lines = [f"| simulated seconds for a CPU second ({stack['machine']['cpu']}) | |", "|---|---|"]
-    return "\n".join([*lines, *(f"| {name} | {rate:.0f} |" for name, rate in rates.items())])
-
-
-def put(text: str, name: str, block: str) -> str:
-    """Return `text` with `block` between the marks of `name`."""
-    begin, end = f"<!-- begin: {name} -->\n", f"\n<!-- end: {name} -->"
-    before, found, rest = text.partition(begin)
-    if not found or end not in rest:
-        raise ValueError(f"expected the marks {begin.strip()} and {end.strip()}")
-    return before + begin + block + end + rest.partition(end)[2]
-
-
 def main() -> None:
-    """Fill all marks that can be filled here."""
-    text = PAGE.read_text(encoding="utf-8")
-    text = put(text, "table1", f"```text\n{evaluate()[0]}\n```")
-    many = evaluate("--scenarios", str(SCENARIOS), "--seed", str(SEED))[1]
-    text = put(text, "many", of_many(many))
+    """Record all results that can be made here."""
+    record("results/table1", f"```text\n{evaluate()[0]}\n```")
+    record("results/many", of_many(evaluate("--scenarios", str(SCENARIOS), "--seed", str(SEED))[1]))
     if REFERENCE.exists():
-        text = put(text, "reference", of_reference(evaluate("table1-reference", "--starts", str(REFERENCE))[1]))
-    text = put(text, "speed", of_speed())
-    PAGE.write_text(text, encoding="utf-8")
+        record("results/reference", of_reference(evaluate("table1-reference", "--starts", str(REFERENCE))[1]))
 
 
 if __name__ == "__main__":

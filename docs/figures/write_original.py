@@ -7,6 +7,7 @@ minute.
 import sys
 from pathlib import Path
 
+from docs.figures.stored import take
 from train.analysis.statistics import Summary
 from train.analysis.task_report import MeasuredStrategy
 from train.evaluation.task_run import TaskOutcome, TaskRun, run_task, tasks_to_run
@@ -24,7 +25,9 @@ mean reaches the target of the task.
 - The tasks are ours, and made for our library: they compare the options there, and do not judge the original.
 - Both run on our mechanisms and networks, which deviate from the original by number ([quirks.md](quirks.md)).
 
+<!-- begin: goals -->
 {table}
+<!-- end: goals -->
 
 {summary}
 
@@ -95,6 +98,8 @@ def main() -> None:
     """Write the page."""
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
     file.write_text(page(RUNS), encoding="utf-8")
+    if file == FILE:
+        take("original/goals")
     print(file)
 
 

@@ -10,6 +10,7 @@ import shutil
 import sys
 from pathlib import Path
 
+from docs.figures import numbers
 from docs.site.api import API, write_api
 from docs.site.catalogue import CATALOGUE, write_catalogue
 from docs.site.stage import ROOT, SHOWN, Stage, site_path
@@ -86,7 +87,10 @@ def faults(folder: Path) -> list[str]:
 
 
 def main() -> int:
-    """Build the site; return 1 if something is wrong with it, else the code of Sphinx."""
+    """Build the site; return 1 if its figures or the site are wrong, else the code of Sphinx."""
+    if drifted := numbers.faults():
+        print(*drifted, sep="\n", file=sys.stderr)
+        return 1
     from sphinx.cmd.build import main as sphinx
 
     stage, html = Stage(BUILD / "source"), BUILD / "html"

@@ -12,13 +12,13 @@ import tempfile
 import time
 from pathlib import Path
 
+from docs.figures.stored import put
 from tests.mutants.drawing import draw
 from tests.mutants.mutant import noticed
 from tests.mutants.named import MUTANTS
 from tests.paths import ROOT
 
 PAGE = ROOT / "docs" / "reliability.md"
-BEGIN, END = "<!-- begin: mutants -->\n", "<!-- end: mutants -->\n"
 
 
 def main() -> int:
@@ -46,8 +46,7 @@ def main() -> int:
     print(f"{len(chosen)} mutants, {len(survivors)} survive")
     print(*(f"{mutant.file} {mutant.name}" for mutant in survivors), sep="\n", end="\n" if survivors else "")
     if given.write and not given.random:
-        before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-        PAGE.write_text(before + BEGIN + "\n".join(lines) + "\n" + END + rest.split(END)[1], encoding="utf-8")
+        PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), "mutants", "\n".join(lines)), encoding="utf-8")
     return 1 if survivors else 0
 
 

@@ -77,7 +77,7 @@ class Outcome:
     completed: bool
 
 
-def test_the_results_go_below_the_marker_of_the_document(monkeypatch, tmp_path, capsys):
+def test_the_results_are_printed_and_recorded(monkeypatch, capsys):
     seen = []
 
     def run_mission(config, start, seed, scores):
@@ -85,16 +85,14 @@ def test_the_results_go_below_the_marker_of_the_document(monkeypatch, tmp_path, 
         return Outcome(600.0 if config.network.planner == "off" else 100.0 + len(seen) % 3, True)
 
     monkeypatch.setattr(ablation, "run_mission", run_mission)
-    path = tmp_path / "ablation.md"
-    path.write_text(f"# Title\n\nWords.\n\n{ablation.MARKER}\nold results\n")
-    monkeypatch.setattr(ablation, "DOCUMENT", path)
+    recorded = {}
+    monkeypatch.setattr(ablation, "record", recorded.__setitem__)
     ablation.main(["4", "9"])
-    text = path.read_text()
-    assert text.startswith(f"# Title\n\nWords.\n\n{ablation.MARKER}\n4 random start configurations of seed 9")
-    assert "old results" not in text
+    text = recorded["ablation/terms"]
+    assert text.startswith("4 random start configurations of seed 9")
     rows = [line for line in text.splitlines() if line.startswith("| planner off")]
     assert [row.count("600 [600, 600]") for row in rows] == [2, 2, 1, 1]
-    assert text.strip() == f"# Title\n\nWords.\n\n{ablation.MARKER}\n{capsys.readouterr().out.strip()}"
+    assert text == capsys.readouterr().out.strip()
     # every variant runs on the same starts with the same seeds, under every option
     runs = {tuple(run[1:3] for run in seen[k : k + 4]) for k in range(0, len(seen), 4)}
     assert len(runs) == 1

@@ -1,0 +1,268 @@
+"""docs/figures.json has every result of README and pages, and what differs from it or is out of date is found."""
+
+import json
+import re
+import shutil
+from decimal import Decimal
+
+import pytest
+
+from docs.figures import numbers
+from docs.figures.printed import Figure, has_results, parsed, printed_intervals, result_tables, shown
+from docs.figures.stored import ROOT, STORE, head_commit, input_files, keep, load, record, save, take
+from tests.house import PACKAGES
+
+
+@pytest.fixture
+def copy(tmp_path, monkeypatch):
+    """A copy of all pages and inputs, at a commit of its own."""
+    inputs = [path for result in load().values() for path in input_files(result.inputs, ROOT)]
+    for path in {*numbers.pages(), ROOT / STORE, *inputs}:
+        own = tmp_path / path.relative_to(ROOT)
+        own.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(path, own)
+    monkeypatch.setattr("docs.figures.stored.head_commit", lambda root: "0123456789ab")
+    return tmp_path
+
+
+def changed(path, old, new):
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1, f"{path.name} has {old} {text.count(old)} times"
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_every_result_on_a_page_is_a_figure_that_is_up_to_date():
+    assert numbers.faults() == []
+
+
+def test_the_store_says_of_each_result_what_makes_it():
+    results = load()
+    assert sum(len(result.figures) for result in results.values()) > 2000
+    for result_id, result in results.items():
+        assert result.figures, result_id
+        assert bool(result.command) != bool(result.of), result_id
+        assert bool(result.command) == bool(re.fullmatch("[0-9a-f]{12}", result.commit)), result_id
+        assert bool(result.inputs) == bool(result.fingerprint), result_id
+
+
+def test_figures_are_those_that_are_read_from_their_printed_text():
+    for result_id, result in load().items():
+        assert parsed(result.text, every=result.prose) == (result.layout, result.figures), result_id
+
+
+def test_storing_changes_nothing(copy):
+    before = (copy / STORE).read_bytes()
+    save(load(copy), copy)
+    numbers.write(copy)
+    assert (copy / STORE).read_bytes() == before
+    assert numbers.faults(copy) == []
+
+
+def test_inputs_are_data_and_no_code_that_may_be_written_anew():
+    inputs = {one for result in load().values() for one in result.inputs}
+    assert [one for one in sorted(inputs) if one.endswith(".py") and one.startswith(PACKAGES)] == []
+
+
+@pytest.mark.parametrize(
+    ("page", "old", "new", "told"),
+    [
+        ("docs/choosing.md", "**0.567** [0.495, 0.649] | **0.474**", "**0.566** [0.495, 0.649] | **0.474**", "main"),
+        ("docs/goal_results.md", "6.36 [5.92, 6.8] | -6.36", "6.36 [5.93, 6.8] | -6.36", "goal_results"),
+        ("docs/results.md", "526.80    0.47", "526.90    0.47", "table1"),
+        ("docs/benchmarks.md", "| second start, CPU [s] | 0.93 |", "| second start, CPU [s] | 0.83 |", "measured"),
+        ("docs/tutorials/learn.md", "| 49.9 s | 8.8 |", "| 49.9 s | 8.7 |", "drivers"),
+        ("docs/models.md", "(0.99 [0.94, 1.04])", "(0.99 [0.94, 1.05])", "options"),
+        ("docs/tutorials/selector.md", "15 % [7, 22]", "15 % [8, 22]", "saved"),
+        ("README.md", "16 % [12, 19]", "16 % [12, 18]", "choosing"),
+        ("README.md", "ORCA alone costs 59 s", "ORCA alone costs 58 s", "crowd"),
+    ],
+)
+def test_a_changed_digit_is_found(copy, page, old, new, told):
+    changed(copy / page, old, new)
+    found = numbers.faults(copy)
+    assert re.match(rf"{page}: (\S+/)?{told}: expected ", found[0])
+
+
+def test_a_digit_of_the_store_is_found_too_and_written_into_the_page(copy):
+    old = '{"row": "half the robots", "column": "one / best", "value": 0.914'
+    changed(copy / STORE, old, old.replace("0.914", "0.913"))
+    (line,) = numbers.faults(copy)
+    assert line.startswith("docs/choosing.md: choosing/variants: expected '| half the robots | `clustered` | **0.913**")
+    assert numbers.COMMAND in line
+    numbers.write(copy)
+    assert numbers.faults(copy) == []
+    assert "| half the robots | `clustered` | **0.913**" in (copy / "docs" / "choosing.md").read_text(encoding="utf-8")
+
+
+def test_a_quotation_of_a_figure_that_changed_is_found(copy):
+    changed(
+        copy / "docs" / "learning.md",
+        "| `fixed:ORCA` | 0 % | 48.8 | 5.0 | 58.8",
+        "| `fixed:ORCA` | 0 % | 48.8 | 5.0 | 61.8",
+    )
+    take("learning/library", root=copy)
+    found = [line for line in numbers.faults(copy) if line.startswith("README.md: README/crowd: ")]
+    assert found == ["README.md: README/crowd: expected figures of learning/library, got 59 (ORCA alone costs)"]
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("configs/families/clustered.yaml", "[6, 12]", "[6, 11]"),
+        ("configs/missions/exploring.yaml", "stop: 2.0", "stop: 3.0"),
+        ("configs/mechanisms/ORCA.yaml", "horizon: 2.0", "horizon: 2.1"),
+    ],
+)
+def test_a_changed_input_is_found_and_the_message_says_what_makes_the_result_again(copy, file, old, new):
+    changed(copy / file, old, new)
+    (line,) = (line for line in numbers.faults(copy) if line.startswith("docs/choosing.md: choosing/main: "))
+    assert "inputs changed" in line
+    assert line.endswith("make it again: python -m docs.comparison.write_choosing")
+
+
+def test_a_result_that_is_recorded_again_is_up_to_date(copy):
+    path = copy / "configs" / "experiments" / "robustness.yaml"
+    path.write_text(path.read_text(encoding="utf-8") + "# more\n", encoding="utf-8")
+    assert len(numbers.faults(copy)) == 1
+    record("robustness/robustness", "| | Off |\n|---|---|\n| none | 51 [47, 53], 12 ev. |", root=copy)
+    assert numbers.faults(copy) == []
+    assert "| none | 51 [47, 53], 12 ev. |\n<!-- end: robustness -->" in (copy / "docs" / "robustness.md").read_text(
+        "utf-8"
+    )
+    result = load(copy)["robustness/robustness"]
+    assert result.figures[0] == Figure("none", "Off", Decimal(51), "", (Decimal(47), Decimal(53)))
+    assert result.commit == "0123456789ab"
+
+
+def test_changed_inputs_may_be_kept_for_a_reason(copy):
+    path = copy / "configs" / "experiments" / "robustness.yaml"
+    path.write_text(path.read_text(encoding="utf-8") + "# more\n", encoding="utf-8")
+    keep("robustness/robustness", "a remark", root=copy)
+    assert numbers.faults(copy) == []
+    assert load(copy)["robustness/robustness"].kept == "a remark"
+
+
+def test_numbers_of_sentences_are_taken_from_the_page(copy):
+    changed(copy / "docs" / "learning.md", "looks ahead costs 46.1 s", "looks ahead costs 47.2 s")
+    assert len(numbers.faults(copy)) == 1
+    take("learning/ahead", root=copy)
+    assert numbers.faults(copy) == []
+    changed(copy / "docs" / "learning.md", "looks ahead costs", "that looks ahead costs some")
+    with pytest.raises(
+        ValueError, match="expected once in the prose, with any numbers, got 0 times: a team that looks"
+    ):
+        take("learning/ahead", root=copy)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "| | costs |\n|---|---|\n| ORCA | cheap, 1.2 [1.1, 1.3] |",
+        "| | duration s | said |\n|---|---|---|\n| ORCA | 46 | - |\n| Off | **131** | slow |",
+    ],
+)
+def test_a_table_of_results_outside_of_all_blocks_is_found(copy, table):
+    path = copy / "docs" / "limits.md"
+    path.write_text(f"{path.read_text(encoding='utf-8')}\n{table}\n", encoding="utf-8")
+    assert any("expected a block of docs/figures.json, got a table of results" in line for line in numbers.faults(copy))
+
+
+def test_a_table_of_words_is_none():
+    assert not has_results([["`stop`", "0 s", "time"], ["`drop`", "false", "whether"], ["`sight`", "-", "3 of 4"]])
+
+
+def test_each_exemption_is_needed():
+    found = {
+        f"{page.relative_to(ROOT).as_posix()}: {table.mark or table.head}"
+        for page in numbers.pages()
+        for table in result_tables(page.read_text(encoding="utf-8"))
+    }
+    assert set(numbers.EXEMPT) <= found
+
+
+def test_a_result_without_marks_or_command_is_one_line(copy):
+    changed(copy / "docs" / "network.md", "<!-- begin: speed -->\n", "")
+    (line, *_) = numbers.faults(copy)
+    assert line == "docs/network.md: network/speed: expected the marks <!-- begin: speed --> and <!-- end: speed -->"
+    with pytest.raises(ValueError, match="network/more: expected the command of a new result, got none"):
+        record("network/more", "| | |", root=copy)
+
+
+@pytest.mark.parametrize(
+    ("new", "told"),
+    [
+        ('"value": 0.945, "unit": "", "interval": [0.811, 0.880]', "within its interval"),
+        ('"value": NaN, "unit": "", "interval": [0.811, 0.880]', "finite"),
+        ('"value": 0.845, "unit": "", "interval": [0.811, Infinity]', "finite"),
+    ],
+)
+def test_odd_figures_are_found(copy, new, told):
+    text, old = (copy / STORE).read_text(encoding="utf-8"), '"value": 0.845, "unit": "", "interval": [0.811, 0.880]'
+    assert old in text
+    (copy / STORE).write_text(text.replace(old, new, 1), encoding="utf-8")
+    (line,) = numbers.faults(copy)
+    assert line.startswith(f"{STORE}: choosing/")
+    assert told in line
+
+
+def test_figures_of_a_block_and_back():
+    rows = "| `p1` | 1,200 [1,100, 1,300] | **0.80** |\n| q2 | 3 | 12 % [-1, 13] |"
+    block = f"Over 20 runs {{x}}: 1.5 of 3.\n\n| a | time [s] | ratio |\n|---|---|---|\n{rows}"
+    layout, figures = parsed(block)
+    assert shown(layout, figures) == block
+    assert [(one.row, one.column, str(one.value), one.unit) for one in figures] == [
+        ("Over 20 runs {x}:", "", "1.5", ""),
+        ("p1", "time [s]", "1200", "s"),
+        ("p1", "ratio", "0.80", ""),
+        ("q2", "time [s]", "3", "s"),
+        ("q2", "ratio", "12", "%"),
+    ]
+    assert figures[4].interval == (Decimal(-1), Decimal(13))
+
+
+def test_intervals_in_prose():
+    text = "It is `a[0, 1]` in [0, 1],\n16\n% [12, 19] less, **0.8** [0.7,\n0.9].\n"
+    text += "\n```py\nx = 1 [2, 3]\n```\n| 1 [2, 3] |\n"
+    assert [(line, figure.printed()) for line, figure in printed_intervals(text)] == [
+        (2, "16 % [12, 19]"),
+        (3, "0.8 [0.7, 0.9]"),
+    ]
+
+
+def test_a_figure_is_told_rounded_or_as_what_is_saved():
+    exact = Figure("", "", Decimal("0.845"), "", (Decimal("0.811"), Decimal("0.880")))
+    for value, low, high, unit in (
+        ("0.85", "0.81", "0.88", ""),
+        ("0.845", "0.811", "0.88", ""),
+        ("16", "12", "19", "%"),
+    ):
+        assert Figure("", "", Decimal(value), unit, (Decimal(low), Decimal(high))).tells(exact)
+    for value, low, high, unit in (("0.86", "0.81", "0.88", ""), ("0.85", "0.81", "0.89", ""), ("16", "12", "20", "%")):
+        assert not Figure("", "", Decimal(value), unit, (Decimal(low), Decimal(high))).tells(exact)
+
+
+def test_the_commit_is_that_of_the_checkout():
+    assert re.fullmatch("[0-9a-f]{12}", head_commit())
+
+
+def test_the_command_says_what_differs_and_how_it_is_used(capsys, monkeypatch, copy):
+    monkeypatch.setattr(numbers, "faults", lambda: ["README.md: something"])
+    assert numbers.main(["--check"]) == 1
+    assert capsys.readouterr().err == "README.md: something\n"
+    with pytest.raises(SystemExit):
+        numbers.main(["--keep", "choosing/main"])
+
+
+def test_the_site_is_not_built_with_figures_that_drifted(capsys, monkeypatch):
+    pytest.importorskip("sphinx", reason="needs the extra 'docs'")
+    from docs.site import build
+
+    monkeypatch.setattr(numbers, "faults", lambda: ["README.md: something"])
+    assert build.main() == 1
+    assert capsys.readouterr().err == "README.md: something\n"
+
+
+def test_the_store_is_plain_json():
+    read = json.loads((ROOT / STORE).read_text(encoding="utf-8"))
+    assert list(read) == sorted(read)
+    assert {"row", "column", "value", "unit", "interval"} == set(read["choosing/main"]["figures"][0])
