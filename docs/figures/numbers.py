@@ -74,6 +74,9 @@ def faults(root: Path = ROOT) -> list[str]:
 def _on_the_page(result_id: str, result: Result, root: Path) -> Iterator[str]:
     """Yield where a page differs from the store."""
     text = (root / page_of(result_id)).read_text(encoding="utf-8")
+    if not result.figures and "{}" in "".join(result.layout):
+        yield f"expected figures, got none yet; `{COMMAND} --take {result_id}` takes the page's"
+        return
     if result.prose:
         words = " ".join(text.split())
         for sentence in result.text.splitlines():
