@@ -43,7 +43,7 @@ ENVIRONMENTS = {
     "rllib": ("rllib", "ray[rllib]==2.60.0"),
     "tianshou": ("tianshou", "tianshou==2.0.1"),
     "minari": ("minari", "minari[hdf5,create]==0.5.4"),
-    "plugin": ("plugin", "stable-baselines3==2.9.2", "hatchling==1.33.0"),
+    "plugin": ("plugin", "stable-baselines3==2.9.2", "tensorboard==2.21.0", "hatchling==1.33.0"),
     "notebook": ("notebook", "nbclient==0.11.0", "ipykernel==7.4.0"),
 }
 """Virtual environment -> which tests run in it (pytest's -k), and its packages beside ours and torch, in the versions
