@@ -4,11 +4,12 @@ The environments lie below DIRECTORY and are made where they do not exist yet. N
 them unless given. With `--newest` each environment has today's newest versions in place of those that last ran.
 """
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
-from tests.examples.frameworks import ENVIRONMENTS
+from tests.examples.frameworks import BUILT, ENVIRONMENTS
 from tests.paths import ROOT
 
 FOLDERS = ("tests/examples", "tests/train/cli/test_dataset.py")
@@ -22,7 +23,19 @@ def made(directory: Path, name: str, newest: bool = False) -> Path:
     wanted = [text.partition("==")[0] if newest else text for text in ENVIRONMENTS[name][1:]]
     packages = ("--upgrade", "torch", *wanted, "pytest", "hypothesis", "-e", ".")
     subprocess.run([python, "-m", "pip", "install", "-q", "-c", "constraints.txt", *packages], cwd=ROOT, check=True)
+    if name in BUILT:
+        build(python, BUILT[name].partition("==")[0] if newest else BUILT[name])
     return python
+
+
+def build(python: Path, package: str) -> None:
+    """Install a package without its requirements, its games and CUDA (docs/environment.md#pufferlib)."""
+    (packages,) = python.parents[1].glob("lib/python*/site-packages")
+    (packages / "ocean.pth").write_text("import builtins; builtins.c_extension_paths = []", encoding="utf-8")
+    folders = os.environ["PATH"].split(os.pathsep)
+    without_cuda = os.pathsep.join(folder for folder in folders if not (Path(folder) / "nvcc").exists())
+    command = (python, "-m", "pip", "install", "-q", "--upgrade", "--no-deps", "--no-build-isolation", package)
+    subprocess.run(command, env=os.environ | {"NO_OCEAN": "1", "PATH": without_cuda}, check=True)
 
 
 def passed(python: Path, tests: str) -> bool:

@@ -18,6 +18,7 @@ class Example(NamedTuple):
 
 EXAMPLES = (
     Example("ppo_one_file.py --updates 2 --worlds 4", "torch", "policy:ppo_one_file.pt"),
+    Example("pufferlib_ppo.py --updates 2 --worlds 4", "pufferlib", "policy:pufferlib_ppo.pt"),
     Example("sb3_ppo.py --steps 5120", "stable_baselines3", "policy:sb3_ppo.zip"),
     Example("sb3_sac.py --steps 600", "stable_baselines3", "velocity:sb3_sac.zip"),
     Example("sb3_maskable_ppo.py --steps 5120", "sb3_contrib", "policy:sb3_maskable_ppo.zip"),
@@ -43,8 +44,19 @@ ENVIRONMENTS = {
     "rllib": ("rllib", "ray[rllib]==2.60.0"),
     "tianshou": ("tianshou", "tianshou==2.0.1"),
     "minari": ("minari", "minari[hdf5,create]==0.5.4"),
+    "pufferlib": (
+        "pufferlib_ppo",
+        "gym==0.26.2",
+        "psutil==7.2.2",
+        "pyro-ppl==1.9.2",
+        "rich-argparse==1.8.0",
+        "setuptools",
+    ),
     "plugin": ("plugin", "stable-baselines3==2.9.2", "tensorboard==2.21.0", "hatchling==1.33.0"),
     "notebook": ("notebook", "nbclient==0.11.0", "ipykernel==7.4.0"),
 }
 """Virtual environment -> which tests run in it (pytest's -k), and its packages beside ours and torch, in the versions
 with which the examples last ran: on 23 November 2026 the newest ones, except for the TorchRL of BenchMARL."""
+
+BUILT = {"pufferlib": "pufferlib==3.0.0"}
+"""Virtual environment -> a package that is built there without what it asks for, see docs/environment.md#pufferlib."""
