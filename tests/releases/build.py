@@ -80,6 +80,7 @@ def metadata_faults(content: bytes, release: str) -> list[str]:
     except ExceptionGroup as errors:
         return [f"METADATA: {error}" for error in errors.exceptions]
     own = {
+        "metadata": (held.metadata_version, "2.4"),
         "name": (held.name, "clean-swarm"),
         "version": (str(held.version), release),
         "license": (held.license_expression, "MIT"),
