@@ -8,7 +8,7 @@ UNCOMPILED := tests/selforg/mechanisms tests/selforg/gradients tests/selforg/com
 	$(addprefix tests/selforg/network/,test_contract.py test_network.py test_reference.py) \
 	tests/clean_swarm_env/world/test_reception.py
 
-.PHONY: check lint test docs uncompiled golden examples newest long soak mutants learning bench
+.PHONY: check lint test docs uncompiled golden examples newest long soak mutants learning bench dist
 
 check: lint test  ## all that CI asks for
 
@@ -44,6 +44,9 @@ soak:  ## all long random tests side by side, within half an hour on two CPUs: w
 
 mutants:  ## random faults in the core, each with the tests of its folder: lists those that no test notices
 	$(BIN)python -m tests.mutants --random $(or $(N),30) --seed $(or $(SEED),0)
+
+dist:  ## sdist and wheel of the last commit in dist/, the same bytes on any machine, checked; without the network
+	$(BIN)python -m tests.releases.build
 
 learning:  ## a small version of docs/choosing.md, some minutes; fails where its main claims do not hold
 	$(BIN)python -m docs.comparison.write_choosing docs/comparison/learning.yaml

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import clean_swarm_env.siblings as siblings
 
+__version__ = "1.0.0"
+"""Version of Clean Swarm: the only place that has it; the wheel takes it from here (docs/versions.md)."""
+
 siblings.own("selforg")
 siblings.own("selector")
 

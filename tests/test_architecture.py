@@ -1,11 +1,10 @@
-"""The architecture holds: who imports whom, what importing costs, what the wheel holds and what the README says."""
+"""The architecture holds: who imports whom, what importing costs, and what the README says."""
 
 import ast
 import re
 import shutil
 import subprocess
 import sys
-import zipfile
 from importlib.metadata import distributions
 from pathlib import Path
 
@@ -100,37 +99,6 @@ def test_importing_does_not_import_torch(module):
 
 def test_help_is_quick_because_heavy_libraries_wait():
     assert not _loaded_after("import train.cli.app") & {"matplotlib", "scipy", "pymunk", "numba"}
-
-
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory) -> Path:
-    pytest.importorskip("hatchling")
-    directory = tmp_path_factory.mktemp("wheel")
-    options = ["--no-deps", "--no-build-isolation", "--no-index", "--quiet", "--wheel-dir", str(directory)]
-    subprocess.run([sys.executable, "-m", "pip", "wheel", *options, str(ROOT)], check=True, capture_output=True)
-    (built,) = directory.glob("*.whl")
-    return built
-
-
-def test_the_wheel_holds_every_configuration_and_no_tests(wheel):
-    names = set(zipfile.ZipFile(wheel).namelist())
-    shipped = {path.relative_to(ROOT).as_posix() for path in (ROOT / "configs").rglob("*.yaml")}
-    assert len(shipped) > 5
-    assert shipped <= names
-    assert {name.partition("/")[0] for name in names if not name.startswith("clean_swarm-")} == set(PACKAGES)
-
-
-def test_the_installed_wheel_works_from_any_directory(wheel, tmp_path):
-    target = tmp_path / "site"
-    zipfile.ZipFile(wheel).extractall(target)
-    code = (
-        f"import sys; sys.path.insert(0, {str(target)!r}); sys.argv = ['clean-swarm', 'list', 'experiments'];"
-        "import train.cli, selector.documents.find as find; print(train.cli.__file__, find.SHIPPED); train.cli.main()"
-    )
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
-    first, *others = done.stdout.splitlines()
-    assert all(place.startswith(str(target)) for place in first.split())
-    assert any(line.startswith("table1-reference ") for line in others)
 
 
 @pytest.mark.parametrize(("marker", "words"), [("run", "clean-swarm evaluate"), ("test", "'.[dev]'")])

@@ -2,10 +2,9 @@
 
 from collections.abc import Iterator
 from functools import cache
-from importlib.metadata import version
 from typing import Any
 
-from clean_swarm_env import clean_swarm_v0, load_family
+from clean_swarm_env import __version__, clean_swarm_v0, load_family
 from clean_swarm_env.clean_swarm_v0 import CleanSwarm
 from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.learning.reward import RewardConfig
@@ -40,7 +39,7 @@ def started(kind: str, name: str) -> Iterator[str]:
     yield code("sh", lines[kind])
     given = ", ".join(f"{key}={value!r}" for key, value in arguments(kind, name).items())
     yield code("python", f"from clean_swarm_env import clean_swarm_v0\n\nenv = clean_swarm_v0.parallel_env({given})")
-    yield f"With Gymnasium its id is `CleanSwarm-v0` with `{given}`. Version: clean-swarm {version('clean-swarm')}, " \
+    yield f"With Gymnasium its id is `CleanSwarm-v0` with `{given}`. Version: clean-swarm {__version__}, " \
         "environment v0."  # fmt: skip
 
 

@@ -9,12 +9,12 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.metadata import version
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from clean_swarm_env import __version__
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
@@ -174,7 +174,7 @@ def _imports(words: list[str]) -> tuple[list[str], list[str]]:
 
 def _version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"clean-swarm {version('clean-swarm')}")
+        typer.echo(f"clean-swarm {__version__}")
         raise typer.Exit
 
 

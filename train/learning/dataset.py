@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from importlib.metadata import version
 from importlib.util import find_spec
 from typing import Any
 
@@ -12,6 +11,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from clean_swarm_env import __version__
 from clean_swarm_env.borders.spaces import CORRECTION, OPTION
 from selector.documents.errors import DocumentError
 from train.deciders.decided_goal import DecidedGoal
@@ -72,7 +72,7 @@ def write_dataset(
             algorithm_name=strategy,
             description=text,
             author="Clean Swarm",
-            requirements=[f"clean-swarm=={version('clean-swarm')}"],
+            requirements=[f"clean-swarm=={__version__}"],
         )
     return text, minari.load_dataset(name).total_steps
 

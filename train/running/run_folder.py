@@ -14,8 +14,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from clean_swarm_env import __version__
 from selector.documents.find import SHIPPED
-from selector.documents.plain import DocumentError
+from selector.documents.plain import DocumentError, short
 from selector.documents.reading import read_json
 from selector.documents.writing import remove_parts, write_whole
 
@@ -25,6 +26,8 @@ except ImportError:  # Windows: two commands on one directory are not noticed
     fcntl = None  # type: ignore[assignment]
 
 MANIFEST = "manifest.json"
+RESULTS_FORMAT = 1
+"""Version of the files in a run folder, which the manifest has as `format`; manifests without it are the first."""
 MOST_STEM = 200
 """Length of the name of a directory; file systems allow 255, and a number may follow."""
 RECORDINGS = "recordings"
@@ -41,8 +44,8 @@ SHARE_FOLDERS = "shares"
 """Directory below a run folder in which commands keep the run folders of their shares."""
 CHOSEN_OPTIONS = "choices.jsonl"
 """File with the options that served each mission of an evaluation that learned."""
-PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
-"""Packages that every result depends on."""
+PACKAGES = ("numpy", "numba", "pymunk", "scipy", "pydantic")
+"""Packages that every result depends on, beside ours."""
 FINGERPRINTED = ("knowledge", "mechanisms", "robots")
 """Kinds of files on which a run depends, besides its configuration."""
 
@@ -69,7 +72,8 @@ class RunFolder:
 
     def __init__(self, path: Path, manifest: Mapping[str, Any], *, resume: bool, growing: str = "") -> None:
         self.path = path
-        content: Json = json.loads(json.dumps(manifest, allow_nan=False))  # as it is read later, with lists for tuples
+        plain: Json = json.loads(json.dumps(manifest, allow_nan=False))  # as it is read later, with lists for tuples
+        content: Json = {"format": RESULTS_FORMAT, **plain}
         identity, self.learned = content["identity"], content.get(LEARNED_BEFORE, {})
         self.words: list[str] = content.get(COMMAND, [])
         if path.exists() and not path.is_dir():
@@ -149,7 +153,7 @@ def read_manifest(directory: Path) -> Json:
     """Return the content of `manifest.json` in a directory.
 
     Raises:
-        DocumentError: there is no such directory, or no manifest in it.
+        DocumentError: there is no such directory, no manifest in it, or one of another format.
 
     """
     if not directory.is_dir():
@@ -161,6 +165,9 @@ def read_manifest(directory: Path) -> Json:
     content: Json = read_json(path)
     if not isinstance(content.get("identity"), dict):
         raise DocumentError(f"{path}: expected the manifest of an evaluation")
+    if (held := content.get("format", RESULTS_FORMAT)) != RESULTS_FORMAT:
+        by = "use the Clean Swarm that wrote it"
+        raise DocumentError(f"{path}: format: expected {RESULTS_FORMAT}, got {short(held)}; {by}")
     from selector.knowledge import learned_from  # imports pydantic and NumPy
 
     learned_from(content.get(LEARNED_BEFORE, {}), f"{path}: {LEARNED_BEFORE}")
@@ -183,14 +190,15 @@ def _difference(held: object, wanted: object, key: str = "") -> str:
 
 
 def versions(more: Sequence[str] = (), needed_by: str = "results need", extra: str = "") -> dict[str, str]:
-    """Return the versions of Python, of the packages that every result depends on, and of `more` packages.
+    """Return the versions of Python, of our packages and those that every result depends on, and of `more` packages.
 
     Raises:
         DocumentError: a package is not installed, which the `extra` has if there is one; `needed_by` begins the text.
 
     """
     try:
-        return {"python": platform.python_version(), **{name: version(name) for name in (*PACKAGES, *more)}}
+        others = {name: version(name) for name in (*PACKAGES, *more)}
+        return {"python": platform.python_version(), "clean-swarm": __version__, **others}
     except PackageNotFoundError as error:
         install = "pip install -c constraints.txt " + (f"'.[{extra}]'" if extra else ".")
         raise DocumentError(f"{needed_by} {error.name}, which is not installed: {install}") from error
