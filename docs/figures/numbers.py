@@ -51,8 +51,9 @@ def write(root: Path = ROOT) -> None:
 
 
 def pages(root: Path = ROOT) -> list[Path]:
-    """Return README and all pages; records of decisions say what was measured at their time and are left out."""
-    return [root / "README.md", *sorted((root / "docs").glob("*.md")), *sorted((root / "docs/tutorials").glob("*.md"))]
+    """Return README, all pages and the cards of policies; records of decisions say what was measured at their time and are left out."""
+    folders = root / "docs", root / "docs" / "tutorials", *sorted((root / "configs" / "policies").glob("*"))
+    return [root / "README.md", *(page for folder in folders for page in sorted(folder.glob("*.md")))]
 
 
 def faults(root: Path = ROOT) -> list[str]:

@@ -140,10 +140,13 @@ def fingerprint(inputs: Iterable[str], root: Path = ROOT) -> str:
 
 
 def input_files(inputs: Iterable[str], root: Path) -> list[Path]:
-    """Return the files of patterns and, of YAML files, the missions, mechanisms and so on that they name."""
+    """Return the files of patterns and, of YAML files, the missions, mechanisms and so on that they name.
+
+    Pages (.md) decide nothing.
+    """
     known, waiting = set[Path](), list[Path]()
     for pattern in inputs:
-        matched = [path for path in root.glob(pattern) if path.is_file()]
+        matched = [path for path in root.glob(pattern) if path.is_file() and path.suffix != ".md"]
         if not matched:
             raise ValueError(f"expected a file or a pattern of files among the inputs, got {pattern}")
         waiting += matched

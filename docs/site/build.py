@@ -24,7 +24,7 @@ GROUPS = {
     ),
     "Understand": (
         "ARCHITECTURE", "glossary", "robot", "selector", "selforg", "network", "walls", "models", "transport", "cost",
-        "paper", "original", "quirks", "golden", "reliability", "limits", "compared",
+        "paper", "original", "quirks", "golden", "reliability", "limits", "versions", "compared",
     ),
     "Results": (
         "results", "goal_results", "choosing", "exploring", "families", "scores", "robustness", "ablation",

@@ -179,6 +179,9 @@ def by_policy(_stage: Stage, kind: str, name: str, line: str) -> Iterator[str]:
     yield "## How it was trained"
     yield code("sh", str(training.get("command", "")))
     yield "The same command with the same versions makes the same bits."
+    card = files_of("policies")[name].with_name("README.md")
+    if card.exists():  # one that ships has a card
+        yield "## Results" + card.read_text(encoding="utf-8").partition("## Results")[2]
 
 
 def by_term(_stage: Stage, kind: str, name: str, line: str) -> Iterator[str]:
