@@ -51,7 +51,7 @@ def write(root: Path = ROOT) -> None:
 
 
 def pages(root: Path = ROOT) -> list[Path]:
-    """Return README, all pages and the cards of policies; records of decisions say what was measured at their time and are left out."""
+    """Return README, all pages and the cards of policies; records of decisions tell of their time and are left out."""
     folders = root / "docs", root / "docs" / "tutorials", *sorted((root / "configs" / "policies").glob("*"))
     return [root / "README.md", *(page for folder in folders for page in sorted(folder.glob("*.md")))]
 

@@ -69,7 +69,9 @@ def faults(source: Path, sdist: Path, wheel: Path) -> list[str]:
         "files of the wheel": (names, files | info),
     }
     found = [f"{what}: expected {_short(b, a)}, got {_short(a, b)}" for what, (a, b) in expected.items() if a != b]
-    found += [f"{path.name}: more than {MOST_BYTES} bytes" for path in (sdist, wheel) if path.stat().st_size > MOST_BYTES]
+    found += [
+        f"{path.name}: more than {MOST_BYTES} bytes" for path in (sdist, wheel) if path.stat().st_size > MOST_BYTES
+    ]
     return found + metadata_faults(zipfile.ZipFile(wheel).read(f"{stem}.dist-info/METADATA"), release)
 
 
@@ -88,7 +90,9 @@ def metadata_faults(content: bytes, release: str) -> list[str]:
     }
     found = [f"METADATA: {what}: expected {b}, got {a}" for what, (a, b) in own.items() if a != b]
     body = BytesParser().parsebytes(content).get_payload()
-    return found if str(body).startswith("# Clean Swarm\n") else [*found, "METADATA: expected the README as description"]
+    return (
+        found if str(body).startswith("# Clean Swarm\n") else [*found, "METADATA: expected the README as description"]
+    )
 
 
 def _hatch(source: Path, output: Path, target: str, moment: int) -> None:

@@ -26,7 +26,11 @@ def environments() -> dict[str, Any]:
     named = {name: (name, {}) for name in (*names_of("tasks", ()), *names_of("missions", ()))}
     modes = {f"table1, {mode}": ("table1", {"action": {"mode": mode}}) for mode in MODES}
     found = {key: frozen(clean_swarm_v0.parallel_env(name, **more)) for key, (name, more) in (named | modes).items()}
-    return {"reward": {GROWING: sorted(RewardConfig.model_fields), "weights": weights()}, **found, **{name: frozen_team(name) for name in IDS}}
+    return {
+        "reward": {GROWING: sorted(RewardConfig.model_fields), "weights": weights()},
+        **found,
+        **{name: frozen_team(name) for name in IDS},
+    }
 
 
 def frozen(env: CleanSwarm) -> dict[str, Any]:

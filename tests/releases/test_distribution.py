@@ -1,4 +1,4 @@
-"""What is published: built twice with the same bytes, complete, with valid metadata, and at work without the checkout."""
+"""What is published: built twice with the same bytes, complete, with valid metadata, working without the checkout."""
 
 import os
 import re
@@ -60,7 +60,7 @@ def test_what_is_published_is_complete_small_and_valid(built):
 
 
 def test_the_same_bytes_come_from_another_place_with_other_rights_and_times(built, tmp_path):
-    source, *first = built
+    _, *first = built
     (tmp_path / "elsewhere").mkdir()
     other = copied(tmp_path / "elsewhere", 0o077, 1_000_000_000)
     second = build(other, tmp_path / "dist", MOMENT)

@@ -103,7 +103,7 @@ POSITIVE, NEGATIVE, EITHER, COUNTS = range(4)
 
 
 class Scratch(NamedTuple):
-    """Memory overwritten for each row, or for a row that differs from the one before; see `PackedModel` for the axes."""
+    """Memory overwritten for each row, or for one that differs from the row before; the axes are those of the model."""
 
     leaf_satisfaction: Annotated[Floats, "L", SCRATCH]
     leaf_wish: Annotated[Floats, "L", SCRATCH]

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Words, Written
 from selforg.network import state as st
@@ -165,9 +165,9 @@ def sum_terms(row: int, model: Words[PackedModel], states: Written[RowStates]) -
 
 @inlined
 def share_row(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
-    """Find for `row` the operational behaviours, the live effects, and how many behaviours share those of each sensor.
+    """Find for `row` the operational behaviours, the live effects, and how many behaviours share those of a sensor.
 
-    All this follows from three marks of each behaviour. Most rows have those of the row before, whose results then stay.
+    All this follows from three marks of each behaviour. Most rows have those of the row before: its results stay.
     """
     if note_shown(row, states, scratch):
         find_live(row, model, states, scratch)
