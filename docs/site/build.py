@@ -106,7 +106,9 @@ def main() -> int:
     code = sphinx([*words, str(stage.folder), str(html)])
     for path in stage.kept:
         if path.suffix in SHOWN:  # pages of their own, which Sphinx would offer to save
-            shutil.copy(path, html / path.relative_to(stage.folder))
+            place = html / path.relative_to(stage.folder)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, place)
     wrong = faults(html) if code == 0 else []
     for line in wrong:
         print(line, file=sys.stderr)
