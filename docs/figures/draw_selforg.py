@@ -1,6 +1,7 @@
 """Draws the pictures of selforg: `python -m docs.figures.draw_selforg [DIR]` (default docs/pictures)."""
 
 import sys
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib
@@ -12,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
+from PIL import Image
 
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
@@ -156,7 +158,10 @@ def main(directory: Path) -> None:
         "evaporation_aggregation": draw_evaporation_and_aggregation(),
     }
     for name, figure in figures.items():
-        figure.savefig(directory / f"{name}.png", dpi=110)
+        drawn = BytesIO()
+        figure.savefig(drawn, dpi=110)
+        picture = Image.open(drawn).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2)
+        picture.save(directory / f"{name}.png", optimize=True)
         plt.close(figure)
         print(directory / f"{name}.png")
 
