@@ -43,5 +43,10 @@ def worlds_at_start(mission: MissionConfig, worlds: int) -> Worlds:
     made = Worlds(mission, CoordinatorModel(GOAL, knowledge, Library()), worlds)
     for world in range(worlds):
         made.reset(world, random_start(mission, SEED, world), run_seed(SEED, str(world)))
-    made.hold(np.full(made.rows, int(np.argmax(knowledge.scores(GOAL)))))
+    made.hold(np.full(made.rows, best_option(mission)))
     return made
+
+
+def best_option(mission: MissionConfig) -> int:
+    """Return the option of the highest score."""
+    return int(np.argmax(load_knowledge(mission.knowledge).scores(GOAL)))

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.examples.environment import environment
 from tests.examples.frameworks import ENVIRONMENTS
 from tests.paths import ROOT
 
@@ -16,13 +17,8 @@ FOLDERS = ("tests/examples", "tests/train/cli/test_dataset.py")
 
 def made(directory: Path, name: str, newest: bool = False) -> Path:
     """Return the Python of an environment, which is made if it does not exist."""
-    python = directory / name / "bin" / "python"
-    if not python.exists():
-        subprocess.run([sys.executable, "-m", "venv", directory / name], check=True)
     wanted = [text.partition("==")[0] if newest else text for text in ENVIRONMENTS[name][1:]]
-    packages = ("--upgrade", "torch", *wanted, "pytest", "hypothesis", "-e", ".")
-    subprocess.run([python, "-m", "pip", "install", "-q", "-c", "constraints.txt", *packages], cwd=ROOT, check=True)
-    return python
+    return environment(directory / name, "--upgrade", "torch", *wanted, "pytest", "hypothesis", "-e", ".")
 
 
 def passed(python: Path, tests: str) -> bool:
