@@ -70,6 +70,38 @@ def others(results: Any) -> list[str]:
     return lines
 
 
+OURS = {
+    "tick": "ours, `Worlds.tick`",
+    "Batch": "ours, `Batch.step`, a decision every five ticks",
+    "Batch, each tick": "ours, `Batch.step`, a decision each tick",
+}
+
+
+def peers(results: Any) -> list[str]:
+    """Return the table of world-ticks beside peers, with the versions and the load of that run."""
+    found = results["peers"]
+    keys = [key.rpartition(" x ") for key in found["median"]]
+    names = [*OURS, *sorted({name for name, _, _ in keys} - set(OURS), key=str.lower)]
+    worlds = sorted({int(count) for _, _, count in keys})
+    titles = ("1 world", *(f"{count}" for count in worlds[1:]))
+    lines = [f"| | {' | '.join(titles)} |", "|---" * (len(worlds) + 1) + "|"]
+    for name in names:
+        cells = [_cell(found, f"{name} x {count}") for count in worlds]
+        lines.append(f"| {OURS.get(name, name)} | {' | '.join(cells)} |")
+    told = ", ".join(f"{package} {number}" for package, number in sorted(found["versions"].items()))
+    load, machine = found["load"], found["machine"]
+    lines += ["", f"{machine['cpu']}, {machine['cores']} cores; load {load['before']:.1f} before the run and"]
+    return [*lines, f"{load['after']:.1f} after it; {told}."]
+
+
+def _cell(found: Any, key: str) -> str:
+    """Return median and range of a contestant, or nothing where it was not measured."""
+    if key not in found["median"]:
+        return ""
+    median, least, most = (f"{found[what][key]:,.0f}" for what in ("median", "least", "most"))
+    return f"{median} ({least} to {most})"
+
+
 def _order(size: str) -> tuple[int, int]:
     worlds, robots = (int(number) for number in size.split(" x "))
     return robots, worlds
@@ -121,6 +153,8 @@ def main() -> None:
     lines += ["![tick and floor by robots](pictures/benchmark_growth.png)", ""]
     lines += ["![parts of a tick by size](pictures/benchmark_parts.png)", ""]
     lines += ["## Patrol alone", "", *ages(results), "", "## Border, memory, start", "", *others(results)]
+    if "peers" in results:
+        lines += ["", "## Beside peers: world-ticks per CPU second", "", *peers(results)]
     above = DOCUMENT.read_text(encoding="utf-8").partition(MARKER)[0]
     DOCUMENT.write_text(f"{above}{MARKER}\n" + "\n".join(lines) + "\n", encoding="utf-8")
 
