@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import matplotlib
@@ -97,8 +98,8 @@ def peers(results: Any) -> list[str]:
         lines.append(f"| {OURS.get(name, name)} | {' | '.join(cells)} |")
     told = ", ".join(f"{package} {number}" for package, number in sorted(found["versions"].items()))
     load, machine = found["load"], found["machine"]
-    lines += ["", f"{machine['cpu']}, {machine['cores']} cores; load {load['before']:.1f} before the run and"]
-    return [*lines, f"{load['after']:.1f} after it; {told}."]
+    about = f"{machine['cpu']}, {machine['cores']} cores; load {load['before']:.1f} before the run and"
+    return [*lines, "", *wrap(f"{about} {load['after']:.1f} after it; {told}.", 120)]
 
 
 def _cell(found: Any, key: str) -> str:

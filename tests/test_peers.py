@@ -33,4 +33,4 @@ def test_the_table_leaves_out_what_was_not_measured():
     assert lines[:2] == ["| | 1 world | 64 |", "|---|---|---|"]
     assert lines[2] == "| ours, `Worlds.tick` | 40,000 (40,000 to 40,000) | 100,000 (100,000 to 100,000) |"
     assert lines[5] == "| VMAS |  | 5 (5 to 5) |"
-    assert lines[-1] == "2.0 after it; vmas 1.0."
+    assert lines[-1] == "A, 2 cores; load 1.0 before the run and 2.0 after it; vmas 1.0."

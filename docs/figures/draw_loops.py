@@ -13,7 +13,7 @@ from PIL import Image
 from clean_swarm_env import clean_swarm_v0
 
 FOLDER = Path(__file__).parents[1] / "pictures" / "loops"
-TASKS = ("CircleFormation", "CollectiveExploration", "Foraging", "FormationControl", "ReachGoal")
+TASKS = ("CircleFormation", "CollectiveExploration", "Foraging", "ReachGoal", "UniformDistribution")
 MISSIONS = ("table1", "bumpers", "exploring", "scouts", "silent-zone", "three-rooms", "transport")
 SEED, SIDE, MOST = 1, 320, 80
 """Seed of the mission, longer side of the pictures [pixels], most pictures."""
