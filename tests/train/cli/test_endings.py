@@ -101,4 +101,4 @@ def test_a_directory_that_holds_only_parts_of_the_dead_counts_as_empty(tmp_path)
     (tmp_path / ".manifest.json.999999999.part").write_text("half")
     RunFolder(tmp_path, IDENTITY, resume=False)
     assert [path.name for path in tmp_path.iterdir()] == ["manifest.json"]
-    assert json.loads((tmp_path / "manifest.json").read_text()) ["identity"] == IDENTITY["identity"]
+    assert json.loads((tmp_path / "manifest.json").read_text())["identity"] == IDENTITY["identity"]

@@ -46,7 +46,7 @@ def test_every_finished_run_is_on_the_disk_at_once(tmp_path):
     assert [json.loads(line)["duration_s"] for line in lines] == [0.1 + 0.2]
     results.close()
     assert float(_rows(results.folder.path)[0]["duration_s"]) == 0.1 + 0.2
-    assert json.loads((results.folder.path / "manifest.json").read_text()) ["identity"] == MANIFEST["identity"]
+    assert json.loads((results.folder.path / "manifest.json").read_text())["identity"] == MANIFEST["identity"]
 
 
 def test_runs_are_sorted_in_the_end_whatever_their_order(tmp_path):
