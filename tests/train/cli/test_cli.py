@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from clean_swarm_env import __version__
 from selector.documents.find import KINDS, files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
@@ -235,7 +236,7 @@ def test_listing_names_everything_of_each_kind(run):
     for kind, name in (("strategy-classes", "UCB1"), ("tasks", "CircleFormation"), ("terms", "encounter")):
         assert name in run("list", kind)[1]
     code, out, _ = run("--version")
-    assert (code, out.split()[0]) == (0, "clean-swarm")
+    assert (code, out) == (0, f"clean-swarm {__version__}\n")
 
 
 def test_a_shell_completes_commands(run):

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
-from train.running.run_folder import RunFolder, default_directory
+from train.running.run_folder import RESULTS_FORMAT, RunFolder, default_directory, read_manifest
 
 MANIFEST = {"identity": {"experiment": "x", "seed": 3, "configuration": {"mission": {"name": "m"}, "starts": [1, 2]}}}
 
@@ -48,6 +48,25 @@ def test_results_of_something_else_are_named(tmp_path, change, expected, resume)
     with pytest.raises(ConfigurationError, match="has other results") as caught:
         RunFolder(tmp_path, {"identity": MANIFEST["identity"] | change}, resume=resume)
     assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize("other", [RESULTS_FORMAT + 1, 0, "x", None, [1] * 1000])
+def test_results_of_another_format_are_left_alone(tmp_path, other):
+    held = tmp_path / "manifest.json"
+    held.write_text(json.dumps({"format": other, **MANIFEST}))
+    before = held.read_bytes()
+    for read in (read_manifest, lambda path: RunFolder(path, MANIFEST, resume=True)):
+        with pytest.raises(
+            ConfigurationError, match=r"manifest\.json: format: expected 1, got .* use the Clean Swarm"
+        ) as refused:
+            read(tmp_path)
+        assert "\n" not in str(refused.value)
+    assert held.read_bytes() == before
+
+
+def test_results_from_before_there_were_formats_are_of_the_first(tmp_path):
+    (tmp_path / "manifest.json").write_text(json.dumps(MANIFEST))
+    assert read_manifest(tmp_path) == MANIFEST
 
 
 def test_a_file_in_place_of_the_directory_is_an_error(tmp_path):
