@@ -8,7 +8,6 @@ import zipfile
 import pytest
 
 from tests.paths import ROOT
-from tests.test_architecture import wheel as wheel  # a fixture
 
 USERS = "raise RuntimeError('a file of the user was imported')\n"
 STEP = "env = clean_swarm_v0.parallel_env(); env.reset(seed=1); print('agents', len(env.agents))\n"
@@ -78,8 +77,12 @@ def test_worker_processes_of_a_script(folder):
     assert python(folder, "mine.py") == python(folder, "-m", "mine") == expected
 
 
-def test_the_installed_wheel(folder, wheel, tmp_path_factory):
-    site = tmp_path_factory.mktemp("site")
+def test_the_installed_wheel(folder, tmp_path):
+    pytest.importorskip("hatchling")
+    from tests.releases.build import build
+
+    _, wheel = build(ROOT, tmp_path / "dist", moment=1_795_000_000)
+    site = tmp_path / "site"
     zipfile.ZipFile(wheel).extractall(site)
     assert python(folder, "-c", IMPORT, packages=site) == "agents 5\n"
     assert "\npatrol " in python(folder, "-m", "clean_swarm_env", "list", "experiments", packages=site)
