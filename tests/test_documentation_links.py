@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.figures import update_architecture
+from docs.figures import update_architecture, write_keys
 from selforg.compiler.records import Recording
 from tests.paths import ROOT
 
@@ -125,6 +125,10 @@ def test_the_architecture_lists_the_records_of_the_code():
     update_architecture.records()  # imports all modules with records
     ours = {kind.__name__ for kind in Recording.of if kind.__module__.partition(".")[0] in PACKAGES[:4]}
     assert listed == ours, "run: python -m docs.figures.update_architecture"
+
+
+def test_the_page_of_keys_is_that_of_the_code():
+    assert write_keys.FILE.read_text(encoding="utf-8") == write_keys.page(), "run: python -m docs.figures.write_keys"
 
 
 def test_the_walks_of_the_architecture_lead_through_code_that_exists():

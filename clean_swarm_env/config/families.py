@@ -106,13 +106,13 @@ class FamilyConfig(Closed):
     sizes: Annotated[tuple[tuple[Length, Length], ...], Field(max_length=1000)] = ()
     """Widths and heights of tori, one of which is drawn; if empty, the torus of the mission [m]."""
     robots: tuple[Robots, Robots] = (5, 5)
-    """Least and largest number of robots at the start."""
+    """Least and largest number of robots at the start; that of the mission unless given."""
     groups: dict[Name, tuple[Robots, Robots]] = Field(default={})
     """Instead of `robots`: least and largest number of robots of some of the models of the mission."""
     items: tuple[Items, Items] = (10, 10)
-    """Least and largest number of items at the start."""
+    """Least and largest number of items at the start; that of the mission unless given."""
     respawn: Span = (0.0, 0.0)
-    """Least and largest rate at which garbage keeps coming [1/min]."""
+    """Least and largest rate at which garbage keeps coming; that of the mission unless given [1/min]."""
     spots: tuple[SpotCount, SpotCount] | None = None
     """Least and largest number of spots of garbage, at random places; those of the mission unless given."""
     stations: Literal["given", "random"] = "given"
@@ -132,6 +132,11 @@ class FamilyConfig(Closed):
     def _possible(self) -> Self:
         if self.station_places is not None and self.stations == "given":
             raise impossible("station_places", "stations: random", "stations: given")
+        own = {
+            "robots": (self.mission.robots.count,) * 2,
+            **find_task(self.mission.task.name).item_ranges(self.mission),
+        }
+        self.__dict__.update({name: span for name, span in own.items() if name not in self.model_fields_set})
         self._sum_groups()
         for name in ("robots", "items", "respawn", "spots", "station_places"):
             least, most = getattr(self, name) or (0, 0)

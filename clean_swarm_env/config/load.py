@@ -29,12 +29,15 @@ def load_experiment(name_or_path: str, directories: Sequence[Path] = (), *, trus
 
 
 def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> RobustnessConfig | None:
-    """Return the experiment of a name or path if it has disturbances, each with its whole mission; else None."""
+    """Return the experiment of a name or path if it compares strategies; else None, for it has conditions.
+
+    Each of its disturbances has its whole mission.
+    """
     path = find_file("experiments", name_or_path, directories)
     content = _resolved(path, directories)
-    if "disturbances" not in content:
+    if not content.keys() & {"disturbances", "strategies"}:
         return None
-    given = content["disturbances"]
+    given = content.get("disturbances")
     for each in given if isinstance(given, list) else ():
         if isinstance(each, dict) and isinstance(content["mission"], dict):
             changes = each.get("mission", {})
@@ -55,8 +58,7 @@ def load_family(name_or_path: str, directories: Sequence[Path] = (), *, trust: b
 
 def random_starts(mission: MissionConfig) -> FamilyConfig:
     """Return a mission from random starts as a family of its name."""
-    ranges = {"robots": (mission.robots.count,) * 2, **find_task(mission.task.name).item_ranges(mission)}
-    content = {"name": mission.name, "description": "The mission from random starts.", "mission": mission, **ranges}
+    content = {"name": mission.name, "description": "The mission from random starts.", "mission": mission}
     return validated(FamilyConfig, content, mission.name)
 
 

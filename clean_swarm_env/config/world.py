@@ -53,6 +53,12 @@ class ZoneConfig(Closed):
     speed: Annotated[float, Field(strict=True, ge=0.01, le=1.0)] = 1.0
     """Share of its largest speed that a robot has inside [-]."""
 
+    @model_validator(mode="after")
+    def _does_something(self) -> Self:
+        if self.loss == 0.0 and self.speed == 1.0:
+            raise impossible("loss", "a loss above 0, or a speed below 1", "a zone that does nothing")
+        return self
+
 
 class WorldConfig(Closed):
     """The ground and its physics."""

@@ -19,7 +19,7 @@ BUILD = ROOT / "build" / "site"
 GROUPS = {
     "Tutorials": tuple(f"tutorials/{name}" for name in ("see", "learn", "selector", "mechanism", "task", "mind")),
     "Do": (
-        "README", "commands", "play", "recordings", "environment", "tasks", "own_task", "own_plugins", "learning",
+        "README", "commands", "keys", "play", "recordings", "environment", "tasks", "own_task", "own_plugins", "learning",
         "strategies", "machines", "tuning", "knowledge", "clusters", "trust",
     ),
     "Understand": (

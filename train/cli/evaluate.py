@@ -58,10 +58,10 @@ def evaluate_command(
     if values["learn"] and values["workers"] not in (None, 1):
         expected = "expected 1 with --learn, where missions learn in turn"
         raise ConfigurationError(f"--workers: {expected}, got {values['workers']}")
-    of_family = {"--knowledge": values["knowledge"], "--goal": values["goal"], "--world-seeds": world_seeds > 1}
     if family is None:
         check_named(given.directories, experiments=experiment)
-        _check_absent("with --family", {"--strategy": strategy, **of_family})
+        unused = {"--strategy": strategy, "--knowledge": values["knowledge"], "--world-seeds": world_seeds > 1}
+        _check_absent("with --family", unused)
     else:
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         check_named(given.directories, strategy, families=family, knowledge=values["knowledge"])
@@ -81,6 +81,7 @@ def evaluate_command(
         _check_absent("with experiments without disturbances", unused)
         evaluation = FamilyEvaluation(given.request(experiment, strategies=robustness.strategies), robustness)
     else:
+        _check_absent("with --family, or an experiment with disturbances", {"--goal": values["goal"]})
         evaluation = ExperimentEvaluation(given.request(experiment, starts=starts, conditions=tuple(condition or ())))
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -49,28 +49,42 @@ OWN_SENSORS = (
 BEHAVIOURS = ("MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump")
 """Behaviours that the world carries out; a document may add others, and may coordinate `Patrol`."""
 WHERE = "mission.network.robot: "
-"""Where a mission names the document of its robots."""
+"""Where a mission names the document of robots whose group names none."""
 PATROL = "Patrol"
 """A behaviour that the world carries out unless a document replaces it."""
 
 
-def documents_of(mission: MissionConfig) -> dict[str, bool]:
-    """Return the documents of a mission's robots, that of the network first, and whether robots of each carry items."""
-    found = {mission.network.robot: False}
-    for model in mission.robots.models:
+class Named(NamedTuple):
+    """How a mission names a document of robots, and what for."""
+
+    where: str
+    """Begins the line of an error: the key of the first group that names it, or carries with it."""
+    carries: bool
+    """Whether robots with this document carry items."""
+
+
+def documents_of(mission: MissionConfig) -> dict[str, Named]:
+    """Return name -> `Named` of the documents of a mission's robots, that of the network first."""
+    found = {mission.network.robot: Named(WHERE, carries=False)}
+    for number, model in enumerate(mission.robots.models):
         name = model.document or mission.network.robot
-        found[name] = found.get(name, False) or model.carries > 0
+        known, carries = found.get(name), model.carries > 0
+        if known is None or (carries and not known.carries):
+            key = "document" if model.document else "carries"
+            where = f"mission.robots.groups.{number}.{key}: " if mission.robots.groups else WHERE
+            found[name] = Named(where, carries)
     return found
 
 
 def goals_of(mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
     """Return the goals that the documents of a mission's robots coordinate; DocumentError if they differ."""
-    found = {name: coordinated_goals(find_file("robots", name, directories, WHERE)) for name in documents_of(mission)}
+    named = documents_of(mission)
+    found = {name: coordinated_goals(find_file("robots", name, directories, by.where)) for name, by in named.items()}
     first = found[mission.network.robot]
     for name, goals in found.items():
         if set(goals) != set(first):
             expected = f"a robot that coordinates {', '.join(first)} as {mission.network.robot} does"
-            raise DocumentError(f"{WHERE}{name}: expected {expected}, got {', '.join(goals)}")
+            raise DocumentError(f"{named[name].where}{name}: expected {expected}, got {', '.join(goals)}")
     return first
 
 
@@ -79,9 +93,9 @@ def network_of_robots(
 ) -> RobotNetwork:
     """Return the network of all documents of a mission's robots."""
     network, networks = mission.network, {}
-    for name, carries in documents_of(mission).items():
+    for name, by in documents_of(mission).items():
         named = network.model_copy(update={"robot": name})
-        networks[name] = robot_network(named, coordinators, directories, carries=carries)
+        networks[name] = robot_network(named, coordinators, directories, by)
     return merged_networks(networks)
 
 
@@ -89,8 +103,7 @@ def robot_network(
     config: NetworkConfig,
     coordinators: Sequence[CoordinatorModel],
     directories: Sequence[Path] = (),
-    *,
-    carries: bool = True,
+    named: Named = Named(WHERE, carries=True),
 ) -> RobotNetwork:
     """Return the network of a cleaning robot, as `configs/robots/<config.robot>.yaml` declares it.
 
@@ -99,7 +112,7 @@ def robot_network(
             does nothing, or, of robots that carry items, one that is missing.
 
     """
-    path = find_file("robots", config.robot, directories, WHERE)
+    path = find_file("robots", config.robot, directories, named.where)
     parameters = {"transport_full_range": config.transport_full_range}
     by_goal = {coordinator.goal: coordinator for coordinator in coordinators}
     robot = load_network(path, by_goal, parameters, config.build())
@@ -118,8 +131,9 @@ def robot_network(
             expected = f"a network, a coordinator, or one of {', '.join((*BEHAVIOURS, PATROL))}, which act"
             raise DocumentError(f"{shown(path)}: networks: behaviours.{behaviour.name}: expected {expected}, got none")
     missing = [name for name in BEHAVIOURS if name not in model.behaviour_index]
-    if missing and carries:
-        raise DocumentError(f"{shown(path)}: expected the behaviours {', '.join(BEHAVIOURS)}; {missing[0]} is missing")
+    if missing and named.carries:
+        expected = f"the behaviours {', '.join(BEHAVIOURS)} of robots that carry items"
+        raise DocumentError(f"{named.where}{shown(path)}: expected {expected}; {missing[0]} is missing")
     return robot
 
 

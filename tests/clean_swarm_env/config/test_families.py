@@ -7,7 +7,7 @@ import pytest
 
 from clean_swarm_env.config.families import SPLITS, FamilyConfig, place_of, seed_of
 from clean_swarm_env.config.frames import check_frame, grouped
-from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.starts import for_start, nearest_distance
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.tasks.cleaning.cost import mission_cost
@@ -275,3 +275,13 @@ def test_worlds_of_a_scenario_differ_in_their_seed_only():
     assert [place_of(scenario.id) for scenario in (first, second)] == [(4, 0), (4, 1)]
     with pytest.raises(DocumentError, match=r"expected a scenario such as test-3 or test-3\.2, got"):
         place_of("test-0")
+
+
+def test_numbers_are_those_of_the_mission_unless_the_family_draws_them(tmp_path):
+    path = tmp_path / "own.yaml"
+    path.write_text("name: own\ndescription: D.\nmission: {base: three-rooms}\nitems: [3, 4]\n")
+    own, mission = load_family(str(path)), load_mission("three-rooms")
+    assert own.robots == (mission.robots.count,) * 2 != (5, 5)
+    assert own.items == (3, 4)
+    path.write_text("name: own\ndescription: D.\nmission: {task: {garbage: {count: 7, respawn: 2.5}}}\n")
+    assert (load_family(str(path)).items, load_family(str(path)).respawn) == ((7, 7), (2.5, 2.5))

@@ -88,8 +88,8 @@ def test_a_world_of_two_documents_has_the_same_bits_in_a_batch_and_from_a_state(
     ("change", "message"),
     [
         ({"document": "cleaning"}, r"cleaning: expected a robot that coordinates ExplorationPatrol, AvoidCollision as"),
-        ({"document": "nobody"}, r"mission\.network\.robot: .*nobody"),
-        ({"carries": 1}, r"scout\.yaml: expected the behaviours .*; MoveToRecycling is missing"),
+        ({"document": "nobody"}, r"^mission\.robots\.groups\.1\.document: .*nobody"),
+        ({"carries": 1}, r"^mission\.robots\.groups\.1\.document: .*scout\.yaml: .*; MoveToRecycling is missing"),
     ],
 )
 def test_documents_that_do_not_fit_are_one_line(change, message):

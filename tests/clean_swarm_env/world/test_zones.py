@@ -116,11 +116,15 @@ def test_a_recording_holds_the_zones_and_pictures_draw_them(tmp_path):
         ),
         ({"area": [[5.0, 0.0], [14.0, 1.0]]}, "world.zones.0.area: expected a lower left and an upper right corner"),
         ({"loss": 1.5}, "world.zones.0.loss: expected less than or equal to 1"),
+        (
+            {"loss": 0.0},
+            "world.zones.0.loss: expected a loss above 0, or a speed below 1, got a zone that does nothing",
+        ),
         ({"speed": 0.0}, "world.zones.0.speed: expected greater than or equal to 0.01"),
         ({"sped": 0.5}, "world.zones.0.sped: unknown key 'sped'"),
     ],
 )
 def test_a_mistake_is_one_line(zone, words):
     with pytest.raises(ValidationError) as caught:
-        MissionConfig.model_validate({"world": {"zones": [{**LEFT, **zone}]}})
+        MissionConfig.model_validate({"world": {"zones": [{**LEFT, "loss": 0.5, **zone}]}})
     assert words in one_line(caught.value, "m.yaml")
