@@ -19,8 +19,8 @@ BUILD = ROOT / "build" / "site"
 GROUPS = {
     "Tutorials": tuple(f"tutorials/{name}" for name in ("see", "learn", "selector", "mechanism", "task", "mind")),
     "Do": (
-        "README", "commands", "keys", "play", "recordings", "environment", "tasks", "own_task", "own_plugins", "learning",
-        "strategies", "machines", "tuning", "knowledge", "clusters", "trust",
+        "README", "commands", "keys", "play", "recordings", "environment", "tasks", "own_task", "own_plugins",
+        "learning", "strategies", "machines", "tuning", "knowledge", "clusters", "trust",
     ),
     "Understand": (
         "ARCHITECTURE", "glossary", "robot", "selector", "selforg", "network", "walls", "models", "transport", "cost",

@@ -63,6 +63,10 @@ class Named(NamedTuple):
     """Whether robots with this document carry items."""
 
 
+OF_THE_NETWORK: Final = Named(WHERE, carries=True)
+"""The document of robots that carry items and are all alike."""
+
+
 def documents_of(mission: MissionConfig) -> dict[str, Named]:
     """Return name -> `Named` of the documents of a mission's robots, that of the network first."""
     found = {mission.network.robot: Named(WHERE, carries=False)}
@@ -103,7 +107,7 @@ def robot_network(
     config: NetworkConfig,
     coordinators: Sequence[CoordinatorModel],
     directories: Sequence[Path] = (),
-    named: Named = Named(WHERE, carries=True),
+    named: Named = OF_THE_NETWORK,
 ) -> RobotNetwork:
     """Return the network of a cleaning robot, as `configs/robots/<config.robot>.yaml` declares it.
 
