@@ -218,6 +218,16 @@ class MissionConfig(Closed):
         return self.robots.count + sum(event.robots for event in self.events if isinstance(event, Join))
 
     @property
+    def slowest(self) -> float:
+        """Largest speed of the slowest robots, in the slowest zone, as a share of 1 m/s; at most 1 [-].
+
+        Distances at which pheromones merge are made for 1 m/s; where robots are slower they are shorter by this factor.
+        Else a robot whose step is shorter than the distance drags one pheromone along and leaves no trail.
+        """
+        zones = min((zone.speed for zone in self.world.zones), default=1.0)
+        return min(1.0, zones * min(model.max_speed for model in self.robots.models))
+
+    @property
     def items(self) -> ItemCounts:
         """The numbers of items."""
         return find_task(self.task.name).count_items(self)

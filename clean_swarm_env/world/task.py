@@ -36,7 +36,7 @@ from selforg.gradients.settings import BufferSettings
 AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of things: gradients at one place are one thing."""
 TRAILS: Final = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3)
-"""Settings of buffers of pheromones, of which the strongest at a place counts."""
+"""Settings of buffers of pheromones, of which the strongest at a place counts, for robots of 1 m/s."""
 WALK: Final = 2.0
 """Time for which a robot on a random walk keeps its direction [s]."""
 
@@ -208,7 +208,8 @@ class Task(ShownTask, ABC, Generic[S, T]):
 
         In `own_pheromones` each robot finds only its own pheromones.
         """
-        space, trails = poses.space, replace(TRAILS, hidden=mission.world.blocks("pheromones"))
+        space, merged = poses.space, TRAILS.aggregation_distance * mission.slowest
+        trails = replace(TRAILS, aggregation_distance=merged, hidden=mission.world.blocks("pheromones"))
         return {
             "gradients": SoBuffer(AROUND, space, poses),
             "pheromones": SoBuffer(trails, space, poses, reception.delivery()),

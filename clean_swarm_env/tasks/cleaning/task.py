@@ -101,7 +101,8 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         newest = BufferSettings(task.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0)
         items = SoBuffer(newest, space, poses)
         patrol, strongest = task.patrol, {"DEFAULT": "max"}
-        trails = BufferSettings(patrol.view_distance, strongest, patrol.aggregation_distance, patrol.min_diffusion)
+        merged = patrol.aggregation_distance * mission.slowest
+        trails = BufferSettings(patrol.view_distance, strongest, merged, patrol.min_diffusion)
         trails = replace(trails, hidden=mission.world.blocks("pheromones"))
         pheromones = SoBuffer(trails, space, poses, reception.delivery())
         return {

@@ -16,6 +16,7 @@ from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import one_line
+from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
 from tests.clean_swarm_env.courses import avoidance, course, difference, long_course, mission, worlds_at_start
 
@@ -128,3 +129,16 @@ def test_a_mistake_is_one_line(zone, words):
     with pytest.raises(ValidationError) as caught:
         MissionConfig.model_validate({"world": {"zones": [{**LEFT, "loss": 0.5, **zone}]}})
     assert words in one_line(caught.value, "m.yaml")
+
+
+@pytest.mark.parametrize(("max_speed", "mud"), [(1.0, 0.3), (0.3, 1.0)])
+def test_slow_robots_that_patrol_leave_a_trail_and_do_not_stay_where_they_are(max_speed, mud):
+    zones = [{"name": "mud", "area": [[0.0, 0.0], [11.0, 11.0]], "speed": mud}] if mud < 1.0 else []
+    config = mission(world={"zones": zones}, robots={"count": 1, "max_speed": max_speed})
+    worlds = Worlds(config, avoidance(), 1)
+    far = tuple((0.5 + 0.5 * k, 0.5) for k in range(10))
+    worlds.reset(0, StartConfiguration(id="s", robots=((5.5, 5.5, 0.0),), items=far), 1)
+    course(worlds, 0, 75)
+    trail = Queries(worlds.minds.buffers["pheromones"]).gather(15.0, [0], Filter(view_distance=np.inf)).pairs
+    assert len(trail) > 30  # one in each step of 0.06 m, but for those of a turn; else one that is dragged along
+    assert np.hypot(*(worlds.physics.positions[0] - 5.5)) > 2.0
