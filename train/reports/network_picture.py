@@ -143,10 +143,11 @@ def place_boxes(panel: NetworkPanel, top: float = 0.0) -> dict[str, PlacedBox]:
 def _nearest_rising(values: Floats) -> Floats:
     """Return the values that nowhere fall and are nearest to those given (n,), by their squared distance."""
     sums, ends = np.cumsum([0.0, *values]), np.arange(len(values))
-    counts = ends - ends[:, None] + 1  # from a first value on (rows) up to a last one
-    means = np.where(counts > 0, (sums[1:] - sums[:-1, None]) / np.maximum(counts, 1), np.inf)
+    means = (sums[1:] - sums[:-1, None]) / np.maximum(
+        ends - ends[:, None] + 1, 1
+    )  # from first ones (rows) to last ones
     least = np.minimum.accumulate(means[:, ::-1], axis=1)[:, ::-1]  # of all that begin there and end here or later
-    rising: Floats = np.where(counts > 0, least, -np.inf).max(axis=0)
+    rising: Floats = np.where(ends >= ends[:, None], least, -np.inf).max(axis=0)
     return rising
 
 
