@@ -35,6 +35,8 @@ class StoreRequest:
     def __post_init__(self) -> None:
         if self.learn and self.url is None:
             raise DocumentError("--learn: expected --store URL, the knowledge store to give to")
+        if self.url:  # a missing package is told before anything is compiled
+            from selector.store import KnowledgeStore  # noqa: F401
 
     def memory(self, knowledge: Knowledge, context: str, source: str) -> "Memory | None":
         """Return the memory of a run; None without a store."""
