@@ -71,7 +71,7 @@ def evaluate_command(
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         check_named(given.directories, strategy, families=family, knowledge=values["knowledge"])
     check_there(starts)
-    from clean_swarm_env.config.load import load_robustness  # these import SciPy, Numba and Matplotlib
+    from clean_swarm_env.config.load import load_robustness  # these import Numba
     from train.evaluation import pipeline
     from train.evaluation.base import Evaluation
     from train.evaluation.experiment import ExperimentEvaluation
