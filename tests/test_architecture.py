@@ -101,6 +101,21 @@ def test_help_is_quick_because_heavy_libraries_wait():
     assert not _loaded_after("import train.cli.app") & {"matplotlib", "scipy", "pymunk", "numba"}
 
 
+OF_EXTRAS = (
+    *("scipy", "sqlalchemy", "pg8000", "optuna", "ribs", "unified_planning", "onnxruntime", "cv2", "dask", "minari"),
+    *("pygame", "pyarrow", "mcap", "torch", "stable_baselines3"),
+)
+"""What `pip install .` does not bring."""
+MAIN_JOBS = ("evaluation.pipeline", "evaluation.task_run", "evaluation.repeat", "live.session", "replay.page_file")
+
+
+def test_what_runs_missions_needs_no_extra_and_draws_nothing():
+    missing = dict.fromkeys((*OF_EXTRAS, "matplotlib", "PIL"))
+    code = f"import sys; sys.modules.update({missing}); from clean_swarm_env import clean_swarm_v0, siblings"
+    jobs = "; ".join(f"import train.{job}" for job in MAIN_JOBS)
+    assert "numba" in _loaded_after(f"{code}; siblings.own('train'); {jobs}")
+
+
 @pytest.mark.parametrize(("marker", "words"), [("run", "clean-swarm evaluate"), ("test", "'.[dev]'")])
 def test_the_readme_has_one_line_for_each_set_up(marker, words):
     text = (ROOT / "README.md").read_text(encoding="utf-8")

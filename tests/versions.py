@@ -17,7 +17,7 @@ PYTHONS = ("3.11", "3.12", "3.13")
 NEWEST, LOWEST = "highest", "lowest-direct"
 TESTS = ("tests/clean_swarm_env/config", "tests/train/cli/test_configs.py", "tests/selforg/test_switches.py")
 TOOLS = ("pytest", "hypothesis", "types-PyYAML")
-SHOWN = ("numpy", "numba", "pydantic", "typer", "sqlalchemy", "pettingzoo")
+SHOWN = ("numpy", "numba", "pydantic", "typer", "pettingzoo")
 """Packages whose versions are printed."""
 
 

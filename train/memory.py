@@ -4,6 +4,7 @@ import os
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import platformdirs
@@ -12,8 +13,11 @@ from selector.documents.errors import DocumentError
 from selector.documents.fields import MOST_STORED
 from selector.documents.plain import short
 from selector.knowledge import Knowledge, LearnedScores, load_knowledge
-from selector.store import KnowledgeStore, RewardSums, StoredKnowledge, StoreError, document
+from selector.store import RewardSums, StoredKnowledge, StoreError, document
 from selector.store.stored_knowledge import stored
+
+if TYPE_CHECKING:
+    from selector.store import KnowledgeStore
 
 VARIABLE = "CLEAN_SWARM_STORE"
 """Environment variable with the URL of the store, used without `--store`."""
@@ -31,6 +35,8 @@ class StoreRequest:
     def __post_init__(self) -> None:
         if self.learn and self.url is None:
             raise DocumentError("--learn: expected --store URL, the knowledge store to give to")
+        if self.url:  # a missing package is told before anything is compiled
+            from selector.store import KnowledgeStore  # noqa: F401
 
     def memory(self, knowledge: Knowledge, context: str, source: str) -> "Memory | None":
         """Return the memory of a run; None without a store."""
@@ -60,7 +66,7 @@ class Memory:
 
     """
 
-    def __init__(self, store: KnowledgeStore, knowledge: Knowledge, context: str, source: str) -> None:
+    def __init__(self, store: "KnowledgeStore", knowledge: Knowledge, context: str, source: str) -> None:
         self._store, self._expert, self.context, self.source = store, knowledge, context, source
         if source:
             if len(context) > MOST_STORED:
@@ -116,11 +122,13 @@ def default_path() -> Path:
     return platformdirs.user_data_path("clean-swarm", appauthor=False) / "knowledge.sqlite"
 
 
-def opened(url: str | None, *, create: bool) -> KnowledgeStore:
+def opened(url: str | None, *, create: bool) -> "KnowledgeStore":
     """Return the store of a URL if given, else that of the environment variable, else that in the data directory.
 
     With `create`, a missing store is made, and for the data directory also the directory.
     """
+    from selector.store import KnowledgeStore  # imports SQLAlchemy, of the extra "store"
+
     named = store_url(url)
     if create and named == str(default_path()):
         try:

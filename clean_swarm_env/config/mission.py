@@ -114,7 +114,7 @@ class MissionConfig(Closed):
         """Return the store as manifests and recordings name it: without its password."""
         if not store:
             return store
-        from selector.store.connection import public_url  # imports SQLAlchemy, which takes long
+        from selector.store import public_url  # imports SQLAlchemy, which takes long
 
         return public_url(store)
 

@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Final
 
-from selector.documents.find import KINDS, files_of, find_file, is_path
+from selector.documents.find import files_of, find_file, is_path
 from selector.documents.plain import DocumentError
 from selector.documents.reading import read_text
 from selector.documents.trust import is_import
@@ -72,4 +72,5 @@ def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), w
     if name_or_path in missions or name_or_path in task_names():
         return None
     known = dict.fromkeys((*found, *missions, *task_names()))
-    raise DocumentError(where + unknown(f"{KINDS[kind].called} or task", name_or_path, tuple(known)) + OWN_TASK)
+    called = "mission or task" if kind == "missions" else "mission, family or task"
+    raise DocumentError(where + unknown(called, name_or_path, tuple(known)) + OWN_TASK)

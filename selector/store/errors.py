@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-
-from sqlalchemy.exc import DBAPIError
+from typing import Any
 
 from selector.documents.errors import DocumentError
 
@@ -15,6 +14,8 @@ class StoreError(DocumentError):
 @contextmanager
 def reported(where: str) -> Iterator[None]:
     """Turn errors of a database, and of what it holds, into a StoreError; `where` is the name of the store."""
+    from sqlalchemy.exc import DBAPIError  # of the extra "store"
+
     try:
         yield
     except DocumentError as error:
@@ -27,7 +28,7 @@ def reported(where: str) -> Iterator[None]:
         raise StoreError(f"{where}: expected text, got another character ({error.reason})") from error
 
 
-def _text_of(error: DBAPIError) -> str:
+def _text_of(error: Any) -> str:  # noqa: ANN401  (of SQLAlchemy, which may be missing)
     """Return the message of the database in one line."""
     first = error.orig.args[0] if error.orig is not None and error.orig.args else error
     if isinstance(first, dict):  # pg8000 passes the fields of PostgreSQL's error

@@ -13,12 +13,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from statistics import NormalDist
 from typing import Final
 
 import numpy as np
-import scipy.stats
 
 from selforg.arrays import Floats
+from train.student import tail_begins, tail_beyond
 
 Interval = tuple[float, float]
 TAIL: Final = 0.025
@@ -63,7 +64,7 @@ class MeanError:
 
     def half_width(self, tail: float = TAIL) -> float:
         """Return half the width of the interval both of whose tails have the probability `tail`."""
-        return float(scipy.stats.t.isf(tail, self.freedom)) * self.error
+        return tail_begins(tail, self.freedom) * self.error
 
     def around(self, mean: float) -> Interval:
         """Return the 95 % interval."""
@@ -73,14 +74,14 @@ class MeanError:
         """Return the two-sided probability of a mean at least so far from 0 if it were 0; None for few scenarios."""
         if self.scenarios < FEWEST:
             return None
-        return float(2.0 * scipy.stats.t.sf(abs(mean) / max(self.error, NO_SPREAD), self.freedom))
+        return 2.0 * tail_beyond(abs(mean) / max(self.error, NO_SPREAD), self.freedom)
 
     def needed(self, effect: float, tail: float = TAIL) -> int | None:
         """Return the number of scenarios that tells a mean of `effect` from 0, by this spread.
 
         None if no number does, because the trainings differ too much.
         """
-        level, power = float(scipy.stats.norm.isf(tail)), float(scipy.stats.norm.ppf(POWER))
+        level, power = -NormalDist().inv_cdf(tail), NormalDist().inv_cdf(POWER)
         allowed = (effect / (level + power)) ** 2 - self.of_trainings**2
         variance = (self.error**2 - self.of_trainings**2) * self.scenarios
         return max(math.ceil(variance / allowed + level**2 / 2.0), FEWEST) if allowed > 0.0 else None

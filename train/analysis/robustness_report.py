@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-import scipy.stats
 
 from clean_swarm_env.config.families import RobustnessConfig
 from selforg.arrays import Floats
@@ -90,7 +90,7 @@ def _estimates(completed: Floats, durations: Floats, events: Floats) -> dict[str
 
 def wilson(share: float, scenarios: int) -> Interval:
     """Return Wilson's 95 % interval of a share over scenarios, each of which may be a mean over members."""
-    squared = float(scipy.stats.norm.isf(TAIL)) ** 2
+    squared = NormalDist().inv_cdf(TAIL) ** 2
     middle = share + squared / (2.0 * scenarios)
     half = np.sqrt(squared * (share * (1.0 - share) / scenarios + squared / (4.0 * scenarios**2)))
     below, above = ((middle + side * half) / (1.0 + squared / scenarios) for side in (-1.0, 1.0))

@@ -8,11 +8,12 @@ from typing import Annotated, Any
 import typer
 
 from clean_swarm_env.config.task_names import OWN_TASK, task_names
+from selector.documents.find import find_file
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.trust import is_import
 from selector.documents.writing import write_whole
 from selforg.registry import unknown
-from train.cli.listing import check_named
+from train.cli.listing import check_named, conditions_in
 from train.cli.options import (
     MOST_SEED,
     REPORTING,
@@ -62,11 +63,15 @@ def evaluate_command(
         check_named(given.directories, experiments=experiment)
         unused = {"--strategy": strategy, "--knowledge": values["knowledge"], "--world-seeds": world_seeds > 1}
         _check_absent("with --family", unused)
+        known = conditions_in(find_file("experiments", experiment, given.directories)) if condition else []
+        for name in condition or ():
+            if known and name not in known:
+                raise ConfigurationError(f"{Path(experiment).stem}: {unknown('condition', name, known)}")
     else:
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         check_named(given.directories, strategy, families=family, knowledge=values["knowledge"])
     check_there(starts)
-    from clean_swarm_env.config.load import load_robustness  # these import SciPy, Numba and Matplotlib
+    from clean_swarm_env.config.load import load_robustness  # these import Numba
     from train.evaluation import pipeline
     from train.evaluation.base import Evaluation
     from train.evaluation.experiment import ExperimentEvaluation

@@ -11,11 +11,11 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.task_names import named_file, task_stories
-from selector.documents.find import KINDS, SHIPPED, files_of, find_file, plugin_names
+from selector.documents.find import KINDS, SHIPPED, files_of, find_file, is_path, plugin_names
 from selector.documents.plain import DocumentError, plain
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.reading import read_mapping
-from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS
+from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS, is_import
 from selforg.plugins import installed, named_plugins
 from selforg.registry import unknown
 from train.cli.options import Configs, check_there, wide_console
@@ -110,9 +110,15 @@ def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None
             named_file(kind, name, directories)
         elif name is not None:
             find_file(kind, name, directories)
+    family = given.get("families") or ""  # knowledge of the user's own may have further options
+    ours = not (directories or named_plugins() or installed() or is_import(family) or is_path("families", family))
     for text in strategies or ():
         where = f"--strategy {text}: "
         kind, _, names = (text if ":" in text.partition("=")[0] else text.partition("=")[2] or text).partition(":")
+        if kind == "models":
+            check_named(configs, [own for pair in names.split(";") if (own := pair.partition("=")[2])], **given)
+        if kind == FILED_KINDS[0] and ours:
+            _check_options(where, names, given.get("knowledge"))
         for name in names.split("+") if kind in FILED_KINDS[1:] else ():
             if name.endswith(FOREIGN_ENDINGS):
                 check_there(Path(name), where=where)
@@ -120,6 +126,16 @@ def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None
                 find_file(MEMBER_FILES[kind], name, directories, where)
         if not names and kind not in (*FILED_KINDS, BASELINE, *(known := names_of("strategy-classes", ()))):
             raise ConfigurationError(where + unknown("strategy", kind, tuple(known)))
+
+
+def _check_options(where: str, names: str, knowledge: str | None) -> None:
+    """Raise the error of an option that no expert knowledge of ours, and not the one that is given, has words for."""
+    files = [*files_of("knowledge").values(), *([find_file("knowledge", knowledge)] if knowledge else [])]
+    text = "\n".join(path.read_text(encoding="utf-8", errors="replace") for path in files)
+    for name in names.split("+"):
+        if name not in text:
+            known = sorted(set(re.findall(r"(?:name|configuration): ([\w.-]+)", text)))
+            raise ConfigurationError(where + unknown("option", name, known))
 
 
 def names_of(kind: str, directories: Sequence[Path], *, told: bool = True) -> dict[str, tuple[str, ...]]:
@@ -168,8 +184,13 @@ def _trained_for(training: object) -> str:
     return str(configuration.get("description", "")) if isinstance(configuration, dict) else ""
 
 
+def conditions_in(path: Path) -> list[str]:
+    """Return the names of the conditions in the file of an experiment; none where it takes them from another file."""
+    held = read_mapping(path).get("conditions")
+    return [str(part.get("name")) for part in held if isinstance(part, dict)] if isinstance(held, list) else []
+
+
 def _conditions(path: Path) -> str:
     """Return what an experiment is, and its conditions."""
-    held = read_mapping(path).get("conditions")
-    names = [str(part.get("name")) for part in held if isinstance(part, dict)] if isinstance(held, list) else []
+    names = conditions_in(path)
     return _line(path) + (f" [{', '.join(names)}]" if names else "")

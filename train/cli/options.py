@@ -19,7 +19,7 @@ from rich.console import Console
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.plain import short
 
-if TYPE_CHECKING:  # imports SQLAlchemy and Numba
+if TYPE_CHECKING:  # imports Numba
     from train.request import Request
 
 TABLE_WIDTH = 140
@@ -152,7 +152,7 @@ class GivenOptions:
     def request(self, name: str, **more: Any) -> "Request":  # noqa: ANN401  (fields of a request)
         """Return the request for an experiment, a family, a training or a study, with `more` of its fields."""
         from clean_swarm_env.learning.warm_up import usable_cpus
-        from clean_swarm_env.recording.recorder import RecordSettings  # these import SQLAlchemy and Numba
+        from clean_swarm_env.recording.recorder import RecordSettings  # these import Numba
         from train.memory import StoreRequest
         from train.request import Request, RunShare, without_secrets
         from train.running.bits import WorkerBits

@@ -18,6 +18,7 @@ import typer
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.plain import shown
 from selforg.plugins import named_plugins
+from train.cli.listing import check_named
 from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, Seed, check_whole
 
 if TYPE_CHECKING:  # imports Numba
@@ -64,6 +65,8 @@ def play_command(
     """
     check_whole({"--scenario": (scenario, 1, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED)})
     check_whole({"--port": (port, 0, MOST_PORT)})
+    directories = tuple(configs or ())
+    check_named(directories, [strategy] if strategy else (), families=None if name.endswith(".swarm") else name)
     from train.live.chosen import chosen, playable  # imports Numba
     from train.live.conductor import Conductor, checked_speed
     from train.live.server import LiveServer
@@ -78,7 +81,6 @@ def play_command(
         return Session(play, recorded[-1], minds=play.robots <= MINDS_UP_TO if minds is None else minds)
 
     checked_speed(speed)
-    directories = tuple(configs or ())
     play = chosen(name, scenario, seed, strategy, directories)
     if output is not None and output.exists():
         raise ConfigurationError(f"--output: {output} exists already; expected a new file")

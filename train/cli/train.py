@@ -47,7 +47,7 @@ def ppo(config: Config = "exploring-ppo", *, given: GivenOptions) -> None:
 def bandit(config: Config, *, given: GivenOptions) -> None:
     """Train a strategy by the rewards that follow its choices and save what it learned."""
     check_named(given.directories, training=config)
-    from train.learning.bandit import BanditTraining  # imports SQLAlchemy and Numba
+    from train.learning.bandit import BanditTraining  # imports Numba
 
     _train("bandit", config, given, BanditTraining)
 

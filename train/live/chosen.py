@@ -12,7 +12,7 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.task_names import OWN_TASK, task_names
+from clean_swarm_env.config.task_names import named_file, task_names
 from clean_swarm_env.config.tasks import with_changes
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
@@ -25,8 +25,6 @@ from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
-from selector.documents.trust import is_import
-from selforg.registry import unknown
 from train.deciders.named import FIXED, POLICY, decider_named
 from train.evaluation.base import DIGEST
 from train.running.run_folder import fingerprints
@@ -163,17 +161,10 @@ def playable(directories: tuple[Path, ...]) -> list[str]:
 
 
 def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) -> Scenario:
-    missions, families = files_of("missions", directories), files_of("families", directories)
-    path = Path(name)
-    if path.suffix in (".yaml", ".yml"):
+    path = named_file("families", name, directories, "play: ")
+    of_family = path is not None and name not in files_of("missions", directories)
+    if path is not None and path.suffix in (".yaml", ".yml") and path == Path(name):
         of_family = "mission" in read_mapping(path)
-    elif name in missions or name in families:
-        of_family = name not in missions
-    elif is_import(name) or name in task_names():
-        of_family = False
-    else:
-        known = unknown("mission, family or task", name, playable(directories))
-        raise ConfigurationError(f"play: {known}{OWN_TASK}")
     if of_family:
         return load_family(name, directories).scenario(seed, number - 1, "test")
     mission = load_mission(name, directories)

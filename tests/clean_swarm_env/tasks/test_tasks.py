@@ -166,7 +166,7 @@ def test_open_land_is_wide_enough_for_the_fastest():
 def test_names_that_are_not_there_are_named():
     with pytest.raises(ConfigurationError, match=r"unknown mission or task 'ReachGaol'.*did you mean 'ReachGoal'"):
         load_mission("ReachGaol")
-    with pytest.raises(ConfigurationError, match=r"unknown family or task 'crowdde'.*did you mean 'crowded'"):
+    with pytest.raises(ConfigurationError, match=r"unknown mission, family or task 'crowdde'.*did you mean 'crowded'"):
         load_family("crowdde")
     with pytest.raises(ConfigurationError, match=r"known: .*table1.*Foraging"):
         Batch("tabl")

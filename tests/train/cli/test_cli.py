@@ -140,7 +140,7 @@ def _experiment(path: Path, **changes: object) -> Path:
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["tabel1"], "unknown experiment 'tabel1' (known: disturbed-crowd, patrol, robustness, scouts, table1"),
+        (["tabel1"], "unknown experiment 'tabel1' (known: disturbed-crowd, patrol, robustness, scout-options, scouts"),
         (["none.yaml"], "none.yaml: no such file"),
         (
             ["--condition", "Gradient"],

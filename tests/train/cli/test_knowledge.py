@@ -157,6 +157,13 @@ def test_an_unknown_goal_names_the_known_ones(run):
     assert err == "error: unknown goal 'AvoidColision' (known: AvoidCollision; did you mean 'AvoidCollision'?)\n"
 
 
+def test_a_missing_package_is_one_line(run, monkeypatch):
+    monkeypatch.setitem(sys.modules, "selector.store.knowledge_store", None)
+    code, _, err = run("list", "--store", "k.sqlite")
+    assert code == 2
+    assert err == "error: store: selector.store.knowledge_store is not installed: pip install 'clean-swarm[store]'\n"
+
+
 def test_help_needs_no_database():
     code = "import train.cli.app, sys; print('sqlalchemy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -227,7 +227,7 @@ def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_pa
     for mission in ("own.yaml", "Shepherding"):
         done = own("evaluate", "--family", mission, cwd=tmp_path)
         assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done.stderr
-    assert "unknown family or task 'Shepherding'" in done.stderr
+    assert "unknown mission, family or task 'Shepherding'" in done.stderr
     assert "a task of your own: --import MODULE or FILE.py" in done.stderr
     done = own("list", "--import", "no.py", cwd=tmp_path)
     assert "no.py: expected a module, or a file of Python code" in done.stderr

@@ -92,7 +92,7 @@ def test_a_situation_that_never_occurred_has_the_scores_of_all(run, tmp_path):
         ({"decider": "fixed:Patrl"}, "--strategy fixed:Patrl: goal AvoidCollision: unknown option 'Patrl'"),
         ({"output": "thoughts.txt"}, "thoughts.txt: expected a name that ends in .yaml"),
         ({"output": "my/families/small.yaml"}, "my/families/small.yaml: cannot be written (File exists)"),
-        ({"family": "smal"}, "unknown family or task 'smal'"),
+        ({"family": "smal"}, "unknown mission, family or task 'smal'"),
         ({"situations": " , "}, "--situations: expected components of the observation, got none"),
         ({"situations": "finds_none,lost"}, "--situations: unknown component 'lost'"),
         (
