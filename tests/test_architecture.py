@@ -102,7 +102,7 @@ def test_help_is_quick_because_heavy_libraries_wait():
 
 
 OF_EXTRAS = (
-    *("scipy", "sqlalchemy", "pg8000", "optuna", "ribs", "unified_planning", "onnxruntime", "cv2", "dask", "minari"),
+    *("sqlalchemy", "pg8000", "optuna", "ribs", "unified_planning", "onnxruntime", "cv2", "dask", "minari"),
     *("pygame", "pyarrow", "mcap", "torch", "stable_baselines3"),
 )
 """What `pip install .` does not bring."""
@@ -110,7 +110,7 @@ MAIN_JOBS = ("evaluation.pipeline", "evaluation.task_run", "evaluation.repeat", 
 
 
 def test_what_runs_missions_needs_no_extra_and_draws_nothing():
-    missing = dict.fromkeys((*OF_EXTRAS, "matplotlib", "PIL"))
+    missing = dict.fromkeys((*OF_EXTRAS, "scipy", "matplotlib", "PIL"))
     code = f"import sys; sys.modules.update({missing}); from clean_swarm_env import clean_swarm_v0, siblings"
     jobs = "; ".join(f"import train.{job}" for job in MAIN_JOBS)
     assert "numba" in _loaded_after(f"{code}; siblings.own('train'); {jobs}")

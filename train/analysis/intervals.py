@@ -19,7 +19,6 @@ from typing import Final
 import numpy as np
 
 from selforg.arrays import Floats
-from train.student import tail_begins, tail_beyond
 
 Interval = tuple[float, float]
 TAIL: Final = 0.025
@@ -64,7 +63,9 @@ class MeanError:
 
     def half_width(self, tail: float = TAIL) -> float:
         """Return half the width of the interval both of whose tails have the probability `tail`."""
-        return tail_begins(tail, self.freedom) * self.error
+        from scipy.special import stdtrit  # waits: processes of missions need no SciPy
+
+        return -float(stdtrit(self.freedom, tail)) * self.error
 
     def around(self, mean: float) -> Interval:
         """Return the 95 % interval."""
@@ -74,7 +75,9 @@ class MeanError:
         """Return the two-sided probability of a mean at least so far from 0 if it were 0; None for few scenarios."""
         if self.scenarios < FEWEST:
             return None
-        return 2.0 * tail_beyond(abs(mean) / max(self.error, NO_SPREAD), self.freedom)
+        from scipy.special import stdtr
+
+        return 2.0 * float(stdtr(self.freedom, -abs(mean) / max(self.error, NO_SPREAD)))
 
     def needed(self, effect: float, tail: float = TAIL) -> int | None:
         """Return the number of scenarios that tells a mean of `effect` from 0, by this spread.

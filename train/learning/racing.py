@@ -10,15 +10,16 @@ Shapes: C candidates, J figures that count, n scenarios.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Annotated, TypeVar
 
 import numpy as np
+import scipy.stats
 from pydantic import Field
 
 from selector.documents.fields import Closed
 from selforg.arrays import Flags, Floats, Ints
-from train.student import tail_begins
 
 C = TypeVar("C")
 Measuring = Callable[[Sequence[C], int], Floats]
@@ -49,11 +50,11 @@ def race(candidates: Sequence[C], measure: Measuring[C], rules: RaceConfig) -> l
 
 def worse_than_best(figures: Floats, level: float) -> Flags:
     """Return which candidates (C,) are worse in every figure (C, J, n) than one that is not dominated, at a `level`."""
-    worse, scenarios = np.zeros(len(figures), dtype=np.bool_), figures.shape[-1]
+    worse = np.zeros(len(figures), dtype=np.bool_)
     for best in front(figures.mean(axis=-1)):
-        differences = figures - figures[best]
-        error = np.sqrt(differences.var(axis=-1, ddof=1) / scenarios)
-        worse |= (differences.mean(axis=-1) > tail_begins(level, scenarios - 1.0) * error).all(axis=-1)
+        with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # all differences are equal
+            p = scipy.stats.ttest_rel(figures, figures[best][None], axis=-1, alternative="greater").pvalue
+        worse |= (p < level).all(axis=-1)
     return worse
 
 

@@ -17,8 +17,8 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.patches import FancyBboxPatch, PathPatch
 from matplotlib.path import Path as Curve
 from matplotlib.textpath import TextPath
+from scipy.optimize import isotonic_regression
 
-from selforg.arrays import Floats
 from train.reports.network_content import BoxKind, DiagramBox, LinkKind, NetworkPanel
 
 FONT, FONT_SIZE, LINE = "DejaVu Sans", 8.0, 11.0
@@ -134,21 +134,10 @@ def place_boxes(panel: NetworkPanel, top: float = 0.0) -> dict[str, PlacedBox]:
             order = np.argsort(wanted, kind="stable")
             column, own = [column[k] for k in order], own[order]
             begins = np.cumsum(own) - 0.5 * own + top + HEADING - 0.5 * BETWEEN
-            shifts = np.clip(_nearest_rising(wanted[order] - begins), 0.0, slack)
+            shifts = np.clip(isotonic_regression(wanted[order] - begins).x, 0.0, slack)
         for box, y in zip(column, np.cumsum(own) - own + shifts + top + HEADING, strict=True):
             box.y, placed[box.box.key] = float(y), box
     return placed
-
-
-def _nearest_rising(values: Floats) -> Floats:
-    """Return the values that nowhere fall and are nearest to those given (n,), by their squared distance."""
-    sums, ends = np.cumsum([0.0, *values]), np.arange(len(values))
-    means = (sums[1:] - sums[:-1, None]) / np.maximum(
-        ends - ends[:, None] + 1, 1
-    )  # from first ones (rows) to last ones
-    least = np.minimum.accumulate(means[:, ::-1], axis=1)[:, ::-1]  # of all that begin there and end here or later
-    rising: Floats = np.where(ends >= ends[:, None], least, -np.inf).max(axis=0)
-    return rising
 
 
 def _neighbours(panel: NetworkPanel, box: PlacedBox, placed: Mapping[str, PlacedBox], lowest: float) -> float:

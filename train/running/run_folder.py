@@ -44,7 +44,7 @@ SHARE_FOLDERS = "shares"
 """Directory below a run folder in which commands keep the run folders of their shares."""
 CHOSEN_OPTIONS = "choices.jsonl"
 """File with the options that served each mission of an evaluation that learned."""
-PACKAGES = ("numpy", "numba", "pymunk", "pydantic")
+PACKAGES = ("numpy", "numba", "pymunk", "scipy", "pydantic")
 """Packages that every result depends on, beside ours."""
 FINGERPRINTED = ("knowledge", "mechanisms", "robots")
 """Kinds of files on which a run depends, besides its configuration."""
