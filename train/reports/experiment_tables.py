@@ -83,7 +83,9 @@ def table_1(report: Report) -> Grid:
     groups = [mine + others for mine, others in zip(ours, theirs, strict=True)]
     heads = ["scenario"]
     for name, beside in zip(names, theirs, strict=True):
-        heads += [f"{name}\n{head}" for head in (*shown.values(), *((f"{source} s", "coll/s") if beside else ()))]
+        heads += [
+            f"{name}\n{head}" for head in (*shown.values(), *((f"{source} s", f"{source} coll/s") if beside else ()))
+        ]
     columns = [column for group in groups for column in group]
     scenarios = report.figures.scenarios
     rows = [(scenario, *(_two(column.by_scenario.get(scenario)) for column in columns)) for scenario in scenarios]
