@@ -130,7 +130,7 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
                     results.add(record)
                     costs.setdefault(record.condition, []).append(record.result.cost_s)
                     best = min(costs, key=lambda name: fmean(costs[name]))
-                    update(advance=1, more=f"best so far {best}, {fmean(costs[best]):,.0f} s")
+                    update(advance=1, more=f"lowest mean cost {fmean(costs[best]):,.0f} s: {best}")
             done, tasks, in_turn = done + left, missing(), False
             left = _count(tasks)
 
