@@ -48,7 +48,7 @@ def test_ratios_say_who_left_missions_unfinished_and_that_few_scenarios_say_noth
     table = ratios(report_of(given, 3, records, {}, own_starts=False))
     assert [row[2] for row in table.rows] == ["0% / 20%"] * 3
     assert table.rows[0][5] == "-"
-    assert table.notes == ("5 scenarios: no statement; 6 or more are needed to tell a difference of a tenth",)
+    assert table.notes == ("p: from 6 scenarios on",)
     enough = ratios(_report(6))
     assert enough.notes == ()
     assert float(enough.rows[0][5]) < 1e-6
