@@ -111,10 +111,10 @@ class Ranking:
             few = f"{self.scenarios} scenario{'s' * (self.scenarios > 1)}"
             would = self._needed(others[0], best, TOLD)
             ends = {label: self.interval(label, best) for label in others}
-            told = [self._next(label, best) for label, found in ends.items() if found is not None and found[0] > 1.0]
-            if told:
+            apart = [self._next(label, best) for label, own in ends.items() if own is not None and own[0] > 1.0]
+            if apart:
                 least = f"{self.name(best)} {self.verb} least, {mean}"
-                return [f"{few} tell large differences only{would}: {least}; told from it: {listed(told)}."]
+                return [f"{few} tell large differences only{would}: {least}; told from it: {listed(apart)}."]
             return [f"{few} cannot tell strategies apart{would}: {self.name(best)} {self.verb} least in them, {mean}."]
         alike = [label for label in others if not self.apart(label, best)]
         if len(alike) == len(others):
