@@ -64,8 +64,12 @@ class Ranking:
 
     @cached_property
     def means(self) -> dict[str, Estimate]:
-        """Label -> mean with its own 95 % interval."""
-        return {label: Estimate.of(own) for label, own in self.values.items()}
+        """Label -> mean with its own 95 % interval, which begins at 0 where costs and times cannot be less."""
+        found = {label: Estimate.of(own) for label, own in self.values.items()}
+        for label, mean in found.items():
+            if mean.ci95 is not None and self.values[label].min() >= 0.0:
+                found[label] = Estimate(mean.value, (max(mean.ci95[0], 0.0), mean.ci95[1]))
+        return found
 
     def ratio(self, label: str, to: str) -> Ratio:
         """Return the ratio of the means of two."""
@@ -106,6 +110,11 @@ class Ranking:
         if self.scenarios < FEWEST:
             few = f"{self.scenarios} scenario{'s' * (self.scenarios > 1)}"
             would = self._needed(others[0], best, TOLD)
+            ends = {label: self.interval(label, best) for label in others}
+            apart = [self._next(label, best) for label, own in ends.items() if own is not None and own[0] > 1.0]
+            if apart:
+                least = f"{self.name(best)} {self.verb} least, {mean}"
+                return [f"{few} tell large differences only{would}: {least}; told from it: {listed(apart)}."]
             return [f"{few} cannot tell strategies apart{would}: {self.name(best)} {self.verb} least in them, {mean}."]
         alike = [label for label in others if not self.apart(label, best)]
         if len(alike) == len(others):

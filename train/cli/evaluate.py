@@ -140,7 +140,7 @@ def run_command(
     from train.evaluation.task_run import TaskRun, as_page, outcome_grid, run_task, tasks_to_run  # imports Numba
     from train.memory import StoreRequest
     from train.reports.knowledge_tables import learned_scores
-    from train.reports.text_table import on_terminal
+    from train.reports.text_table import TerminalTable
 
     if (task is None) is not every:
         known = f"; the tasks are {', '.join(tasks_to_run())}" if task is None else ""
@@ -170,7 +170,7 @@ def run_command(
         typer.echo(f"{len(outcomes)} tasks in {output}")
     else:
         for outcome in outcomes:
-            wide_console().print(on_terminal(outcome_grid(outcome)))
+            wide_console().print(TerminalTable(outcome_grid(outcome)))
             if outcome.known is not None:
                 table = learned_scores(outcome.known, "known at the beginning", outcome.request.mission)
-                wide_console().print(on_terminal(table))
+                wide_console().print(TerminalTable(table))

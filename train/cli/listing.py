@@ -22,7 +22,8 @@ from train.cli.options import Configs, check_there, wide_console
 
 MEMBER_FILES = {"policy": "policies", "learned": "strategies", "fsm": "machines"}
 """Kind of a strategy -> kind of its file."""
-CLASS = r"(?s)@{}\.register\n(?:@[^\n]*\n)?class (?P<name>\w+).*?\"\"\"(?P<line>.*?)(?:\n|\"\"\")"
+CLASS = r"(?s)@{}\.register\n(?:@[^\n]*\n)?class (?P<name>\w+).*?\"\"\"(?P<line>.*?)\"\"\""
+SENTENCE_END = re.compile(r"(?<=[A-Za-z0-9)`])(?<!\bFig)(?<!\bEq)(?<!\bal)(?<!\bvs)(?<!e\.g)(?<!i\.e)[.:](?: |$)")
 DECLARED = {
     "action-classes": ("selforg/components/**/*.py", CLASS.format("ACTIONS")),
     "activator-classes": ("selforg/network/model/**/*.py", CLASS.format("ACTIVATORS")),
@@ -30,17 +31,17 @@ DECLARED = {
     "strategy-classes": ("selector/strategies/**/*.py", CLASS.format("STRATEGIES")),
     "reward-terms": (
         "clean_swarm_env/learning/reward.py",
-        r"(?m)^    (?P<name>\w+): (?:Number|Share) = -?[\d.]+\n    \"\"\"(?P<line>[^\n]*?)(?:\n|\"\"\")",
+        r"(?sm)^    (?P<name>\w+): (?:Number|Share) = -?[\d.]+\n    \"\"\"(?P<line>.*?)\"\"\"",
     ),
     "mechanism-classes": (
         "selforg/mechanisms/**/*.py",
         r"(?sm)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(?P<name>\w+)"
-        r"(?:\"|[^\n]*:\n    \"\"\"(?P<line>.*?)(?:\n|\"\"\"))",
+        r"(?:\"|[^\n]*:\n    \"\"\"(?P<line>.*?)\"\"\")",
     ),
     "terms": (
         "clean_swarm_env/learning/observation/**/*.py",
-        r"(?sm)@compiled_term\(\s*\"(?P<name>\w+)\"(?:(?!\ndef ).)*\ndef [^\n]*:\n    \"\"\"(?P<line>.*?)(?:\n|\"\"\")",
-        r"(?sm)^class \w+\([^\n]*\):\n    \"\"\"(?P<line>[^\n]*?)(?:\n|\"\"\")(?:(?!^class ).)*?"
+        r"(?sm)@compiled_term\(\s*\"(?P<name>\w+)\"(?:(?!\ndef ).)*\ndef [^\n]*:\n    \"\"\"(?P<line>.*?)\"\"\"",
+        r"(?sm)^class \w+\([^\n]*\):\n    \"\"\"(?P<line>.*?)\"\"\"(?:(?!^class ).)*?"
         r"^    name = \"(?P<name>\w+)\"",
     ),
 }
@@ -160,7 +161,7 @@ def _names_of_ours(kind: str, directories: Sequence[Path], told: bool) -> dict[s
     places, *patterns = DECLARED[kind]
     texts = [path.read_text(encoding="utf-8") for path in SHIPPED.parent.glob(places)]
     found = (match for text in texts for pattern in patterns for match in re.finditer(pattern, text))
-    return {match["name"]: (match["line"] or "",) for match in found}
+    return {match["name"]: (_first_sentence(match["line"] or ""),) for match in found}
 
 
 def _line(path: Path) -> str:
@@ -175,7 +176,17 @@ def _line(path: Path) -> str:
     if not told:
         comment = re.match(r"(?:#.*\n)+", path.read_text(encoding="utf-8"))
         told = re.sub(r"\n?# ?", " ", comment[0]) if comment else ""
-    return re.split(r"(?<=[a-z0-9)])[.:] ", " ".join(told.split()))[0]
+    return _first_sentence(told)
+
+
+def _first_sentence(text: str) -> str:
+    """Return the first sentence of a text, which may be of several lines.
+
+    >>> _first_sentence("As in Fig. 3, robots turn. Then they go.")
+    'As in Fig. 3, robots turn'
+
+    """
+    return re.split(SENTENCE_END, " ".join(text.split()))[0]
 
 
 def _trained_for(training: object) -> str:

@@ -22,8 +22,8 @@ from selector.documents.plain import short
 if TYPE_CHECKING:  # imports Numba
     from train.request import Request
 
-TABLE_WIDTH = 140
-"""Least width of the printed tables [characters]: folded cells are hard to read."""
+FILE_WIDTH = 10_000
+"""Width of what is printed into a file or a pipe [characters]: nothing is folded there."""
 MOST_SEED = 2**63 - 1
 MOST_SCENARIOS = 10_000
 MAY_NAME_CODE = "only with --trust may files name code, models that are code, or databases (docs/trust.md)"
@@ -257,8 +257,9 @@ def situations_in(text: str) -> tuple[str, ...]:
 
 
 def wide_console() -> Console:
-    """Return a console for tables."""
-    return Console(width=max(Console().width, TABLE_WIDTH), highlight=False, markup=False)
+    """Return a console for tables: as wide as the terminal, or as they need in a file."""
+    found = Console(highlight=False, markup=False)
+    return found if found.is_terminal else Console(width=FILE_WIDTH, highlight=False, markup=False)
 
 
 def print_error(text: str) -> None:

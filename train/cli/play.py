@@ -67,6 +67,8 @@ def play_command(
     check_whole({"--port": (port, 0, MOST_PORT)})
     directories = tuple(configs or ())
     check_named(directories, [strategy] if strategy else (), families=None if name.endswith(".swarm") else name)
+    if sys.stderr.isatty():
+        typer.echo(f"starting {name}; on a new machine it compiles first, about a minute", err=True)
     from train.live.chosen import chosen, playable  # imports Numba
     from train.live.conductor import Conductor, checked_speed
     from train.live.server import LiveServer

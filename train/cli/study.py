@@ -110,9 +110,9 @@ def claims_command(
 ) -> None:
     """Compare strategies over several families, with intervals and p-values that are corrected for their number."""
     from train.evaluation.claims import claims_over, claims_table  # imports SciPy and Numba
-    from train.reports.text_table import on_terminal
+    from train.reports.text_table import TerminalTable
 
-    wide_console().print(on_terminal(claims_table(*claims_over(results, strategy, against))))
+    wide_console().print(TerminalTable(claims_table(*claims_over(results, strategy, against))))
 
 
 Names = Annotated[

@@ -34,7 +34,7 @@ from train.evaluation.family import FamilyEvaluation
 from train.evaluation.gathering import gathered
 from train.memory import Memory
 from train.reports.knowledge_tables import learned_scores
-from train.reports.text_table import on_terminal, publish
+from train.reports.text_table import TerminalTable, publish
 from train.request import Request
 from train.running.bits import noted_bits, own_bits
 from train.running.commands import FINISHED, progress
@@ -98,7 +98,7 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
         if memory.learns:
             _give_scores(evaluation, memory, results.records)
             title = f"known now in the context {memory.context!r}"
-            console.print(on_terminal(learned_scores(memory.now(), title, evaluation.mission)))
+            console.print(TerminalTable(learned_scores(memory.now(), title, evaluation.mission)))
         memory.close()
     return FINISHED
 
@@ -130,7 +130,7 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
                     results.add(record)
                     costs.setdefault(record.condition, []).append(record.result.cost_s)
                     best = min(costs, key=lambda name: fmean(costs[name]))
-                    update(advance=1, more=f"best so far {best}, {fmean(costs[best]):,.0f} s")
+                    update(advance=1, more=f"lowest mean cost {fmean(costs[best]):,.0f} s: {best}")
             done, tasks, in_turn = done + left, missing(), False
             left = _count(tasks)
 

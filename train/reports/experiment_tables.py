@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from selforg.arrays import Floats
-from train.analysis.intervals import Interval, too_few
+from train.analysis.intervals import FEWEST, Interval
 from train.analysis.report import Report, agreements, ranking_of_conditions
 from train.analysis.statistics import COST, distance_metrics, share_cell, summarise
 from train.reports.ranking_table import ranking_table
@@ -83,7 +83,9 @@ def table_1(report: Report) -> Grid:
     groups = [mine + others for mine, others in zip(ours, theirs, strict=True)]
     heads = ["scenario"]
     for name, beside in zip(names, theirs, strict=True):
-        heads += [f"{name}\n{head}" for head in (*shown.values(), *((f"{source} s", "coll/s") if beside else ()))]
+        heads += [
+            f"{name}\n{head}" for head in (*shown.values(), *((f"{source} s", f"{source} coll/s") if beside else ()))
+        ]
     columns = [column for group in groups for column in group]
     scenarios = report.figures.scenarios
     rows = [(scenario, *(_two(column.by_scenario.get(scenario)) for column in columns)) for scenario in scenarios]
@@ -110,7 +112,8 @@ def ratios(report: Report) -> Grid:
             row.append(f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL)
         rows.append(row)
     heads = ("figure", "conditions", "unfinished", "ratio", "95 % interval", "p") + (("paper",) if paper else ())
-    return Grid("ratios of means", heads, rows, notes=too_few([*report.comparisons.values()]))
+    few = (f"p: from {FEWEST} scenarios on",) if len(own.scenarios) < FEWEST else ()
+    return Grid("ratios of means", heads, rows, notes=few)
 
 
 def _ours(report: Report, condition: int, metric: str) -> _Column:

@@ -7,12 +7,15 @@ these with `--all` only.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+import re
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rich import box
-from rich.console import Console, Group, RenderableType
+from rich.console import Console, ConsoleOptions, RenderResult
+from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -29,8 +32,10 @@ POINT = "●"
 """The mean in a cell that is drawn; such cells are code in Markdown, whose letters have one width."""
 EMPTY_CELL = "-"
 """Text of a cell without a figure."""
-LONGEST_LABEL = 40
-"""Letters of a label up to which the terminal shows it in one line."""
+LEAST_LABEL, LEAST_HEAD = 16, 10
+"""Letters in a line of a name, and of a head, that a narrow terminal shows at least."""
+BREAKS = re.compile(r"(?:(?<=[\s+;:=,/-])|(?<=[a-z0-9])(?=[A-Z]))(?![^\[]*\])")
+"""Places at which names, heads and cells may be broken; intervals are not."""
 MAX_ROWS_SHOWN = 30
 """Most rows above the summary that the terminal shows; Markdown always has all rows."""
 
@@ -63,20 +68,74 @@ def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join([_line(heads), f"|---|{'---:|' * (len(heads) - 1)}", *map(_line, rows)])
 
 
-def on_terminal(grid: Grid) -> RenderableType:
-    """Return a grid for a rich console."""
+@dataclass(frozen=True)
+class TerminalTable:
+    """A grid as a rich console prints it: with its whole width, but on a terminal no wider than that.
+
+    A narrow terminal gets, in this order: heads of several lines, no drawn column, cells of several lines, and no last
+    columns. No name and no number is cut, and a line says which columns are left out.
+    """
+
+    grid: Grid
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """Yield the table that fits, and the lines below it."""
+        grid, room = self.grid, options.max_width if console.is_terminal else sys.maxsize
+        unbounded = options.update(max_width=sys.maxsize)
+        for columns, label, folds in _narrower(grid, room):
+            table = _table(grid, columns, label, folds=folds)
+            if Measurement.get(console, unbounded, table).maximum <= room:
+                break
+        yield from console.render(table, unbounded)
+        if len(grid.rows) > MAX_ROWS_SHOWN:
+            yield f"{len(grid.rows)} {grid.heads[0]}s, one by one in table.md"
+        left_out = [" ".join(head.split()) for k, head in enumerate(grid.heads) if k not in columns]
+        if left_out:
+            yield Text(f"a wider terminal also shows: {', '.join(left_out)}", style="dim")
+        yield from grid.notes
+
+
+def _narrower(grid: Grid, room: int) -> Iterator[tuple[list[int], int, bool]]:
+    """Yield what makes a table narrower, step by step: columns, letters in a line of a cell, whether heads fold."""
+    rows, every, narrow = (*grid.rows, *grid.summary), list(range(len(grid.heads))), max(room // 3, LEAST_LABEL)
+    plain = [k for k in every if not any(POINT in row[k] for row in rows)]
+    yield from ((every, room, False), (every, room, True), (plain, room, True), (plain, narrow, True))
+    yield from ((plain[:count], narrow, True) for count in range(len(plain) - 1, 1, -1))
+
+
+def _table(grid: Grid, columns: Sequence[int], label: int, *, folds: bool) -> Table:
+    """Return some columns of a grid, with lines of `label` letters at most in a cell; heads may fold to their cells."""
+    rows = () if len(grid.rows) > MAX_ROWS_SHOWN else grid.rows
     table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
-    for k, head in enumerate(grid.heads):
-        whole = 0 if k else min(max(map(len, (head, *(row[0] for row in grid.rows)))), LONGEST_LABEL)
-        table.add_column(Text(head), justify="right" if k else "left", no_wrap=k > 0, min_width=whole)
-    hidden = len(grid.rows) > MAX_ROWS_SHOWN
-    for row in () if hidden else grid.rows:
-        table.add_row(*row)
+    for k in columns:
+        cells = max((min(len(row[k]), label) for row in (*rows, *grid.summary)), default=0)
+        head = _folded(grid.heads[k], max(cells, LEAST_HEAD)) if folds and k else grid.heads[k]
+        table.add_column(Text(head), justify="right" if k else "left", no_wrap=True)
+    for row in rows:
+        table.add_row(*(Text(_folded(row[k], label)) for k in columns))
     table.add_section()
     for row in grid.summary:
-        table.add_row(*row, style="bold")
-    more = [f"{len(grid.rows)} {grid.heads[0]}s, one by one in table.md"] if hidden else []
-    return Group(table, *more, *grid.notes)
+        table.add_row(*(Text(row[k]) for k in columns), style="bold")
+    return table
+
+
+def _folded(text: str, width: int) -> str:
+    r"""Return a text in lines of at most `width` letters, broken between words and parts of names if that is possible.
+
+    >>> _folded("models:fly=fixed:ORCA+Patrol;mule=fixed:Off", 22)
+    'models:fly=fixed:ORCA+\nPatrol;mule=fixed:Off'
+
+    """
+    lines = []
+    for line in text.split("\n"):
+        lines.append("")
+        for part in re.split(BREAKS, line):
+            letters = max(len(part), 1) if "[" in part else width
+            for piece in (part[k : k + letters] for k in range(0, len(part), letters)):
+                if lines[-1] and len(lines[-1] + piece.rstrip()) > width:
+                    lines.append("")
+                lines[-1] += piece
+    return "\n".join(map(str.rstrip, lines))
 
 
 def _line(cells: Sequence[str]) -> str:
@@ -113,7 +172,7 @@ def publish(publication: Publication, folder: RunFolder, console: Console, reque
 
         folder.write("figure.png", picture_of(publication.figure, ".png"))
     for grid in (first, *(more if request.every_table else ())):
-        console.print(on_terminal(grid), soft_wrap=True)
+        console.print(TerminalTable(grid))
         console.print()
     for line in verdict:
         console.print(line, highlight=False)

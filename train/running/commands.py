@@ -12,6 +12,7 @@ from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn
+from rich.table import Column
 from rich.text import Text
 
 from train.running.pulse import TELL_EVERY, listening
@@ -27,11 +28,22 @@ LOG, LOG_EVERY = "progress.log", 30.0
 """File in the results that gets a line of the progress, and how often [s]."""
 
 
+NEVER_CUT = Column(no_wrap=True)
+"""How columns are laid out whose words are shown whole."""
+
+
 class _TimeLeft(ProgressColumn):
     """The time that is left, estimated from the results of this command."""
 
     def render(self, task: Task) -> Text:
         return Text(time_left(task))
+
+
+class _More(ProgressColumn):
+    """The text behind the bar; on a narrow terminal its end and the bar give way, and no other column."""
+
+    def render(self, task: Task) -> Text:
+        return Text(task.fields["more"], no_wrap=True, overflow="ellipsis")
 
 
 def time_left(task: Task) -> str:
@@ -70,10 +82,10 @@ def progress(
     The function returned takes the keyword arguments of rich's `Progress.update`, and `more`, a text behind the bar,
     and `most`, the simulated seconds that all missions of this command take at most [s].
     """
-    shown = (TextColumn("{task.description}"), BarColumn(), counted or MofNCompleteColumn(), TimeElapsedColumn())
-    more, console = TextColumn("{task.fields[more]}"), Console(stderr=True)
+    shown = (TextColumn("{task.description}"), BarColumn(20), counted or MofNCompleteColumn(), TimeElapsedColumn())
+    console = Console(stderr=True)
     hidden = log is None and not console.is_terminal  # nothing is left of it
-    with Progress(*shown, _TimeLeft(), more, console=console, transient=log is None, disable=hidden) as bar:
+    with Progress(*shown, _TimeLeft(NEVER_CUT), _More(), console=console, transient=log is None, disable=hidden) as bar:
         known: dict[str, Any] = {"begun": done, "most": 0.0, "ran": 0.0, "first": 0.0}
         number, ended = bar.add_task(what, total=total, completed=done, more="", **known), Event()
         task = bar.tasks[0]

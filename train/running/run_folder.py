@@ -46,6 +46,8 @@ CHOSEN_OPTIONS = "choices.jsonl"
 """File with the options that served each mission of an evaluation that learned."""
 PACKAGES = ("numpy", "numba", "pymunk", "scipy", "pydantic")
 """Packages that every result depends on, beside ours."""
+REMEDY = "give another --output, or remove the directory if nobody needs them"
+"""What to do where a directory has the results of another command."""
 FINGERPRINTED = ("knowledge", "mechanisms", "robots")
 """Kinds of files on which a run depends, besides its configuration."""
 
@@ -134,7 +136,7 @@ class RunFolder:
             wanted[growing] = {name: wanted[growing].get(name, known) for name, known in kept.items()}
         different = _difference(held["identity"], wanted)
         if different:
-            raise DocumentError(f"{self.path}: has other results: {different}")
+            raise DocumentError(f"{self.path}: has other results: {different}; {REMEDY}")
         if not resume:
             raise DocumentError(f"{self.path}: has these results already; give --resume or another --output")
         return held

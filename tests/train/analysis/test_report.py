@@ -15,7 +15,7 @@ from train.analysis.report import report_of, summary_of
 from train.reports.charts import picture_of
 from train.reports.experiment_tables import all_tables, ratios, table_1
 from train.reports.figures import draw_experiment
-from train.reports.text_table import markdown, on_terminal
+from train.reports.text_table import TerminalTable, markdown
 
 
 def _report(scenarios=4, conditions=("a", "b"), measured=None, scale=2.0, own_starts=False, **changes):
@@ -48,7 +48,7 @@ def test_ratios_say_who_left_missions_unfinished_and_that_few_scenarios_say_noth
     table = ratios(report_of(given, 3, records, {}, own_starts=False))
     assert [row[2] for row in table.rows] == ["0% / 20%"] * 3
     assert table.rows[0][5] == "-"
-    assert table.notes == ("5 scenarios: no statement; 6 or more are needed to tell a difference of a tenth",)
+    assert table.notes == ("p: from 6 scenarios on",)
     enough = ratios(_report(6))
     assert enough.notes == ()
     assert float(enough.rows[0][5]) < 1e-6
@@ -114,13 +114,14 @@ def test_the_papers_figures_stand_beside_its_own_scenarios_only():
         assert [row[3] for row in grid.rows] == (["1.50", "2.50", "3.50"] if own else ["-"] * 3)
         assert grid.summary[0][3:5] == ("2.50", "2.00")
         assert sum(head.startswith("b") for head in grid.heads) == 2
+        assert len(set(grid.heads)) == len(grid.heads)
 
 
 def test_the_terminal_shows_what_markdown_shows():
     report = _report(3)
     console = Console(width=140, file=io.StringIO(), record=True)
     for grid in all_tables(report):
-        console.print(on_terminal(grid))
+        console.print(TerminalTable(grid))
         rows = markdown(grid).splitlines()[2:]
         assert len({line.count("|") for line in rows if line.startswith("|")}) == 1
     text = console.export_text()
@@ -133,7 +134,7 @@ def test_the_terminal_shows_what_markdown_shows():
 def test_many_scenarios_are_left_to_the_file():
     grid = table_1(_report(31))
     console = Console(width=140, file=io.StringIO(), record=True)
-    console.print(on_terminal(grid))
+    console.print(TerminalTable(grid))
     assert "31 scenarios, one by one in table.md" in console.export_text()
     assert len([line for line in markdown(grid).splitlines() if line.startswith("| 3")]) == 3  # 3, 30 and 31
 

@@ -84,6 +84,24 @@ def test_few_scenarios_zeros_and_one_strategy():
     assert all(text for text in below.sentences())
 
 
+def test_five_scenarios_tell_what_their_intervals_tell():
+    own = np.array([526.8, 377.2, 556.0, 474.2, 408.2]), np.array([140.2, 197.6, 210.4, 90.4, 276.4])
+    (text,) = Ranking.of(dict(zip("ab", own, strict=True))).sentences()
+    assert text.startswith(
+        "5 scenarios tell large differences only; about 190 would tell a tenth: b costs least, 183 s"
+    )
+    assert text.endswith("told from it: a, 468 s, 2.56 times as much [1.43, 4.59].")
+    (text,) = Ranking.of({"a": own[1], "b": own[1][::-1] * 1.1}).sentences()
+    assert text.startswith("5 scenarios cannot tell strategies apart")
+
+
+def test_a_mean_of_times_has_no_interval_below_zero():
+    low, high = Ranking.of({"a": np.array([10.0, 90.0])}).means["a"].ci95
+    assert low == 0.0
+    assert high > 90.0
+    assert Ranking.of({"a": np.array([-1.0, 90.0])}).means["a"].ci95[0] < -1.0
+
+
 def test_who_left_missions_unfinished():
     ranking = Ranking.of({name: np.ones(6) for name in "abcde"})
     none, all_ = np.zeros((1, 6, 1)), np.ones((1, 6, 1))

@@ -1,11 +1,13 @@
 """Progress: what is done of all, the time left, the best so far, on the terminal and in a log."""
 
+import io
 import re
 from dataclasses import dataclass, replace
 from time import sleep
 from types import SimpleNamespace
 
 import pytest
+from rich.console import Console
 
 from tests.train.records import record
 from train.evaluation.family import FamilyEvaluation
@@ -25,6 +27,17 @@ def test_a_log_gets_a_line_now_and_then(tmp_path, monkeypatch):
     assert re.fullmatch(r"\d\d:\d\d:\d\d, 6 of 10 missions, 0:00:00 left, best so far ORCA, 54 s", lines[-1])
     sleep(0.1)
     assert (tmp_path / commands.LOG).read_text().splitlines() == lines  # it ends with the bar
+
+
+def test_a_narrow_terminal_shows_what_is_counted_whole_and_the_cost_before_the_name(monkeypatch):
+    console = Console(width=80, file=io.StringIO(), force_terminal=True, color_system=None)
+    monkeypatch.setattr(commands, "Console", lambda stderr: console)
+    with commands.progress("missions", 10, 2) as update:
+        update(advance=4, more="lowest mean cost 54 s: models:fly=fixed:ORCA+Patrol;mule=fixed:ORCA+RecentFinds")
+    text = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]|\r", "\n", console.file.getvalue())
+    last = [line for line in text.split("\n") if line.startswith("missions ")][-1]
+    assert re.search(r" 6/10 \d:\d\d:\d\d \d:\d\d:\d\d left lowest mean cost 54 s:", last)
+    assert len(last) <= 80
 
 
 def time_left(completed, total, elapsed, **fields):

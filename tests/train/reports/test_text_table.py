@@ -1,0 +1,54 @@
+"""Tables on terminals: a narrow one gets fewer columns, but every name and every number whole."""
+
+import io
+import re
+
+import pytest
+from rich.console import Console
+
+from train.reports.text_table import Grid, TerminalTable
+
+NAMES = ("models:fly=fixed:ORCA+Patrol;mule=fixed:ORCA+RecentFinds", "fixed:ORCA", "a" * 70)
+HEADS = ("strategy", "cost s [95 %]", "0 to 563", "times the first [95 %]", "unfinished", "duration s", "events")
+CELLS = ("183 [95, 271]", "···├──●──┤··········", "2.56 [1.43, 4.59]", "0%", "1,266", "0.915")
+
+
+def printed(grid, width, *, terminal=True):
+    console = Console(width=width, file=io.StringIO(), force_terminal=terminal, color_system=None, highlight=False)
+    console.print(TerminalTable(grid))
+    return console.file.getvalue()
+
+
+def column(text, place=0):
+    """The letters of the first column, without its breaks."""
+    return "".join(line.split("   ")[place].strip() for line in text.splitlines())
+
+
+@pytest.mark.parametrize("width", [60, 80, 100, 140, 300])
+def test_no_name_is_cut_and_no_line_is_wider_than_the_terminal(width):
+    text = printed(Grid("title", HEADS, [(name, *CELLS) for name in NAMES], notes=("a note",)), width)
+    assert "…" not in text
+    assert all(len(line.rstrip()) <= width for line in text.splitlines())
+    assert all(name in column(text) for name in NAMES)
+    assert text.count("183 [95, 271]") == len(NAMES)
+    told = re.search(r"a wider terminal also shows: (.*) a note", " ".join(text.split()))
+    left_out = told[1].split(", ") if told else []
+    assert set(left_out) <= set(HEADS)
+    for head, cell in zip(HEADS[1:], CELLS, strict=True):
+        assert (text.count(cell) >= len(NAMES)) == (head not in left_out), head
+    assert left_out == [] if width == 300 else "0 to 563" in left_out
+
+
+def test_a_file_gets_every_column():
+    text = printed(Grid("title", HEADS, [(name, *CELLS) for name in NAMES]), 10_000, terminal=False)
+    assert all(any(line.split() and line.split()[0] == name for line in text.splitlines()) for name in NAMES)
+    assert all(head in text for head in HEADS)
+    assert "wider" not in text
+
+
+def test_heads_of_groups_fold_and_intervals_do_not():
+    heads = ("scenario", *(f"{name}\n{head}" for name in ("Fernandez", "Gradient") for head in ("time s", "coll/s")))
+    grid = Grid("t", heads, [("1", *["1,526.80 [1,000, 20,000]"] * 4)], [("mean", *["4.0"] * 4)])
+    text = printed(grid, 60)
+    assert text.count("[1,000, 20,000]") == 2
+    assert "also shows: Gradient time s, Gradient coll/s" in " ".join(text.split())
