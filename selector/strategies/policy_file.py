@@ -49,6 +49,8 @@ class PolicySpec(Closed):
     """Goal -> decision periods for which a robot keeps an option; 1 for goals that are not named."""
     terms: tuple[Name, ...] = ()
     """Terms of the observation, with their usual settings; none: the usual terms and those of the mission."""
+    observation: dict[str, Any] = Field(default_factory=dict)
+    """The whole configuration of the observation, if it is not the usual one of `terms`."""
     vector: bool = False
     """Whether the network gives a movement vector: ahead and left, in shares of the largest speed."""
     observations: tuple[Name, ...]

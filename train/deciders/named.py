@@ -63,6 +63,8 @@ class NamedDecider:
     """Names of the components of an observation that it was trained with; none if it takes any."""
     terms: tuple[str, ...] = ()
     """Terms of the observation that it was trained with; none if its file does not say."""
+    sees: Mapping[str, Any] = field(default_factory=dict)
+    """The whole configuration of its observation; empty if that is the usual one of its terms."""
     further: tuple[str, ...] = ()
     """Terms of the observation that it needs beside the usual ones."""
     knows: tuple[str, ...] = ()
@@ -86,8 +88,8 @@ class NamedDecider:
 
     def observation(self, terms: Sequence[str]) -> ObservationConfig:
         """Return what it sees: its own terms, or the usual ones, `terms`, those it needs and true ones it learned."""
-        if self.terms:
-            return validated(ObservationConfig, {"terms": self.terms}, self.text, own=True)
+        if self.sees or self.terms:
+            return validated(ObservationConfig, self.sees or {"terms": self.terms}, self.text, own=True)
         true = [term for term in TRUE_TERMS if any(component.startswith(term) for component in self.trained_with)]
         further = [term for term in self.further if term not in (*DEFAULT_TERMS, *terms)]
         return ObservationConfig().beside((*terms, *true, *further), driven=self.mode == "velocity")
@@ -127,6 +129,8 @@ def _by_model(text: str, name: str, directories: Sequence[Path]) -> NamedDecider
     for own in each.values():
         if own.mode != "option" or own.text == BASELINE:
             raise ConfigurationError(f"{own.text}: expected a strategy that only chooses options")
+        if own.sees:
+            raise ConfigurationError(f"{own.text}: expected a policy that sees terms with their usual settings")
     seen = [term for own in each.values() for term in (*own.terms, *own.further) if term not in DEFAULT_TERMS]
     digests = [own.digest for own in each.values() if own.digest]
     return NamedDecider(
@@ -193,6 +197,7 @@ def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
         meant_for=[goal for joint in spec.goals for goal in joint.split(JOINT)] or None,
         trained_with=spec.observations,
         terms=spec.terms,
+        sees=spec.observation,
         knows=tuple(name for options in spec.goals.values() for joint in options for name in joint.split(JOINT)),
         network=described(policy),
     )

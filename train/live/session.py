@@ -168,7 +168,7 @@ class Session:
         """Return what robots observe so that any policy can follow, and the networks of the policies."""
         mission, directories = self._play.scenario.mission, self._play.directories
         seen = named.observation(mission.terms)
-        if named.mode == "velocity" or not mission.items.rows:
+        if named.mode == "velocity" or named.sees or not mission.items.rows:
             return seen, {}
         names = [name for name in (self._play.member, *self._filed()) if name.startswith(POLICY)]
         policies = {name: decider_named(name, directories) for name in names}
@@ -189,6 +189,8 @@ class Session:
         now, drives = named.identity, self.batch.action.mode == "velocity"
         if drives is not (named.mode == "velocity"):
             raise ConfigurationError(f"{member}: expected a strategy that {'drives' if drives else 'chooses options'}")
+        if named.sees and member != self._play.member:
+            raise ConfigurationError(f"{member}: expected a policy that sees terms with their usual settings")
         if DIGEST in text and now != text:
             raise ConfigurationError(f"{member} has changed since; the play cannot be repeated")
         teams = np.zeros(self.batch.rows, dtype=np.int64)

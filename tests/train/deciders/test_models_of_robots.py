@@ -5,6 +5,7 @@ import pytest
 
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
+from tests.selector.strategies.policies import exported
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import decider_named
 
@@ -49,3 +50,15 @@ def test_the_robots_of_each_model_do_what_their_decider_says():
 def test_what_does_not_fit_is_one_line(text, said):
     with pytest.raises(DocumentError, match=said.replace("+", r"\+")):
         decided(text)
+
+
+def test_a_policy_sees_terms_with_the_settings_of_its_training(tmp_path):
+    terms = [{"name": "cargo", "weight": 0.5}, {"name": "lidar", "rays": 4.0, "farthest": 2.0}]
+    exported(tmp_path, "AvoidCollision", ("ORCA", "Off"), ("lidar_0",), observation={"terms": terms})
+    text = f"policy:{tmp_path}"
+    batch = Batch(MISSION, observation=decider_named(text).observation(("lidar", "finds")))
+    assert batch.observer.names[-4:] == tuple(f"lidar_{ray}" for ray in range(4))
+    expected = Batch(MISSION, observation={"terms": terms}).reset([1])
+    assert np.array_equal(batch.reset([1]), expected)
+    with pytest.raises(DocumentError, match="expected a policy that sees terms with their usual settings"):
+        decider_named(f"models:quick={text};slow=fixed:ORCA")

@@ -104,8 +104,9 @@ class PpoTraining(Training):
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
-        terms = tuple(term.name for term in self.config.observation.terms)
-        usual = self.config.observation == ObservationConfig.model_validate({"terms": terms})
+        observation = self.config.observation
+        terms = tuple(term.name for term in observation.terms)
+        usual = observation == ObservationConfig.model_validate({"terms": terms})
         return exported(
             self.model,
             self.normal,
@@ -113,6 +114,7 @@ class PpoTraining(Training):
             self.envs.options,
             holds=self.settings.holds if self.envs.options else {},
             terms=terms if usual else (),
+            observation={} if usual else observation.model_dump(mode="json"),
             training=training,
         )
 
