@@ -105,7 +105,7 @@ def remarks_on(
     for entrant in entrants:
         named = decider_named(entrant.members[0], directories)
         decided = DecidedGoal(batch, named.decides(goal))
-        if decided.problem.goal != usual:
+        if set(decided.problem.goal.split(JOINT)) != set(usual.split(JOINT)):
             told.append(f"{entrant.label}: decides {decided.problem.goal}, not {usual}; see --goal")
         parts = decided.parts if named.knows else ()
         missing = [option for options in parts for option in options if option not in named.knows]

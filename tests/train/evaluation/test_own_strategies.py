@@ -19,7 +19,7 @@ from tests.paths import TRAINED
 from tests.selector.strategies.policies import untrained
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.models import LOADERS
-from train.deciders.named import decider_named
+from train.deciders.named import NamedDecider, decider_named
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.repeat import steps_of
@@ -269,3 +269,12 @@ def test_a_model_of_stable_baselines3_decides_with_its_normalisation(tmp_path, m
     expected = model.predict(envs.normalize_obs(observations), deterministic=True)[0]
     assert np.array_equal(decider.decide(observations).options, expected)
     assert set(LOADERS) == {".zip", ".pt", ".onnx"}
+
+
+def test_the_order_of_joint_goals_is_no_remark(monkeypatch):
+    entrants, batch = entrants_of(["policy:mine.zip"], ["ORCA"]), Batch("exploring")
+    model = NamedDecider("policy:mine.zip", decider_named, goal="ExplorationPatrol+AvoidCollision")
+    monkeypatch.setattr("train.evaluation.entrants.decider_named", lambda text, directories: model)
+    assert remarks_on(entrants, batch, "AvoidCollision+ExplorationPatrol") == []
+    (told,) = remarks_on(entrants, batch, "AvoidCollision")
+    assert "decides ExplorationPatrol+AvoidCollision, not AvoidCollision" in told
