@@ -34,9 +34,13 @@ def main() -> None:
     robots = RobotVecEnv(worlds=16, family=given.family, time_limit=given.limit, **driven)
     envs = VecNormalize(VecMonitor(robots, info_keywords=figures))
     model = PPO("MlpPolicy", envs, n_steps=64, batch_size=1024, gamma=0.98, seed=given.seed, device="cpu", verbose=1)
-    model.learn(given.steps)
+    model.learn(given.steps, log_interval=10)
     model.save("sb3_ppo.zip")
     envs.save("sb3_ppo.pkl")
+    reward = sum(info["r"] for info in model.ep_info_buffer) / max(len(model.ep_info_buffer), 1)
+    print(
+        f"sb3_ppo.zip, and sb3_ppo.pkl with the scale of what it sees: the mean reward of the last episodes is {reward:.2f}"
+    )
 
 
 if __name__ == "__main__":
