@@ -39,7 +39,7 @@ def main() -> None:
     envs.save("sb3_ppo.pkl")
     reward = sum(info["r"] for info in model.ep_info_buffer) / max(len(model.ep_info_buffer), 1)
     print(
-        f"sb3_ppo.zip, and sb3_ppo.pkl with the scale of what it sees: the mean reward of the last episodes is {reward:.2f}"
+        f"sb3_ppo.zip, and sb3_ppo.pkl with the scale of what it sees; mean reward of the last episodes: {reward:.2f}"
     )
 
 
