@@ -50,6 +50,7 @@ class Scene:
         buffer = SoBuffer(BufferSettings(view_distance=2.0), poses.space, poses)
         buffer.store_static(0, "goal", np.array([[10.0, 0.0]]), 1.0, diffusion=1.0, goal_radius=0.25)
         self.called: list[list[int]] = []
+        self.sources: tuple[Source, ...] = ()
         calls = {"ring": lambda now, rows: self.called.append(rows.tolist())}
         self.host = Host(poses, {"gradients": buffer}, memory=RobotMemory(4, {"told": False}), calls=calls)
 
@@ -61,14 +62,17 @@ class Scene:
         content |= {"sensors": {"read": own}} if sensor else {}
         robots = RunningConfiguration(validated(ConfigurationSpec, content, ""), self.host, cls.__name__).robots
         built = robots.sensors[0][1] if sensor else robots.actions[0][1]
-        for source in built.sources:
+        self.sources = tuple(built.sources)
+        for source in self.sources:
             source.ask(1.0, EACH_ROW)
         return built
 
     def state(self) -> list[Any]:
         """Return copies of all that a sensor must not change."""
         buffer, told = self.host.buffers["gradients"], self.host.memory["told"].values
-        return [buffer.table.record.near[: len(buffer)].copy(), told.copy(), self.host.poses.own.copy()]
+        answers = [answer for source in self.sources for answer in vars(source).values()]
+        read = [answer.copy() for answer in answers if isinstance(answer, np.ndarray)]
+        return [buffer.table.record.near[: len(buffer)].copy(), told.copy(), self.host.poses.own.copy(), *read]
 
 
 def declared(cls: type, parameters: dict[str, Any]) -> dict[str, Any]:

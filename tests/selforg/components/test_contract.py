@@ -99,3 +99,17 @@ def test_an_action_that_breaks_its_contract_is_one_line(act, said, monkeypatch):
     monkeypatch.setitem(ACTIONS._classes, "Mine", cls)
     with pytest.raises(PluginError, match=said):
         check_action(cls)
+
+
+def test_a_sensor_that_changes_what_its_source_says_is_one_line(monkeypatch):
+    def read(self, rows):
+        self.source.vectors[rows] = 0.0
+        return np.zeros(len(rows))
+
+    def begin(self, mechanism: MovementSource) -> None:
+        self.source, self.sources = mechanism, (mechanism,)
+
+    members = {"read": read, "__init__": begin, "__module__": __name__}
+    monkeypatch.setitem(SENSORS._classes, "Mine", cls := type("Mine", (SensorComponent,), members))
+    with pytest.raises(PluginError, match="Mine.read: expected to change nothing"):
+        check_sensor(cls)
