@@ -40,6 +40,20 @@ HOW_IT_CAME = "---\nnosearch: true\n---\n\n"
 RECORD = HOW_IT_CAME.replace("---\n", "---\norphan: true\n", 1)
 """Head of the page of a decision."""
 
+FOUND = {
+    "environment": ("reward", "action space", "observation", "PettingZoo", "vectorised environment", "Gymnasium"),
+    "selforg": ("pheromone", "gradient"),
+    "results": ("Table 1",),
+    "families": ("headroom",),
+    "walls": ("walls", "lidar", "zones"),
+    "selector": ("sensor", "action", "knowledge"),
+    "own_plugins": ("plug-in", "plugin"),
+    "recordings": ("recording", "replay"),
+    "models": ("robot model", "heterogeneous"),
+    "own_task": ("own task",),
+}
+"""Page -> words whose search leads to it first."""
+
 
 def sources() -> list[Path]:
     """Return the Markdown pages of the repository."""
@@ -97,7 +111,10 @@ def main() -> int:
     for path in sources():
         record = path.parent.name == "decisions" and path.name != "README.md"
         own = site_path(path).removesuffix(".md") in GROUPS["Project"]
-        stage.page(path, RECORD if record else HOW_IT_CAME if own else "", menu() if path.name == "index.md" else "")
+        words = FOUND.get(site_path(path).removesuffix(".md"), ())
+        index = f"```{{index}} {', '.join(f'! {word}' for word in words)}\n```\n\n" if words else ""
+        before = RECORD if record else HOW_IT_CAME if own else index
+        stage.page(path, before, menu() if path.name == "index.md" else "")
     write_api(stage)
     write_catalogue(stage)
     stage.clear()

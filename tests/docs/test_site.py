@@ -5,7 +5,7 @@ import pytest
 pytest.importorskip("sphinx", reason="needs the extra 'docs'")
 
 from docs.site.api import API, PLACES, exports, write_api
-from docs.site.build import faults, menu, sources
+from docs.site.build import FOUND, faults, menu, sources
 from docs.site.catalogue import write_catalogue
 from docs.site.docstrings import converted
 from docs.site.measured import rows_about
@@ -120,3 +120,7 @@ def test_docstrings_become_what_sphinx_reads():
         "A ``name`` and 2 \\* 3.", "", "::", "", "    code(*words)", "",
         "- first: one", "- second: two", "  and more", "",
     ]  # fmt: skip
+
+
+def test_words_that_lead_to_a_page_are_of_pages_that_exist():
+    assert {f"{name}.md" for name in FOUND} <= {site_path(path) for path in sources()}
