@@ -111,5 +111,5 @@ def test_a_sensor_that_changes_what_its_source_says_is_one_line(monkeypatch):
 
     members = {"read": read, "__init__": begin, "__module__": __name__}
     monkeypatch.setitem(SENSORS._classes, "Mine", cls := type("Mine", (SensorComponent,), members))
-    with pytest.raises(PluginError, match="Mine.read: expected to change nothing"):
+    with pytest.raises(PluginError, match=r"Mine\.read: expected to change nothing"):
         check_sensor(cls)
