@@ -80,7 +80,7 @@ def tables(model: type[BaseModel], where: str, done: set[str], besides: type[Bas
     yield "\n".join(rows) + "\n"
     for full, part in parts:
         if part.__name__ not in done and part is not TaskSettings:
-            yield f"### {full}: {part.__name__.removesuffix('Config').removesuffix('Spec')}\n"
+            yield f"### {full}: {shown_name(part.__name__)}\n"
             first = " ".join((inspect.getdoc(part) or "").split("\n\n")[0].split())
             yield textwrap.fill(f"{first}{MORE.get(part, '')}", 120) + "\n"
             yield from tables(part, full, done)
@@ -111,13 +111,13 @@ def meanings(model: type[BaseModel]) -> dict[str, str]:
 def values(held: dict[str, Any]) -> str:
     """Return what the value of a key may be, in words, from its JSON schema."""
     if "$ref" in held:
-        return f"keys ({part_name(held['$ref'])})"
+        return f"keys ({shown_name(held['$ref'])})"
     if "enum" in held or "const" in held:
         return " or ".join(f"`{value}`" for value in held.get("enum", [held.get("const")])) or "empty"
     if "anyOf" in held:
         return next(values(one) for one in held["anyOf"] if one.get("type") != "null" and one.get("const") != "")
     if "oneOf" in held:
-        return " or ".join(part_name(one["$ref"]) for one in held["oneOf"])
+        return " or ".join(shown_name(one["$ref"]) for one in held["oneOf"])
     kind = held.get("type")
     if kind in ("number", "integer"):
         return ("whole number" if kind == "integer" else "number") + bounds(held)
@@ -131,13 +131,13 @@ def values(held: dict[str, Any]) -> str:
     return {"boolean": "`true` or `false`", "string": "text"}.get(kind, "any")
 
 
-def part_name(ref: str) -> str:
-    """Return how the page calls a model that a JSON schema refers to."""
-    return ref.rpartition("/")[2].removesuffix("Config").removesuffix("Spec")
+def shown_name(model: str) -> str:
+    """Return how the page calls a model, from its name or from where a JSON schema refers to it."""
+    return model.rpartition("/")[2].removesuffix("Config").removesuffix("Spec")
 
 
 def bounds(held: dict[str, Any]) -> str:
-    """Return the bounds of a number, but for those that only keep it finite."""
+    """Return the bounds of a number; those that only keep it finite are left out."""
     least, most, above = held.get("minimum"), held.get("maximum"), held.get("exclusiveMinimum")
     parts = [f"above {above:g}"] if above is not None else []
     parts += [f"from {least:g}"] if least is not None and least > -LARGEST_NUMBER else []

@@ -140,5 +140,5 @@ def test_slow_robots_that_patrol_leave_a_trail_and_do_not_stay_where_they_are(ma
     worlds.reset(0, StartConfiguration(id="s", robots=((5.5, 5.5, 0.0),), items=far), 1)
     course(worlds, 0, 75)
     trail = Queries(worlds.minds.buffers["pheromones"]).gather(15.0, [0], Filter(view_distance=np.inf)).pairs
-    assert len(trail) > 30  # one in each step of 0.06 m, but for those of a turn; else one that is dragged along
+    assert len(trail) > 30  # one for each step of 0.06 m; turns on the spot leave none
     assert np.hypot(*(worlds.physics.positions[0] - 5.5)) > 2.0
