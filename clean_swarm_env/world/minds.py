@@ -99,6 +99,7 @@ class Minds:
         self._pose_delivery = self.reception.of_poses(self.poses)
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
         self.buffers = task.buffers(mission, self.poses, self.reception)
+        self._delayed = [buffer for buffer in self.buffers.values() if buffer.delivery.delay > 0.0]
 
     def _build_network(
         self,
@@ -161,7 +162,7 @@ class Minds:
         """Deliver the messages that arrive now, by the delivery of each mission."""
         if self._pose_delivery is not None:
             self._pose_delivery.deliver()
-        for buffer in self.buffers.values():
+        for buffer in self._delayed:
             buffer.deliver(now)
 
     def sense(self, now: float) -> None:

@@ -77,7 +77,8 @@ class CoordinatedRobots:
         """Write the movements at `now` [s] of what runs into `commands`, and bend those there are."""
         for inside in self._inside:
             inside.act(now, commands)
-        commands.keep_wishes()
+        if self.network.explained:
+            commands.keep_wishes()
         for inside in self._inside:
             inside.steer(now, commands)
 

@@ -122,7 +122,7 @@ class Consequences:
         entered (R,): collisions of each robot in the tick; working (R,): robots that they matter to;
         present (R,): robots that they may have met.
         """
-        count = suffer(entered, working, present, floor.words, self._packed.words) if self.active else 0
+        count = suffer(entered, working, present, floor.words, self._packed.words)
         return self._packed.record.lost[:count]
 
 

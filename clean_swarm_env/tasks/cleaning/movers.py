@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Annotated, Final
 
 import numpy as np
@@ -65,7 +64,8 @@ class Movers:
         index = minds.network.model.behaviour_index
         self.to_garbage = index["MoveToGarbage"] if "MoveToGarbage" not in minds.robot.inner else NO_BEHAVIOUR
         moving = {k: m for k, m in self.mechanisms.items() if k in index and k not in minds.robot.inner}
-        self._moving = tuple(moving.values())
+        self._of_behaviours = tuple(moving.values())
+        self._moving: list[tuple[MovementMechanism, Ints]] = []  # the mechanisms of this tick, and the rows they move
         self.packed: Packed[MindsRecord] = MINDS.pack(
             MindsRecord(
                 readings=minds.network.readings,
@@ -81,7 +81,10 @@ class Movers:
 
     def move(self, now: float, commands: Commands) -> None:
         """Command the robots whose networks run a mechanism."""
-        for mechanism, rows in self._running():
+        record = self.packed.record
+        counts = enumerate(zip(self._of_behaviours, record.counts.tolist(), strict=True))
+        self._moving = [(mechanism, record.running[k, :count]) for k, (mechanism, count) in counts if count]
+        for mechanism, rows in self._moving:
             following = rows
             if mechanism is self.mechanisms["MoveToGarbage"] and not self._all_nearest:
                 self._go_straight(rows[self._straight[rows]], commands)
@@ -100,13 +103,7 @@ class Movers:
 
     def deposit(self, now: float) -> None:
         """Leave the pheromones of robots that patrol."""
-        for mechanism, rows in self._running():
+        for mechanism, rows in self._moving:
             if isinstance(mechanism, Patrol):
                 mechanism.deposit(now, rows)
-
-    def _running(self) -> Iterator[tuple[MovementMechanism, Ints]]:
-        """Yield the mechanisms of this tick, and the rows that they move."""
-        record = self.packed.record
-        for mechanism, rows, count in zip(self._moving, record.running, record.counts.tolist(), strict=True):
-            if count:
-                yield mechanism, rows[:count]
+        self._moving = []

@@ -94,7 +94,7 @@ class PatrolConfig(Closed):
     """Diffusion below which a pheromone is gone [m]."""
     aggregation_distance: NonNegative = 0.1
     """Distance within which a new pheromone merges with a stored one; shorter in proportion where the slowest robots,
-    in the slowest zone, have less than 1 m/s [m]."""
+    damaged ones too, have less than 1 m/s in the slowest zone [m]."""
     view_distance: NonNegative = 4.0
     """Distance added to the reach of a pheromone within which it is felt [m]."""
     min_speed: NonNegative = 0.5

@@ -101,7 +101,8 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         newest = BufferSettings(task.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0)
         items = SoBuffer(newest, space, poses)
         patrol, strongest = task.patrol, {"DEFAULT": "max"}
-        merged = patrol.aggregation_distance * mission.slowest
+        damaged = task.consequences.damaged_speed if task.consequences.damage_after else 1.0
+        merged = patrol.aggregation_distance * mission.slowest * damaged
         trails = BufferSettings(patrol.view_distance, strongest, merged, patrol.min_diffusion)
         trails = replace(trails, hidden=mission.world.blocks("pheromones"))
         pheromones = SoBuffer(trails, space, poses, reception.delivery())
@@ -180,6 +181,8 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
 
     def after_moving(self) -> None:
         """Let the collisions of the tick have their consequences."""
+        if not self.consequences.active:
+            return
         floor, team = self.world.floor, self.world.team
         lost = self.consequences.apply(
             floor.collisions.entered_in_tick, team.working, floor.physics.present, self.site.packed

@@ -131,13 +131,15 @@ def test_a_mistake_is_one_line(zone, words):
     assert words in one_line(caught.value, "m.yaml")
 
 
-@pytest.mark.parametrize(("max_speed", "mud"), [(1.0, 0.3), (0.3, 1.0)])
-def test_slow_robots_that_patrol_leave_a_trail_and_do_not_stay_where_they_are(max_speed, mud):
+@pytest.mark.parametrize(("max_speed", "mud", "damaged"), [(1.0, 0.3, 0), (0.3, 1.0, 0), (1.0, 1.0, 1)])
+def test_slow_robots_that_patrol_leave_a_trail_and_do_not_stay_where_they_are(max_speed, mud, damaged):
     zones = [{"name": "mud", "area": [[0.0, 0.0], [11.0, 11.0]], "speed": mud}] if mud < 1.0 else []
-    config = mission(world={"zones": zones}, robots={"count": 1, "max_speed": max_speed})
+    hurt = {"damage_after": damaged, "damaged_speed": 0.3}
+    config = mission(world={"zones": zones}, robots={"count": 1, "max_speed": max_speed}, consequences=hurt)
     worlds = Worlds(config, avoidance(), 1)
     far = tuple((0.5 + 0.5 * k, 0.5) for k in range(10))
     worlds.reset(0, StartConfiguration(id="s", robots=((5.5, 5.5, 0.0),), items=far), 1)
+    worlds.task.consequences.collisions[0] = damaged
     course(worlds, 0, 75)
     trail = Queries(worlds.minds.buffers["pheromones"]).gather(15.0, [0], Filter(view_distance=np.inf)).pairs
     assert len(trail) > 30  # one for each step of 0.06 m; turns on the spot leave none
