@@ -125,7 +125,9 @@ class _Picture:
         self._outline(OUTLINES["square"], middle, NO_COLOUR, LOOK.edge)
         time, high = f"{self._canvas.time:.1f} s", self.height - TITLE / 2 - 4.0
         self._write(time, MARGIN, high)
-        self._write(self._canvas.state, MARGIN + _length(time) + KEY, high)  # apart: it seldom changes, and is kept
+        after = MARGIN + _length(time) + KEY
+        state = _fitting(self._canvas.state, self.width - MARGIN - after)
+        self._write(state, after, high)  # apart: it seldom changes, and is kept
         for k, sign in enumerate(self._entries):
             line, column = divmod(k, self._columns)
             x, y = MARGIN + KEY + 2 + column * self._column, self._bottom - MARGIN / 2 - (line + 0.5) * ENTRY
@@ -248,6 +250,15 @@ def _word(text: str, size: float = LOOK.letter_size, centred: bool = False) -> O
 def _length(text: str) -> float:
     """Return the length of a line of text [pixels]."""
     return float(np.max(np.asarray(_word(text).vertices)[:, 0], initial=0.0))
+
+
+def _fitting(text: str, room: float) -> str:
+    """Return a line of text of at most `room` [pixels]: words before the last one, a number, are left out if need be."""
+    *words, last = text.split() or [""]
+    while words and _length(text) > room:
+        words.pop()
+        text = " ".join((*words, "...", last))
+    return text
 
 
 def _trail(canvas: Canvas, across: int, up: int) -> Pixels:

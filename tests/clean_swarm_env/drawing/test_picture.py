@@ -98,6 +98,14 @@ def test_the_size_does_not_depend_on_the_moment():
     assert pixels_of(canvas()).shape == pixels_of(later).shape
 
 
+def test_a_long_line_keeps_its_last_number_and_stays_inside():
+    long = pixels_of(canvas(state="distance to the goal area 0.434, obstacles hit by robots in each minute 1.25"), SIDE)
+    short = pixels_of(canvas(state="distance to the goal area 0.434, obstacles hit by ... 1.25"), SIDE)
+    assert (long == short).all()
+    dark = np.flatnonzero(long[:TITLE].min(axis=(0, 2)) < 200)
+    assert SIDE - MARGIN - 60 < dark.max() <= SIDE - MARGIN
+
+
 @pytest.mark.parametrize("suffix", ["svg", "png", "webp"])
 def test_a_file_is_the_same_each_time_and_needs_nothing_else(tmp_path, suffix):
     drawn = canvas(pheromones=np.array([[0.05, 10.0]]), pheromone_diffusions=np.array([1.0]), state="\u6e05\u6383 $")
