@@ -253,7 +253,12 @@ def _length(text: str) -> float:
 
 
 def _fitting(text: str, room: float) -> str:
-    """Return a line of text of at most `room` [pixels]: words before the last one, a number, are left out if need be."""
+    """Return a line of figures, such as "gaps 0.4, hits 2", of at most `room` [pixels].
+
+    If need be, the last figures are left out, and then words before the number of the first.
+    """
+    while ", " in text and _length(text) > room:
+        text = text.rpartition(", ")[0]
     *words, last = text.split() or [""]
     while words and _length(text) > room:
         words.pop()
