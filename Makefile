@@ -36,8 +36,8 @@ examples:  ## every example in an environment of its own, with its framework; FR
 newest:  ## the examples with today's newest versions of the frameworks, in further environments
 	$(BIN)python -m tests.examples --newest .frameworks/newest $(FRAMEWORKS)
 
-long:  ## every line of the README and of docs/commands.md, whole, in an empty directory
-	CLEAN_SWARM_LONG=1 $(BIN)python -m pytest -q tests/docs/test_readme_commands.py
+long:  ## every line of the README and of docs/commands.md, whole, in an empty directory; a course without records by address
+	CLEAN_SWARM_LONG=1 $(BIN)python -m pytest -q tests/docs/test_readme_commands.py tests/clean_swarm_env/world/test_worlds.py
 
 soak:  ## all long random tests side by side, within half an hour on two CPUs: what was tried, what survived, seconds
 	$(BIN)python -m tests.soak

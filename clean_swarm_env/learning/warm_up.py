@@ -34,7 +34,7 @@ WARM_UP_PERIODS = 300
 """Decision periods within which a mission has called every kernel that missions call."""
 EVERY_MISSION = Path(cargo.__file__)
 """File of kernels that every mission calls and nothing else does: checking a configuration does not compile them."""
-COMPILING = "compiling for this machine, once: about a minute"
+COMPILING = "compiling this copy of the package for this machine, once: about a minute"
 SILENCED = "CLEAN_SWARM_QUIET"
 """Variable of the environment that silences the line, if it is 1."""
 FIRST_KERNELS = Path(__file__).with_name("first_kernels.txt")

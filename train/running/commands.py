@@ -27,6 +27,9 @@ INTERRUPTED = 130
 LOG, LOG_EVERY = "progress.log", 30.0
 """File in the results that gets a line of the progress, and how often [s]."""
 
+SHARE_THAT_TELLS = 0.005
+"""Share of all simulated seconds from which on they tell how long it takes: the first compile mechanisms of a user."""
+
 
 NEVER_CUT = Column(no_wrap=True)
 """How columns are laid out whose words are shown whole."""
@@ -51,12 +54,12 @@ def time_left(task: Task) -> str:
 
     Most missions end before their time limit. So the simulated seconds that have run, of all that may have to, say how
     long it takes at most; the results say it more closely as soon as there are enough. The time until the first
-    missions run is not counted.
+    missions run is not counted, and the first of the seconds say nothing yet.
     """
     begun, most, ran, first = (task.fields[name] for name in ("begun", "most", "ran", "first"))
     by_results = (task.completed - begun) / max((task.total or 0.0) - begun, 1.0)
     by_seconds = min(ran / most, 1.0) if most > 0.0 else 0.0
-    if by_results <= 0.0 and by_seconds <= 0.0:
+    if by_results <= 0.0 and by_seconds < SHARE_THAT_TELLS:
         return "time left: not known yet"
     share = min(max(by_results, by_seconds), 1.0)  # a training ends with a whole round, beyond its total
     seconds = round(((task.elapsed or 0.0) - first) * (1.0 / share - 1.0))

@@ -54,6 +54,7 @@ def test_the_time_left_counts_what_this_command_did():
 
 def test_before_there_are_results_the_simulated_seconds_bound_the_time_left():
     assert time_left(0, 30, 4.0, most=30 * 600.0, ran=1800.0) == "at most 0:00:36 left"
+    assert time_left(0, 30, 40.0, most=30 * 600.0, ran=10.0) == "time left: not known yet"  # a mechanism is compiled
     assert time_left(1, 30, 4.0, most=30 * 600.0, ran=1800.0) == "at most 0:00:36 left"  # one result is too few
     assert time_left(6, 30, 4.0, most=30 * 600.0, ran=1800.0) == "0:00:16 left"
     assert time_left(0, 30, 24.0, most=30 * 600.0, ran=1800.0, first=20.0) == "at most 0:00:36 left"  # workers started

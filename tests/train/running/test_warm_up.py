@@ -30,7 +30,7 @@ def _alone(monkeypatch):
     monkeypatch.setattr(warm_up, "usable_cpus", lambda: 1)
 
 
-LINE = "compiling for this machine, once: about a minute\n"
+LINE = "compiling this copy of the package for this machine, once: about a minute\n"
 
 
 @pytest.fixture
