@@ -32,8 +32,8 @@ Written by `python -m docs.figures.write_keys`.
 """
 
 MORE = {
-    RobotConfig: " All robots alike have the keys of a group here: `robots: {count: 6, max_speed: 0.5}`. A list is that "
-    "of groups: `[{model: scout, count: 2}, {model: carrier}]`.",
+    RobotConfig: " All robots alike have the keys of a group here: `robots: {count: 6, max_speed: 0.5}`. A list is "
+    "that of groups: `[{model: scout, count: 2}, {model: carrier}]`.",
 }
 """Model -> what the page says of it beside its docstring."""
 
