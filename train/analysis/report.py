@@ -129,11 +129,10 @@ def verdict_of(report: Report) -> list[str]:
     ranking, beside = ranking_of_conditions(report), agreements(report)
     left = dict(zip(report.figures.conditions, 1.0 - report.figures.completed[:, None], strict=True))
     source = "measured" if report.means else "the paper"
+    those = source if report.means else f"of {source} (95 % intervals meet)"
     known = [one for one in beside if one.agrees is not None]
     others = [f"{one.what} ({amount(one.ours)}, {source} {amount(one.theirs)})" for one in known if not one.agrees]
-    said = (
-        f"{len(known) - len(others)} of {len(known)} figures agree with those {'' if report.means else 'of '}{source}"
-    )
+    said = f"{len(known) - len(others)} of {len(known)} figures agree with those {those}"
     compared = [f"{said}{'; not: ' * bool(others)}{'; '.join(others[:MOST_NAMED])}."] if known else []
     word = "ended short of a target" if report.measured_by_task else "left unfinished"
     coming = report.experiment.mission.items.keep_coming
