@@ -13,7 +13,7 @@ from selforg import plugins
 
 Base = TypeVar("Base")
 Class = TypeVar("Class")
-MOST_NAMED = 30
+MOST_LISTED = 30
 """Known names that fit a line on an unknown one, which names the most similar one only if there are more."""
 
 
@@ -117,7 +117,7 @@ def import_modules(package: str) -> None:
 def unknown(what: str, name: str, known: Sequence[str]) -> str:
     """Return the message for an unknown `name`, with the known names and the most similar one; that only, if many."""
     near = difflib.get_close_matches(name, known, n=1)
-    if near and len(known) > MOST_NAMED:
+    if near and len(known) > MOST_LISTED:
         return f"unknown {what} {name!r}; did you mean {near[0]!r}?"
     hint = f"; did you mean {near[0]!r}?" if near else ""
     return f"unknown {what} {name!r} (known: {', '.join(known) or 'none'}{hint})"
