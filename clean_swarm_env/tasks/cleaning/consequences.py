@@ -113,8 +113,7 @@ class Consequences:
 
     def hold_back(self, commands: Packed[Commanded]) -> None:
         """Command robots that stand not to move, or to drive off, and damaged ones to be slow."""
-        if self.active:
-            hold_back(commands.words, self._packed.words)
+        hold_back(commands.words, self._packed.words)
 
     def apply(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
         """Let the collisions of a tick have their consequences; return the rows (K,) whose cargo lies on the floor now.

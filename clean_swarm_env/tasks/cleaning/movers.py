@@ -82,8 +82,8 @@ class Movers:
     def move(self, now: float, commands: Commands) -> None:
         """Command the robots whose networks run a mechanism."""
         record = self.packed.record
-        counts = enumerate(zip(self._of_behaviours, record.counts.tolist(), strict=True))
-        self._moving = [(mechanism, record.running[k, :count]) for k, (mechanism, count) in counts if count]
+        listed = zip(self._of_behaviours, record.running, record.counts.tolist(), strict=True)
+        self._moving = [(mechanism, rows[:count]) for mechanism, rows, count in listed if count]
         for mechanism, rows in self._moving:
             following = rows
             if mechanism is self.mechanisms["MoveToGarbage"] and not self._all_nearest:

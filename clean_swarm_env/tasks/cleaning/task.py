@@ -177,18 +177,18 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
 
     def before_moving(self, commands: Commands) -> None:
         """Hold back robots that stand after a collision, and damaged ones."""
-        self.consequences.hold_back(commands.packed)
+        if self.consequences.active:
+            self.consequences.hold_back(commands.packed)
 
     def after_moving(self) -> None:
         """Let the collisions of the tick have their consequences."""
-        if not self.consequences.active:
-            return
-        floor, team = self.world.floor, self.world.team
-        lost = self.consequences.apply(
-            floor.collisions.entered_in_tick, team.working, floor.physics.present, self.site.packed
-        )
-        if len(lost):
-            self.site.show_items(lost // self.world.robots, floor.physics.positions[lost])
+        if self.consequences.active:
+            floor, team = self.world.floor, self.world.team
+            lost = self.consequences.apply(
+                floor.collisions.entered_in_tick, team.working, floor.physics.present, self.site.packed
+            )
+            if len(lost):
+                self.site.show_items(lost // self.world.robots, floor.physics.positions[lost])
 
     def done(self) -> Flags:
         """Return where all garbage that has come is dumped, and no more will come."""
