@@ -17,11 +17,14 @@ import tempfile
 import time
 import warnings
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
+from types import FunctionType
+from typing import Any, Self
 
 import numba
+from numba.core.caching import _CacheLocator
 
 from selforg.compiler.switches import CHECKED, PLAIN
 
@@ -66,16 +69,52 @@ UNCACHED = (
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(?:\(([^)]*)\)|(.*))|import[ \t]+(.*))$", re.M)
 
 
+class InFolder(_CacheLocator):
+    """Keeps a kernel in the folder of `keeping_in`, wherever its sources lie: the name of the folder is their hash."""
+
+    def __init__(self, line: int) -> None:
+        self._folder, self._line = numba.config.CACHE_DIR, line  # type: ignore[attr-defined]
+
+    def get_cache_path(self) -> str:
+        """Return the folder."""
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        """Return nothing: the name of the folder says of which sources its kernels are."""
+        return ""
+
+    def get_disambiguator(self) -> str:
+        """Return the line, because a file may define two kernels of one name."""
+        return str(self._line)
+
+    @classmethod
+    def from_function(cls, py_func: FunctionType, py_file: str) -> Self:
+        """Return the place of a function; Numba calls this while it decorates."""
+        return cls(py_func.__code__.co_firstlineno)
+
+
+@contextmanager
+def keeping_in(folder: Path) -> Iterator[None]:
+    """Let Numba keep the kernels that are decorated meanwhile in a folder."""
+    config: Any = numba.config
+    given = config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES
+    config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES = str(folder), f"{__name__}.{InFolder.__name__}"
+    try:
+        yield
+    finally:
+        config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES = given
+
+
 @cache
 def cache_directory() -> Path | None:
     """Return the directory of all compiled code; None, with a warning, where it cannot be kept.
 
-    This is NUMBA_CACHE_DIR if that is set and not `shared_directory`, else a folder beside the package, else one in the
-    user's cache. One that others may have written is not used.
+    This is NUMBA_CACHE_DIR if that is set and not `shared_directory`, else one in the user's cache, which serves all
+    copies of the package, else a folder beside the package. One that others may have written is not used.
     """
     given, doubts = numba.config.CACHE_DIR, []  # type: ignore[attr-defined]
     user = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "clean-swarm")
-    own = [OWN_ROOT / "selforg" / "__pycache__" / "kernels", user]
+    own = [user, OWN_ROOT / "selforg" / "__pycache__" / "kernels"]
     places = [Path(given)] if given and shared_directory() is None else own
     for place in places:
         if place is user and not user.is_absolute():  # no home is known

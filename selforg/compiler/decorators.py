@@ -17,7 +17,7 @@ import numba
 from numba.core import event
 from numba.extending import register_jitable
 
-from selforg.compiler.cache import folder_for
+from selforg.compiler.cache import folder_for, keeping_in
 from selforg.compiler.parts import known_to_kernels
 from selforg.compiler.switches import COMPILED, LEAN, NUMPY_ERRORS, PLAIN
 
@@ -136,11 +136,7 @@ def compiled(function: Callable[P, R], options: dict[str, Any], *others: str) ->
     folder = None if "<" in function.__qualname__ else folder_for(function.__code__.co_filename, *others)
     if folder is None:
         return cast("Callable[P, R]", numba.njit(**options)(function))
-    config: Any = numba.config
-    given, config.CACHE_DIR = config.CACHE_DIR, str(folder)  # Numba reads this while it decorates
-    try:
+    with keeping_in(folder):  # Numba reads this while it decorates
         kept = cast("Callable[P, R]", numba.njit(cache=True, **options)(function))
-        KERNELS.setdefault(f"{function.__module__}.{function.__qualname__}", kept)
-        return kept
-    finally:
-        config.CACHE_DIR = given
+    KERNELS.setdefault(f"{function.__module__}.{function.__qualname__}", kept)
+    return kept
