@@ -8,7 +8,7 @@ UNCOMPILED := tests/selforg/mechanisms tests/selforg/gradients tests/selforg/com
 	$(addprefix tests/selforg/network/,test_contract.py test_network.py test_reference.py) \
 	tests/clean_swarm_env/world/test_reception.py
 
-.PHONY: check lint test docs uncompiled golden examples newest long soak mutants learning bench dist
+.PHONY: check lint test quick durations docs uncompiled golden examples newest long soak mutants learning bench dist
 
 check: lint test  ## all that CI asks for
 
@@ -18,8 +18,14 @@ lint:
 	$(BIN)mypy
 	$(BIN)lint-imports
 
-test:
+test:  ## the gate
 	$(BIN)python -m pytest -n 2 --dist loadfile
+
+quick:  ## lint and types of what changed since the last push, and the tests of its folders
+	$(BIN)python -m tests.rings.quick
+
+durations:  ## CPU and wall seconds of each test file of the gate into tests/durations.csv, minutes into CONTRIBUTING.md
+	$(BIN)python -m tests.rings.durations
 
 docs:  ## the site, build/site/html/index.html, from docs/ and the code; warnings are errors, no network is needed
 	NUMBA_DISABLE_JIT=1 $(BIN)python -W ignore::RuntimeWarning -m docs.site.build
@@ -36,8 +42,8 @@ examples:  ## every example in an environment of its own, with its framework; FR
 newest:  ## the examples with today's newest versions of the frameworks, in further environments
 	$(BIN)python -m tests.examples --newest .frameworks/newest $(FRAMEWORKS)
 
-long:  ## every line of the README and of docs/commands.md, whole, in an empty directory; a course without records by address
-	CLEAN_SWARM_LONG=1 $(BIN)python -m pytest -q tests/docs/test_readme_commands.py tests/clean_swarm_env/world/test_worlds.py
+long:  ## the tests that take long, with a table; records in tests/long.json of which sources they are green
+	$(BIN)python -m tests.rings.long
 
 soak:  ## all long random tests side by side, within half an hour on two CPUs: what was tried, what survived, seconds
 	$(BIN)python -m tests.soak

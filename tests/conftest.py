@@ -5,7 +5,8 @@ Hypothesis sets no limit of time for an example, because a loaded machine is not
 A suite started with Ctrl-C or hangups ignored (`nohup`, a background job of a shell) goes on ignoring them. The
 commands that its tests start do not: a signal with a handler here has its default in a program started from here.
 
-The files that take longest come first, so that no worker of pytest-xdist is alone with one at the end.
+The files that take longest by `tests/durations.csv` come first, so that no worker of pytest-xdist is alone with one at
+the end.
 
 Plug-ins that a test names are forgotten after it: commands that later tests start would import them, too.
 """
@@ -17,30 +18,11 @@ import pytest
 from hypothesis import settings
 
 from selforg.plugins import NAMED
+from tests.paths import ROOT
+from tests.rings.durations import order
 
 settings.register_profile("no deadline", deadline=None)
 settings.load_profile("no deadline")
-
-
-LONG = (
-    "train/learning/test_training.py",
-    "docs/test_readme_commands.py",
-    "train/cli/test_plugins.py",
-    "docs/test_tutorials.py",
-    "train/cluster/test_slurm.py",
-    "train/cluster/test_dask_engine.py",
-    "selforg/test_switches.py",
-    "examples/test_examples.py",
-    "clean_swarm_env/test_siblings.py",
-    "train/studies/test_tuning_docs.py",
-    "train/evaluation/test_shares.py",
-    "docs/comparison/test_choosing.py",
-    "train/cluster/test_clusters_docs.py",
-    "train/cli/test_faults.py",
-    "selector/store/test_store.py",
-    "docs/comparison/test_scores_loop.py",
-)
-"""Files of a minute or more."""
 
 
 def pytest_configure(config):
@@ -50,8 +32,9 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(items):
-    """Put the tests of long files first."""
-    items.sort(key=lambda item: not item.path.as_posix().endswith(LONG))
+    """Put the files that take longest first, after those that are not known yet."""
+    places = order()
+    items.sort(key=lambda item: places.get(item.path.relative_to(ROOT / "tests").as_posix(), -1))
 
 
 def ignore(*_: object) -> None:
