@@ -3,21 +3,20 @@
 import resource
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
 import train.reports.machine_picture  # both with Matplotlib, so that what their imports take is not measured
 import train.reports.network_picture  # noqa: F401
 from tests.attacks.readers import MOST_BYTES, MOST_SECONDS
-from tests.paths import SHARED
 from train import cli
 
-ATTACKS = SHARED / "attacks"
+ATTACKS = Path(__file__).with_name("data")
 CONFIGS = ("--configs", ATTACKS / "configs")
 RUN = {"pile.yaml"}
 """Files that are no bad input; see `test_pile.py`."""
 KNOWLEDGE = ("k1.yaml", "k2.yaml", "inf.yaml", "nan.json", "dup.json")
-pytestmark = pytest.mark.skipif(not ATTACKS.is_dir(), reason="the attacks lie beside the checkout only")
 
 
 def command(path):
