@@ -24,6 +24,8 @@ Path(__file__).with_name("sang").touch()
 from selector.strategies.unlearned import MaxScore as Own
 """
 OWN = {"name": "canary:Own"}
+SHORT = {"base": "table1", "time_limit": 20.0}
+"""A mission that takes no time if its code runs after all."""
 
 
 class Song:
@@ -41,7 +43,7 @@ def hostile_files(folder: Path) -> list[Path]:
     (folder / "canary.py").write_text(CANARY)
     _models(folder)
     documents = {
-        "experiments/own.yaml": {"mission": "table1", "conditions": [{"name": "a", "strategy": OWN}]},
+        "experiments/own.yaml": {"mission": SHORT, "conditions": [{"name": "a", "strategy": OWN}]},
         "experiments/many.yaml": {
             "mission": "table1",
             "strategies": ["canary:Own", "policy:evil.zip"],
@@ -97,6 +99,7 @@ def _results(folder: Path) -> list[Path]:
     conditions = [{"name": "a", "strategy": OWN}]
     members = ("canary:Own", "policy:evil.zip", "velocity:evil.pt")
     family = load_family("table1").model_dump(mode="json")
+    family["mission"] |= {"time_limit": SHORT["time_limit"]}
     digests = [_digest(folder / "canary.py"), _digest(folder / "evil.zip", folder / "evil.pkl")]
     digests += [_digest(folder / "evil.pt", folder / "evil.pkl")]
     held = {member: [f"{member} sha256:{digest}"] for member, digest in zip(members, digests, strict=True)}

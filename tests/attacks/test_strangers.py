@@ -101,7 +101,7 @@ def test_trust_is_what_keeps_them_quiet(strange, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(sys, "path", [*sys.path])
     sang = folder / "sang"
     for words in (
-        ["evaluate", "experiments/own.yaml", "--condition", "a", "--output", "own"],
+        ["evaluate", "experiments/own.yaml", "--condition", "a", "--scenarios", "1", "--workers", "1"],
         ["explain", "results-model", "--robot", "0", "--time", "1"],
     ):
         monkeypatch.delitem(sys.modules, "canary", raising=False)

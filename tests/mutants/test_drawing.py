@@ -80,7 +80,12 @@ CONFIGURED = "[tool.pytest.ini_options]\naddopts = \"-m 'not long'\"\nmarkers = 
 
 
 @pytest.mark.parametrize(
-    ("fault", "by"), [("a + 1", "tests/selforg/test_a.py::test_a"), ("", "tests/selforg/test_a.py"), ("a", "")]
+    ("fault", "by"),
+    [
+        ("a + 1", "tests/selforg/test_a.py::test_a"),
+        pytest.param("", "tests/selforg/test_a.py", marks=pytest.mark.long),
+        pytest.param("a", "", marks=pytest.mark.long),
+    ],
 )
 def test_the_test_that_fails_is_named(tmp_path, fault, by):
     (tmp_path / "tests" / "selforg").mkdir(parents=True)
