@@ -33,7 +33,7 @@ docs:  ## the site, build/site/html/index.html, from docs/ and the code; warning
 uncompiled:  ## some tests with kernels as plain functions
 	NUMBA_DISABLE_JIT=1 $(BIN)python -m pytest -n 2 --dist loadfile $(UNCOMPILED)
 
-golden:  ## numbers of the original implementation, beside this checkout
+golden:  ## numbers of the original implementation, as the tests compare them: which agree, and what is set aside
 	$(BIN)python -m tests.golden
 
 examples:  ## every example in an environment of its own, with its framework; FRAMEWORKS=tianshou for some

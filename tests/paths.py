@@ -1,8 +1,7 @@
-"""Where the tests find the checkout and the recorded numbers beside it."""
+"""Where the tests find the checkout and what it has for them."""
 
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-SHARED = ROOT.parent / "shared"
 TRAINED = ROOT / "tests" / "trained"
 """A directory of configurations with a policy and a learned strategy, which no longer ship, and their trainings."""

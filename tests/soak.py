@@ -35,17 +35,6 @@ class Soak(NamedTuple):
     """Limit of time."""
 
 
-class Outcome(NamedTuple):
-    """What a soak did."""
-
-    soak: Soak
-    tried: int
-    survived: int
-    seconds: float
-    passed: bool
-    said: str
-
-
 SOAKS = (
     Soak("hours of a week of one mission", ("tests.clean_swarm_env.soak_week",), 168, 700.0),
     Soak("copies and states of random missions", ("tests.clean_swarm_env.soak_copies",), 1000, 350.0),
@@ -60,41 +49,35 @@ SOAKS = (
 """The longest first, so that all processors are busy to the end."""
 
 
-def outcome_of(soak: Soak, share: float) -> Outcome:
-    """Run a soak in a process of its own, with a share of its time."""
+def outcome_of(soak: Soak, share: float) -> tuple[str, str]:
+    """Run a soak in a process of its own, with a share of its time; return its row and, if it failed, what it said."""
     began = time.monotonic()
     environment = {**os.environ, SECONDS: f"{share * soak.seconds:g}"}
     command = [sys.executable, "-m", *soak.words]
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     lines = re.findall(r"^tried (\d+), survived (\d+)$", done.stdout, re.MULTILINE)
     tried, survived = map(int, lines[-1]) if lines else (0, 0)
+    row = f"| {soak.name} | {soak.asked:,} | {tried:,} | {survived:,} | {time.monotonic() - began:.0f} |"
     passed = done.returncode == 0 and tried == survived > 0
-    return Outcome(soak, tried, survived, time.monotonic() - began, passed, done.stdout[-3000:] + done.stderr[-3000:])
-
-
-def table(outcomes: list[Outcome]) -> str:
-    """Return the table as Markdown."""
-    lines = ["| soak | asked | tried | survived | seconds |", "|---|---:|---:|---:|---:|"]
-    lines += [
-        f"| {o.soak.name} | {o.soak.asked:,} | {o.tried:,} | {o.survived:,} | {o.seconds:.0f} |" for o in outcomes
-    ]
-    return "\n".join(lines)
+    return row, "" if passed else f"FAILED\n{done.stdout[-3000:]}{done.stderr[-3000:]}"
 
 
 def main(arguments: list[str]) -> int:
     """Run the soaks; return 1 if one failed."""
     names = tuple(word for word in arguments if word != "--write")
     chosen = [soak for soak in SOAKS if not names or soak.name.startswith(names)]
-    cpus, outcomes, began = usable_cpus(), list[Outcome](), time.monotonic()
+    cpus, began, failed = usable_cpus(), time.monotonic(), False
+    rows = ["| soak | asked | tried | survived | seconds |", "|---|---:|---:|---:|---:|"]
     with ThreadPoolExecutor(cpus) as pool:
-        for outcome in pool.map(lambda soak: outcome_of(soak, min(1.0, cpus / CPUS)), chosen):
-            outcomes.append(outcome)
-            words = "passed" if outcome.passed else f"FAILED\n{outcome.said}"
-            print(f"{outcome.soak.name}: {outcome.tried} tried, {outcome.seconds:.0f} s, {words}", flush=True)
-    print(f"\n{table(outcomes)}\n{(time.monotonic() - began) / 60:.1f} minutes on {cpus} CPUs")
+        for row, fault in pool.map(lambda soak: outcome_of(soak, min(1.0, cpus / CPUS)), chosen):
+            print(row, fault, flush=True)
+            rows.append(row)
+            failed |= bool(fault)
+    table = "\n".join(rows)
+    print(f"\n{table}\n{(time.monotonic() - began) / 60:.1f} minutes on {cpus} CPUs")
     if "--write" in arguments:
-        record("reliability/soak", table(outcomes))
-    return 0 if all(outcome.passed for outcome in outcomes) else 1
+        record("reliability/soak", table)
+    return int(failed)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,6 @@ EXEMPT = {
     "docs/environment.md: terms": "what a term says and how many components it has; a test compares it with the code",
     "docs/exploring.md: | family | what happens | why the choice should matter |": "how a family is made",
     "docs/recordings.md: channels": "a format; a test compares it with the code",
-    "docs/reliability.md: mutants": "names of tests, no figure",
     "docs/walls.md: | setting | unless given | what |": "settings and their defaults",
     "docs/tasks.md: tasks": "names, options and targets; a test compares it with the code",
     "docs/tasks.md: terms": "what a term says; a test compares it with the code",

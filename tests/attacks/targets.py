@@ -134,14 +134,8 @@ def put(path: Path, content: bytes) -> Path:
 # Documents
 
 
-def yaml_document(kind: str, folder: Path) -> Target:
-    drawn = hostile.documents(kind).map(encoded)
-    return Target(drawn, lambda content: refused_in_one_line(READERS[kind], put(folder / "attack.yaml", content)))
-
-
-def json_document(kind: str, content: object, folder: Path) -> Target:
-    drawn = hostile.json_documents(content).map(encoded)
-    return Target(drawn, lambda content: refused_in_one_line(READERS[kind], put(folder / "attack.json", content)))
+def document(kind: str, name: str, drawn, folder: Path) -> Target:
+    return Target(drawn.map(encoded), lambda content: refused_in_one_line(READERS[kind], put(folder / name, content)))
 
 
 def command_line(folder: Path) -> Target:
@@ -239,10 +233,6 @@ def recorded() -> bytes:
         return (Path(folder) / "run.swarm").read_bytes()
 
 
-def blocks_of_recording(folder: Path):
-    return list(blocks_of(put(folder / "whole.swarm", recorded())))
-
-
 def used(path):
     """Read a recording and use it as the page and the export do."""
     recording = RecordedMission(path)
@@ -270,44 +260,33 @@ def recording_file(folder: Path) -> Target:
     return Target(damaged(recorded()), lambda content: read_or_refused(used, put(path, content), str(path)))
 
 
-def recording_block(which: int, folder: Path) -> Target:
-    blocks = blocks_of_recording(folder)
+def recording_block(which: int, contents, folder: Path) -> Target:
+    """Recordings with right checksums, one of whose blocks is another: `contents` draws it, given the whole one."""
+    blocks = list(blocks_of(put(folder / "whole.swarm", recorded())))
 
     def read(content: bytes) -> None:
         path = written(folder / "odd.swarm", [*blocks[:which], (blocks[which][0], content), *blocks[which + 1 :]])
         read_or_refused(used, path, str(path))
 
-    return Target(damaged(blocks[which][1]), read)
+    return Target(contents(blocks[which][1]), read)
 
 
-def recording_head(folder: Path) -> Target:
-    (kind, head), *rest = blocks_of_recording(folder)
+def odd_heads(head: bytes):
     small = {name: value for name, value in json.loads(head).items() if name not in ("networks", "mission")}
-
-    def read(content: bytes) -> None:
-        path = written(folder / "odd.swarm", [(kind, content.rstrip(b"}") + b', "mission": {}}'), *rest])
-        read_or_refused(used, path, str(path))
-
-    return Target(hostile.json_documents(small).map(encoded), read)
+    return hostile.json_documents(small).map(lambda text: encoded(text).rstrip(b"}") + b', "mission": {}}')
 
 
-def recording_directory(folder: Path) -> Target:
-    head, (kind, part), *rest = blocks_of_recording(folder)
+def odd_directories(part: bytes):
     end = 4 + struct.unpack_from("<I", part)[0]
-
-    def read(content: bytes) -> None:
-        whole = struct.pack("<I", len(content)) + content + part[end:]
-        path = written(folder / "odd.swarm", [head, (kind, whole), *rest])
-        read_or_refused(used, path, str(path))
-
-    return Target(hostile.json_documents(json.loads(part[4:end])).map(encoded), read)
+    contents = hostile.json_documents(json.loads(part[4:end])).map(encoded)
+    return contents.map(lambda content: struct.pack("<I", len(content)) + content + part[end:])
 
 
 POLICY_TEXT = json.loads((POLICY / "policy.json").read_text(encoding="utf-8"))
 TARGETS: dict[str, Callable[[Path], Target]] = {
-    **{kind: partial(yaml_document, kind) for kind in KINDS},
-    "given starts": partial(json_document, "given starts", STARTS),
-    "exported store": partial(json_document, "exported store", STORE),
+    **{kind: partial(document, kind, "attack.yaml", hostile.documents(kind)) for kind in KINDS},
+    "given starts": partial(document, "given starts", "attack.json", hostile.json_documents(STARTS)),
+    "exported store": partial(document, "exported store", "attack.json", hostile.json_documents(STORE)),
     "command line": command_line,
     "strategy, damaged": strategy_file,
     "strategy, odd": strategy_description,
@@ -320,9 +299,9 @@ TARGETS: dict[str, Callable[[Path], Target]] = {
     ),
     "manifest, odd": manifest,
     "recording, damaged": recording_file,
-    "recording, damaged head": partial(recording_block, 0),
-    "recording, damaged frames": partial(recording_block, 1),
-    "recording, odd head": recording_head,
-    "recording, odd directory": recording_directory,
+    "recording, damaged head": partial(recording_block, 0, damaged),
+    "recording, damaged frames": partial(recording_block, 1, damaged),
+    "recording, odd head": partial(recording_block, 0, odd_heads),
+    "recording, odd directory": partial(recording_block, 1, odd_directories),
 }
 """Name -> the target, which writes into a folder of its own."""

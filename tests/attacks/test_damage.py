@@ -1,4 +1,4 @@
-"""Damaged shares and models, and full disks: what is wrong is said in one line, and nothing is half done."""
+"""Damaged models, and full disks: what is wrong is said in one line, and nothing is half done."""
 
 import os
 import resource
@@ -21,79 +21,13 @@ from clean_swarm_env.recording.file import blocks_of
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
-from tests.attacks.targets import Target, attack, damaged, recorded
-from tests.train import fake_mission
-from tests.train.commands import told
+from tests.attacks.targets import Target, attack, damaged, put, read_or_refused, recorded
 from tests.train.live.sessions import SMALL, play_of
 from train.deciders.models import ModelDecider
-from train.evaluation import trial_task
-from train.evaluation.gathering import gathered, held_evaluation
 from train.evaluation.repeat import record_run
 from train.evaluation.trial_task import experiment_tasks
 from train.live.session import Session
 from train.replay.export import export
-from train.request import Request, RunShare
-from train.running.finished_runs import JOURNAL
-from train.running.run_folder import MANIFEST
-
-COUNT = 3
-FILES = [(number, name) for number in range(1, COUNT + 1) for name in (MANIFEST, JOURNAL)]
-
-
-def held(folder):
-    """Return the evaluation of a share."""
-    return held_evaluation(Request("shares"), folder)
-
-
-@pytest.fixture
-def shares(monkeypatch, tmp_path, capsys):
-    """A directory of three shares of an experiment of four runs."""
-    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission)
-    monkeypatch.chdir(tmp_path)
-    for number in range(1, COUNT + 1):
-        words = ("evaluate", "--scenarios", 2, "--workers", 1, "--output", "whole", "--share", f"{number}/{COUNT}")
-        assert told(capsys, *words)[0] == 0
-    return tmp_path / "whole"
-
-
-def place(root: Path, number: int, name: str) -> Path:
-    return RunShare(number, COUNT).folder(root) / name
-
-
-def test_damaged_shares_are_gathered_as_they_were_or_refused_in_one_line(shares, tmp_path):
-    """Files are cut, changed, swapped and lost; figures of a run may change in a journal, but no run comes or goes."""
-    first = place(shares, 1, "")
-    expected, _ = gathered(held(first), shares, COUNT)
-    whole = {record.key for record in expected}
-    files = {at: place(shares, *at).read_bytes() for at in FILES}
-    one = st.sampled_from(FILES)
-    changes = (
-        st.tuples(one, one.flatmap(lambda at: damaged(files[at])))
-        | st.tuples(one, one.map(files.__getitem__))
-        | st.tuples(one, st.just(None))
-        | st.tuples(one, st.sampled_from(FILES).map(lambda at: files[at] * 2))
-    )
-
-    def read(given):
-        root = tmp_path / "damaged"
-        shutil.rmtree(root, ignore_errors=True)
-        shutil.copytree(shares, root)
-        for at, content in given:
-            if content is None:
-                place(root, *at).unlink(missing_ok=True)
-            else:
-                place(root, *at).write_bytes(content)
-        try:
-            found, _ = gathered(held(place(root, 1, "")), root, COUNT)
-        except DocumentError as error:
-            message = str(error)
-        else:
-            assert {record.key for record in found} == whole
-            return
-        assert len(message.splitlines()) == 1
-        assert "damaged/shares" in message
-
-    attack(Target(st.lists(changes, min_size=1, max_size=3), read), 60)
 
 
 def field(number: int, *values: int | str | bytes) -> bytes:
@@ -114,47 +48,43 @@ def onnx_model() -> bytes:
     return field(1, 10) + graph + field(8, field(1, ""), field(2, 17))
 
 
-def models(folder: Path) -> list[Path]:
-    """Write a model of each kind whose library is here; each gives two numbers for two."""
-    if find_spec("torch"):
-        import torch
-
-        torch.jit.script(torch.nn.Linear(2, 2)).save(folder / "m.pt")
-    if find_spec("onnxruntime"):
-        (folder / "m.onnx").write_bytes(onnx_model())
-    if find_spec("stable_baselines3"):
-        from gymnasium import spaces
-        from stable_baselines3.common.policies import ActorCriticPolicy
-        from stable_baselines3.common.save_util import save_to_zip_file
-
-        seen, actions = spaces.Box(-1.0, 1.0, (2,)), spaces.Discrete(2)
-        policy = ActorCriticPolicy(seen, actions, lambda _: 0.0, net_arch=[2])
-        data = {"observation_space": seen, "action_space": actions, "policy_kwargs": {"net_arch": [2]}}
-        data["policy_class"] = ActorCriticPolicy
-        save_to_zip_file(folder / "m.zip", data, {"policy": policy.state_dict()}, {})
-    return sorted(folder.glob("m.*"))
+def write_torch(path: Path) -> None:
+    torch = pytest.importorskip("torch")
+    torch.jit.script(torch.nn.Linear(2, 2)).save(path)
 
 
-@pytest.mark.parametrize("ending", [".pt", ".onnx", ".zip"])
-def test_a_damaged_model_decides_or_is_refused_in_one_line(ending, tmp_path):
-    written = {path.suffix: path for path in models(tmp_path)}
-    if ending not in written:
-        pytest.skip("needs the extras train and onnx")
-    path, problem = written[ending], Problem("G", ("a", "b"), np.ones(2), ("near", "far"))
-    ModelDecider(path, "option", problem, np.zeros(3))
+def write_onnx(path: Path) -> None:
+    pytest.importorskip("onnxruntime")
+    path.write_bytes(onnx_model())
 
-    def read(content):
-        bad = tmp_path / f"bad{ending}"
-        bad.write_bytes(content)
-        message = f"{bad}: decides"
-        try:
-            ModelDecider(bad, "option", problem, np.zeros(3)).decide(np.zeros((3, 2), dtype=np.float32))
-        except DocumentError as error:
-            message = str(error)
-        assert message.startswith(str(bad))
-        assert len(message.splitlines()) == 1
 
-    attack(Target(damaged(path.read_bytes()) | st.binary(max_size=200), read), int(os.environ.get("DAMAGES", "60")))
+def write_stable_baselines(path: Path) -> None:
+    pytest.importorskip("stable_baselines3")
+    from gymnasium import spaces
+    from stable_baselines3.common.policies import ActorCriticPolicy
+    from stable_baselines3.common.save_util import save_to_zip_file
+
+    seen, actions = spaces.Box(-1.0, 1.0, (2,)), spaces.Discrete(2)
+    policy = ActorCriticPolicy(seen, actions, lambda _: 0.0, net_arch=[2])
+    data = {"observation_space": seen, "action_space": actions, "policy_kwargs": {"net_arch": [2]}}
+    save_to_zip_file(path, data | {"policy_class": ActorCriticPolicy}, {"policy": policy.state_dict()}, {})
+
+
+@pytest.mark.extra
+@pytest.mark.parametrize(
+    ("ending", "write"), [(".pt", write_torch), (".onnx", write_onnx), (".zip", write_stable_baselines)]
+)
+def test_a_damaged_model_decides_or_is_refused_in_one_line(ending, write, tmp_path):
+    path, problem = tmp_path / f"m{ending}", Problem("G", ("a", "b"), np.ones(2), ("near", "far"))
+    write(path)
+    content = path.read_bytes()
+
+    def decide(path):
+        return ModelDecider(path, "option", problem, np.zeros(3)).decide(np.zeros((3, 2), dtype=np.float32))
+
+    assert decide(path)
+    target = Target(damaged(content) | st.binary(max_size=200), lambda odd: read_or_refused(decide, put(path, odd)))
+    attack(target, int(os.environ.get("DAMAGES", "30")))
 
 
 @contextmanager

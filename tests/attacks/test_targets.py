@@ -7,6 +7,12 @@ from tests.attacks.targets import FINDINGS, TARGETS, attack
 
 @pytest.mark.parametrize("name", TARGETS)
 def test_random_contents_are_read_or_refused_in_one_line(name, tmp_path):
+    attack(TARGETS[name](tmp_path), examples=20, number=0)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", TARGETS)
+def test_many_random_contents_are_read_or_refused_in_one_line(name, tmp_path):
     attack(TARGETS[name](tmp_path), examples=200)
 
 

@@ -29,6 +29,8 @@ def run(directory, *arguments):
     return done.stdout
 
 
+@pytest.mark.long
+@pytest.mark.extra
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: " ".join(example.command.split()[:2]))
 def test_an_example_runs_and_its_model_is_evaluated(example, tmp_path):
     for package in (example.needs, "torch"):
@@ -44,10 +46,8 @@ def test_an_example_runs_and_its_model_is_evaluated(example, tmp_path):
         assert example.strategy in run(tmp_path, "-m", "clean_swarm_env", "evaluate", *settings, *compared)
 
 
-def test_every_example_has_a_run_and_few_lines():
+def test_every_example_has_a_run():
     assert sorted({example.command.split()[0] for example in EXAMPLES} | ALONE) == FILES
-    for name in FILES:
-        assert len((ROOT / "examples" / name).read_text(encoding="utf-8").splitlines()) < 83, name
 
 
 def test_the_head_of_an_example_installs_the_versions_that_ran():
@@ -59,6 +59,8 @@ def test_the_head_of_an_example_installs_the_versions_that_ran():
         assert any(versions <= {*packages} for _, *packages in ENVIRONMENTS.values()), (name, versions)
 
 
+@pytest.mark.long
+@pytest.mark.extra
 @pytest.mark.filterwarnings("ignore")
 def test_supersuit_trains_by_copies_in_two_processes():
     """As PettingZoo's tutorial of Stable-Baselines3 does: copies by cloudpickle, robots as environments."""
@@ -73,6 +75,8 @@ def test_supersuit_trains_by_copies_in_two_processes():
         envs.close()
 
 
+@pytest.mark.long
+@pytest.mark.extra
 @pytest.mark.filterwarnings("ignore")
 def test_the_notebook_runs(tmp_path):
     nbclient = pytest.importorskip("nbclient", reason="needs nbclient: make examples")
@@ -105,6 +109,8 @@ def with_plugin(tmp_path):
     return python
 
 
+@pytest.mark.long
+@pytest.mark.extra
 def test_a_plugin_works_as_a_wheel_in_a_fresh_environment(with_plugin, tmp_path):
     page = (ROOT / "docs" / "own_plugins.md").read_text(encoding="utf-8")
     lines = re.findall(r"```sh\n(.*?)```", page, flags=re.DOTALL)[0].splitlines()[1:]

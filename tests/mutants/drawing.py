@@ -7,6 +7,8 @@ import ast
 import copy
 import random
 from collections.abc import Iterator
+from functools import cache
+from itertools import accumulate
 from pathlib import Path
 
 from tests.mutants.mutant import Mutant
@@ -47,9 +49,14 @@ ELSEWHERE = {"selector/vocabulary": "tests/selector/configurations"}
 
 def draw(count: int, seed: int, root: Path = ROOT) -> list[Mutant]:
     """Return `count` mutants, each as likely as any other, that depend on the seed and the sources."""
+    return random.Random(seed).sample(every_mutant(root), count)
+
+
+@cache
+def every_mutant(root: Path) -> list[Mutant]:
+    """Return all mutants of the core, by the order of files and lines."""
     files = sorted(path.relative_to(root).as_posix() for package in CORE for path in (root / package).rglob("*.py"))
-    every = [mutant for file in files for mutant in mutants_of(file, root)]
-    return random.Random(seed).sample(every, count)
+    return [mutant for file in files for mutant in mutants_of(file, root)]
 
 
 def mutants_of(file: str, root: Path = ROOT) -> list[Mutant]:
@@ -58,8 +65,10 @@ def mutants_of(file: str, root: Path = ROOT) -> list[Mutant]:
     lines, tests = whole.splitlines(keepends=True), nearest_tests(file, root)
     compiled = file.startswith(COMPILED) and not tests[0].removeprefix("tests/").startswith(UNCOMPILED)
 
+    begins = [0, *accumulate(map(len, lines))]
+
     def place(line: int, column: int) -> int:  # the syntax tree counts bytes
-        return sum(map(len, lines[: line - 1])) + len(lines[line - 1].encode()[:column].decode())
+        return begins[line - 1] + len(lines[line - 1].encode()[:column].decode())
 
     found = []
     for node, other in faults(ast.parse(whole)):

@@ -13,6 +13,8 @@ from typing import NamedTuple
 CPU_LIMIT, LIMIT = 240, 1200
 """Seconds of the processor, and of the clock, after which the tests of a mutant are stopped."""
 TOO_LONG = "a limit of time"
+NO_TESTS = 5
+"""What pytest ends with if all tests are marked `long`."""
 
 
 class Mutant(NamedTuple):
@@ -23,28 +25,25 @@ class Mutant(NamedTuple):
     before: str
     after: str
     tests: tuple[str, ...]
-    start: int | None = None
-    """Where `before` begins in the file [characters]; None: it is there once."""
+    start: int
+    """Where `before` begins in the file [characters]."""
     compiled: bool = False
     """Whether the tests run with compiled kernels."""
 
     def applied(self, whole: str) -> str:
         """Return the file with the fault."""
-        start = self.start
-        if start is None:
-            start = whole.find(self.before)
-            if whole.count(self.before) != 1:
-                raise ValueError(f"{self.name}: expected its text once in {self.file}, got {whole.count(self.before)}")
-        end = start + len(self.before)
-        if whole[start:end] != self.before:
-            raise ValueError(
-                f"{self.name}: expected {self.before!r} at {start} of {self.file}, got {whole[start:end]!r}"
-            )
-        return whole[:start] + self.after + whole[end:]
+        end = self.start + len(self.before)
+        got = whole[self.start : end]
+        if got != self.before:
+            raise ValueError(f"{self.name}: expected {self.before!r} at {self.start} of {self.file}, got {got!r}")
+        return whole[: self.start] + self.after + whole[end:]
 
 
 def failure(tests: tuple[str, ...], sources: Path, compiled: bool = False) -> str:
-    """Run tests on a copy of the sources; return the first that fails, what it took too long for, or nothing."""
+    """Run tests on a copy of the sources; return the first that fails, what it took too long for, or nothing.
+
+    Tests that are marked `long` take no part, as `pyproject.toml` says.
+    """
     plain = {} if compiled else {"NUMBA_DISABLE_JIT": "1"}
     environment = {**os.environ, "PYTHONPATH": str(sources), **plain}
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
@@ -57,10 +56,12 @@ def failure(tests: tuple[str, ...], sources: Path, compiled: bool = False) -> st
             return TOO_LONG
         said.seek(0)
         text = said.read()
-    if done.returncode not in (0, 1, 2, 4, -signal.SIGXCPU, -signal.SIGKILL, -signal.SIGSEGV):
+    if done.returncode in (0, NO_TESTS):
+        return ""
+    if done.returncode not in (1, 2, 4, -signal.SIGXCPU, -signal.SIGKILL, -signal.SIGSEGV):
         raise RuntimeError(f"{tests}: pytest ended with {done.returncode}\n{text[-2000:]}")
     found = re.search(r"^(?:FAILED|ERROR) ([^\s[]+)", text, re.MULTILINE)  # with all its parameters
-    return "" if done.returncode == 0 else found[1] if found else TOO_LONG if done.returncode < 0 else tests[0]
+    return found[1] if found else TOO_LONG if done.returncode < 0 else tests[0]
 
 
 def limit_cpu() -> None:

@@ -4,7 +4,7 @@ Where a planner took part, it is played by one that answers with the recorded pl
 when it is called and how far the plan has come.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,13 @@ from tests.golden.network import parts
 from tests.golden.network.wishes import behaviour_wishes, goal_wishes
 
 ROW = np.array([0])
+EVENTS: dict[str, Callable[..., None]] = {
+    "finish": BehaviourNetwork.finish,
+    "enable": BehaviourNetwork.enable,
+    "priority": BehaviourNetwork.set_priority,
+    "manual_start": BehaviourNetwork.start_by_hand,
+    "remove": BehaviourNetwork.remove,
+}
 MARKS = {"executing": st.EXECUTING, "executable": st.READY, "enabled": st.ENABLED}
 
 
@@ -125,19 +132,8 @@ def apply(network: BehaviourNetwork, step: dict[str, Any]) -> None:
             network.enable_goal(ROW, network.model.goal_index[goal_name], value)
             continue
         behaviour = network.model.behaviour_index[event["behaviour"]]
-        match kind:
-            case "finish":
-                network.finish(ROW, behaviour)
-            case "enable":
-                network.enable(ROW, behaviour, value)
-            case "priority":
-                network.set_priority(ROW, behaviour, value)
-            case "manual_start":
-                network.start_by_hand(ROW, behaviour, value)
-            case "remove":
-                network.remove(ROW, behaviour)
-            case _:
-                raise ValueError(f"unknown event {kind!r}")
+        given = () if value is None else (value,)
+        EVENTS[kind](network, ROW, behaviour, *given)
 
 
 def prepare(planner: RecordedPlanner | None, network: BehaviourNetwork, expected: dict[str, Any]) -> int:

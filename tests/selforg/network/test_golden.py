@@ -1,22 +1,28 @@
-"""The recorded traces of the original, and that their replay would notice a difference."""
+"""The replay of the original's recorded traces would notice a difference."""
 
-import json
+from copy import deepcopy
 
 import pytest
 
+from tests.golden.__main__ import PARTS
 from tests.golden.case import SetAside, read_case
 from tests.golden.network import conditions, traces
-from tests.paths import SHARED
+from tests.golden.runner import entries_of
 
-RECORDED = SHARED / "golden"
-needs_records = pytest.mark.skipif(not RECORDED.is_dir(), reason="the recorded cases lie outside the project")
+
+@pytest.fixture(scope="module")
+def recorded():
+    """The record of a trace with a planner, which is matched."""
+    entries = entries_of(PARTS[0] / "network.json.xz")
+    entry = next(entry for entry in entries if entry["tag"] == "stub plan, planBias 0.5")
+    assert traces.replay(read_case(entry)) is None
+    return entry
 
 
 def case(inputs, expected, group="group"):
     return read_case({"id": "c", "group": group, "inputs": inputs, "expected": expected})
 
 
-@needs_records
 @pytest.mark.parametrize(
     ("path", "value"),
     [
@@ -29,10 +35,8 @@ def case(inputs, expected, group="group"):
         (("goals", "goal", "satisfaction"), 0.5),
     ],
 )
-def test_a_changed_record_is_noticed(path, value):
-    entries = json.loads((RECORDED / "network.json").read_text())
-    entry = next(entry for entry in entries if entry["tag"] == "stub plan, planBias 0.5")
-    assert traces.replay(read_case(entry)) is None
+def test_a_changed_record_is_noticed(recorded, path, value):
+    entry = deepcopy(recorded)
     step = entry["expected"]["steps"][4]
     path = tuple(next(iter(step["goals"])) if key == "goal" else key for key in path)
     for key in path[:-1]:
