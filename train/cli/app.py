@@ -102,12 +102,10 @@ GROUPS: dict[str, tuple[str, dict[str, Any]]] = {
         {"dataset": train.dataset_command},
     ),
     "study": (
-        "the value of choosing, in six ways (1 to 60 min)",
+        "the value of choosing, in four ways (1 to 60 min)",
         {
             "score": study.score_command,
             "headroom": study.headroom_command,
-            "look-ahead": study.look_ahead_command,
-            "periods": study.periods_command,
             "configure": study.configure_command,
             "claims": study.claims_command,
         },

@@ -21,11 +21,8 @@ from train.cli.options import (
 )
 from train.running.commands import FINISHED
 
-COMMON = ("seed", "knowledge", "goal", *REPORTING)
-"""Options of headroom, look-ahead and periods."""
 
-
-@asking(*COMMON)
+@asking("seed", "knowledge", "goal", *REPORTING)
 def headroom_command(
     family: Family,
     situations: Situations = SITUATIONS,
@@ -53,51 +50,6 @@ def headroom_command(
 
     request, terms = given.request(family, scenarios=judged), tuple(told or ())
     evaluation = HeadroomEvaluation(request, names, searched, finalists=finalists, told=terms)
-    raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
-
-
-@asking("share", *COMMON, scenarios=30)
-def look_ahead_command(
-    family: Family,
-    base: Annotated[str, typer.Option(help="What copies follow after an option: an option, or policy:NAME.")],
-    copies: Annotated[int, typer.Option(help="Copies of the world for each option.")] = 4,
-    hold: Annotated[float, typer.Option(help="Seconds for which an option is held.")] = 5.0,
-    horizon: Annotated[float, typer.Option(help="Seconds for which copies run.")] = 120.0,
-    *,
-    given: GivenOptions,
-) -> None:
-    """Let teams look ahead with copies of their world, beside every option alone."""
-    check_whole({"--scenarios": (given.values["scenarios"], 2, MOST_SCENARIOS)})
-    check_named(given.directories, families=family, knowledge=given.values["knowledge"])
-    from selector.documents.errors import validated  # these import SciPy and Numba
-    from train.evaluation import pipeline
-    from train.evaluation.look_ahead import LookAheadEvaluation, LookingAhead
-
-    times = {"base": base, "copies": copies, "hold": hold, "horizon": horizon}
-    looking = validated(LookingAhead, times, "look-ahead", own=True)
-    raise typer.Exit(pipeline.evaluate(LookAheadEvaluation(given.request(family), looking), wide_console()))
-
-
-@asking("share", *COMMON, scenarios=20)
-def periods_command(
-    family: Family,
-    strategy: Annotated[list[str], typer.Option(help="As that of `evaluate`; can be repeated.")],
-    period: Annotated[
-        list[float],
-        typer.Option(help="Seconds between two decisions; can be repeated. The others are compared with the first."),
-    ],
-    *,
-    given: GivenOptions,
-) -> None:
-    """Compare strategies that decide more or less often, and hold their options meanwhile."""
-    check_whole({"--scenarios": (given.values["scenarios"], 2, MOST_SCENARIOS)})
-    if len(set(period)) < max(len(period), 2):
-        raise ConfigurationError(f"--period: expected at least two different ones, got {period}")
-    check_named(given.directories, strategy, families=family, knowledge=given.values["knowledge"])
-    from train.evaluation import pipeline  # imports SciPy and Numba
-    from train.evaluation.family import FamilyEvaluation
-
-    evaluation = FamilyEvaluation(given.request(family, strategies=tuple(strategy)), periods=period)
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
 
 

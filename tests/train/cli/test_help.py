@@ -13,7 +13,7 @@ KNOWN = ["evaluate", "train", "run", "play", "replay", "explain", "record", "vid
 GROUPS = {
     "look": {"picture", "draw", "export"},
     "learn": {"knowledge", "dataset"},
-    "study": {"score", "headroom", "look-ahead", "periods", "configure", "claims"},
+    "study": {"score", "headroom", "configure", "claims"},
     "machine": {"warm", "slurm"},
 }
 
