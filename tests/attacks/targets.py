@@ -244,7 +244,7 @@ def blocks_of_recording(folder: Path):
 
 
 def used(path):
-    """Read a recording and use it as the page and the export do."""
+    """Read a recording and use it as the page and the tables do."""
     recording = RecordedMission(path)
     assert page_of([recording])
     assert tables_of(recording)

@@ -101,9 +101,6 @@ def score_command(
                 raise typer.Exit(code)
 
 
-MOST_TRIALS = 100_000
-
-
 @asking("seed", "store", *REPORTING)
 def tune_command(
     study: Annotated[str, typer.Argument(help="Name of a study, or path to its YAML file.", metavar="STUDY")],
@@ -120,27 +117,3 @@ def tune_command(
 
     config = load_file("studies", study, StudyConfig, given.directories)
     raise typer.Exit(run_study(config, given.request(study), wide_console()))
-
-
-@asking("seed", "knowledge", "store", *REPORTING)
-def configure_command(
-    option: Annotated[str, typer.Argument(help="Name of an option of the expert knowledge.", metavar="OPTION")],
-    family: Annotated[str, typer.Option(help="Family of scenarios, by name or by path.")],
-    method: Annotated[str, typer.Option(help="random, TPE, CMA-ES, NSGA-II or MAP-Elites.")] = "TPE",
-    trials: Annotated[int, typer.Option(help="Candidates of each method.")] = 60,
-    *,
-    given: GivenOptions,
-) -> None:
-    """Configure an option for a family: a study of all its numbers and flags, from a quarter to four times each."""
-    check_whole({"--trials": (trials, 2, MOST_TRIALS)})
-    knowledge = given.values["knowledge"]
-    check_named(given.directories, families=family, knowledge=knowledge)
-    from train.studies.config import study_versions
-
-    study_versions()
-    from train.studies.configured import configured_study
-    from train.studies.study import run_study
-
-    changes = {"method": method, "trials": trials}
-    study = configured_study(option, family, knowledge, changes, given.directories)
-    raise typer.Exit(run_study(study, given.request(option), wide_console()))
