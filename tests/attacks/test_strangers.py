@@ -15,9 +15,7 @@ DOCUMENTS = ("--family", "--config", "--starts", "--knowledge", "--store", "--co
 GIVEN = {
     "--robot": 0,
     "--time": 1,
-    "--period": 1,
     "--strategy": "fixed:Off",
-    "--base": "Off",
     "--html": "new.html",
     "--output": "new.swarm",
     "output": "new.png",
