@@ -102,8 +102,8 @@ def test_help_is_quick_because_heavy_libraries_wait():
 
 
 OF_EXTRAS = (
-    *("sqlalchemy", "pg8000", "optuna", "ribs", "unified_planning", "onnxruntime", "cv2", "dask", "minari"),
-    *("pygame", "pyarrow", "mcap", "torch", "stable_baselines3"),
+    *("sqlalchemy", "pg8000", "optuna", "cmaes", "unified_planning", "onnxruntime", "cv2", "dask"),
+    *("pygame", "torch", "stable_baselines3"),
 )
 """What `pip install .` does not bring."""
 MAIN_JOBS = ("evaluation.pipeline", "evaluation.task_run", "evaluation.repeat", "live.session", "replay.page_file")

@@ -17,7 +17,6 @@ from selector.documents.fields import JOINT
 from selector.documents.writing import write_whole
 from train.deciders.named import POLICY
 from train.evaluation.family import FamilyEvaluation
-from train.evaluation.look_ahead import shares_of
 from train.reports.text_table import markdown_table
 from train.request import Request
 
@@ -75,3 +74,8 @@ def _case(batch: Batch) -> str:
     cleaning = cleaning_of(batch.worlds.task)
     where = "at spots" if cleaning.agendas.at_spots[0] else "anywhere"
     return where + (", harmless" if cleaning.consequences.harmless[0] else "")
+
+
+def shares_of(taken: Counter[str], most: int) -> str:
+    """Return the options that were taken most often, with their shares."""
+    return ", ".join(f"{option} {number / taken.total():.0%}" for option, number in taken.most_common(most))

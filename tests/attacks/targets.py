@@ -234,7 +234,7 @@ def recorded() -> bytes:
 
 
 def used(path):
-    """Read a recording and use it as the page and the export do."""
+    """Read a recording and use it as the page and the tables do."""
     recording = RecordedMission(path)
     assert page_of([recording])
     assert tables_of(recording)

@@ -17,8 +17,7 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvases import RecordedCourse
 from clean_swarm_env.drawing.picture import FORMATS, write_picture
 from clean_swarm_env.drawing.video import write_video
-from clean_swarm_env.recording.file import blocks_of
-from clean_swarm_env.recording.reader import RecordedMission, RecordedParts
+from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from tests.attacks.targets import Target, attack, damaged, put, read_or_refused, recorded
@@ -27,7 +26,6 @@ from train.deciders.models import ModelDecider
 from train.evaluation.repeat import record_run
 from train.evaluation.trial_task import experiment_tasks
 from train.live.session import Session
-from train.replay.export import export
 
 
 def field(number: int, *values: int | str | bytes) -> bytes:
@@ -98,11 +96,6 @@ def full_disk(most: int):
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
-def export_whole(output: Path) -> None:
-    recording = Path("run.swarm")
-    export(RecordedMission(recording, ()), RecordedParts(blocks_of(recording), str(recording)), output)
-
-
 def test_a_full_disk_names_the_file_and_leaves_nothing_that_the_next_try_refuses(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("run.swarm").write_bytes(recorded())
@@ -110,9 +103,7 @@ def test_a_full_disk_names_the_file_and_leaves_nothing_that_the_next_try_refuses
     mission = experiment.mission.model_copy(update={"time_limit": 6.0})
     small = experiment.model_copy(update={"mission": mission, "starts": (random_start(mission, 1, 0),)})
     task = experiment_tasks(small, 0)[0]
-    packages = (("new.mcap", "mcap"), ("new", "pyarrow"))
     writers = [(Path("new.swarm"), partial(record_run, task))]
-    writers += [(Path(name), export_whole) for name, package in packages if find_spec(package)]
     noise = np.random.default_rng(0).integers(256, size=(20, 64, 64, 3), dtype=np.uint8)
     videos = ["new.webp", "new.gif", *(("new.webm", "new.mp4") if find_spec("cv2") else ())]
     writers += [(Path(name), lambda path: write_video(path, iter(noise))) for name in videos]

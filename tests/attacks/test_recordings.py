@@ -35,7 +35,6 @@ def test_a_foreign_recording_is_one_line_of_each_command(recorded, tmp_path, cap
     path = written(tmp_path / "foreign.swarm", [(HEAD, json.dumps(json.loads(head) | change).encode()), *rest])
     commands = (
         ("replay", path, "--html", tmp_path / "a.html"),
-        ("look", "export", path, "--output", tmp_path / "tables"),
         ("look", "picture", path, tmp_path / "a.svg", "--time", 1),
         ("video", path, tmp_path / "a.webp"),
     )

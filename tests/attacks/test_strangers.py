@@ -15,9 +15,7 @@ DOCUMENTS = ("--family", "--config", "--starts", "--knowledge", "--store", "--co
 GIVEN = {
     "--robot": 0,
     "--time": 1,
-    "--period": 1,
     "--strategy": "fixed:Off",
-    "--base": "Off",
     "--html": "new.html",
     "--output": "new.swarm",
     "output": "new.png",
@@ -44,7 +42,6 @@ def calls(words, command, path, folder):
     options = {opt: p for p in command.params for opt in p.opts if opt.startswith("--")}
     needed = [word for opt, p in options.items() if p.required and opt not in DOCUMENTS for word in (opt, GIVEN[opt])]
     needed += ["--config", path] if "--config" in options else []
-    needed += ["--family", path] if "--family" in options and words[-1] in ("configure", "dataset") else []
     arguments = [GIVEN.get(p.name, path) for p in command.params if not p.opts[0].startswith("-")]
     if arguments or needed:
         yield [*words, *arguments, *needed]

@@ -36,13 +36,12 @@ SHORT = {
     "evaluate --family clustered": ("--scenarios", "1", "--configs", "small"),
     "train ppo": ("--configs", "small"),
     "tune keep-apart": ("--configs", "small"),
-    "study configure RepulsionGradient": ("--trials", "2", "--method", "random", "--configs", "small"),
     "study score crowded": ("--scenarios", "1", "--configs", "small"),
     "run --all": ("--runs", "2"),
     "examples/sb3_ppo.py": ("--steps", "5120"),
 }
 """Beginning of a line that takes long -> words behind it that make it short."""
-MINUTES = ("train ppo", "tune keep-apart", "study configure RepulsionGradient")
+MINUTES = ("train ppo", "tune keep-apart")
 """Beginnings of the lines that take more than a minute on two CPUs."""
 SMALL = {
     "families/clustered": {"mission": {"base": "exploring", "time_limit": 5.0}},
@@ -98,7 +97,7 @@ def test_a_command_runs(line, empty, monkeypatch):
     trains = words[:2] == ["train", "ppo"] or words[0] == "examples/sb3_ppo.py"
     if trains and find_spec("torch") is None:
         pytest.skip("needs the extra 'train'")
-    if {"tune", "configure"} & set(words[:2]) and find_spec("optuna") is None:
+    if words[0] == "tune" and find_spec("optuna") is None:
         pytest.skip("needs the extra 'tune'")
     trained = {"policy:results/mine/policy": "results/mine/policy", "velocity:sb3_ppo.zip": "sb3_ppo.zip"}
     if any(word in words and not (empty / file).exists() for word, file in trained.items()):

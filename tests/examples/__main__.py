@@ -13,7 +13,7 @@ from tests.examples.environment import environment
 from tests.examples.frameworks import BUILT, ENVIRONMENTS
 from tests.paths import ROOT
 
-FOLDERS = ("tests/examples", "tests/train/cli/test_dataset.py")
+FOLDERS = ("tests/examples",)
 
 
 def made(directory: Path, name: str, newest: bool = False) -> Path:

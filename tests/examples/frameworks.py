@@ -29,12 +29,6 @@ EXAMPLES = (
     Example("benchmarl_task.py masac --frames 200 --batch 100", "benchmarl", "velocity:benchmarl.pt"),
     Example("rllib_ppo.py --iterations 1", "ray", "policy:rllib_ppo.pt"),
     Example("tianshou_dqn.py --epochs 1 --steps 200", "tianshou", "policy:tianshou_dqn.pt"),
-    Example(
-        "minari_cloning.py swarm/rule-v0 --epochs 20",
-        "minari",
-        "policy:minari_cloning.pt",
-        "learn dataset swarm/rule-v0 --strategy fsm:rule --missions 2",
-    ),
 )
 
 ENVIRONMENTS = {
@@ -43,7 +37,6 @@ ENVIRONMENTS = {
     "benchmarl": ("benchmarl", "benchmarl==1.5.2", "torchrl==0.11.1"),  # it does not take later ones
     "rllib": ("rllib", "ray[rllib]==2.60.0"),
     "tianshou": ("tianshou", "tianshou==2.0.1"),
-    "minari": ("minari", "minari[hdf5,create]==0.5.4"),
     "pufferlib": (
         "pufferlib_ppo",
         "gym==0.26.2",

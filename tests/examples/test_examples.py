@@ -21,7 +21,7 @@ FILES = sorted(path.name for path in (ROOT / "examples").glob("*.py"))
 
 def run(directory, *arguments):
     """Run Python in a directory with one thread; return what it printed."""
-    own = {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "MINARI_DATASETS_PATH": str(directory / "datasets")}
+    own = {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     done = subprocess.run(
         [sys.executable, *arguments], cwd=directory, env=os.environ | own, capture_output=True, text=True, timeout=1800
     )

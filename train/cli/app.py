@@ -94,21 +94,15 @@ COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
 """Panel -> command -> its function, and what it is for with its usual time."""
 GROUPS: dict[str, tuple[str, dict[str, Any]]] = {
     "look": (
-        "picture, draw, export: a run or a document as a file (seconds)",
-        {"picture": look.picture_command, "draw": look.draw_command, "export": repeat.export_command},
+        "picture, draw: a run or a document as a file (seconds)",
+        {"picture": look.picture_command, "draw": look.draw_command},
     ),
-    "learn": (
-        "knowledge, dataset: stored scores, recorded missions (seconds)",
-        {"dataset": train.dataset_command},
-    ),
+    "learn": ("knowledge: stored scores of options (seconds)", {}),
     "study": (
-        "the value of choosing, in six ways (1 to 60 min)",
+        "the value of choosing, in three ways (1 to 60 min)",
         {
             "score": study.score_command,
             "headroom": study.headroom_command,
-            "look-ahead": study.look_ahead_command,
-            "periods": study.periods_command,
-            "configure": study.configure_command,
             "claims": study.claims_command,
         },
     ),

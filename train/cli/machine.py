@@ -65,7 +65,7 @@ SLURM = """\
 #SBATCH --requeue
 {more}exec {program} {words} --workers "${{SLURM_CPUS_PER_TASK:-1}}" --share "$SLURM_ARRAY_TASK_ID/{shares}" --resume
 """
-SHARED = (("evaluate",), ("study", "score"), ("study", "look-ahead"), ("study", "periods"))
+SHARED = (("evaluate",), ("study", "score"))
 """Commands that can be done in shares."""
 
 PASSED_ON = {"ignore_unknown_options": True, "allow_interspersed_args": False}
@@ -76,7 +76,7 @@ def slurm_command(
     command: Annotated[
         list[str],
         typer.Argument(
-            help="evaluate, study score, study look-ahead or study periods with its options, among them --output.",
+            help="evaluate or study score with its options, among them --output.",
             metavar="COMMAND...",
         ),
     ],

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import track
 
 from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.options import MAY_NAME_CODE, check_there, error_console
@@ -109,22 +108,6 @@ def replay_command(
                     foretold.append(foretold_along(task, what_if))
         write_page(recordings, html, foretold)
     typer.echo(f"{html}: open it in a browser")
-
-
-def export_command(
-    recording: Annotated[Path, typer.Argument(help="A recording, NAME.swarm.")],
-    output: Annotated[Path, typer.Option(help="File to write, NAME.mcap, or a new directory for tables in Parquet.")],
-) -> None:
-    """Write a recording for other tools; needs the extra `export`."""
-    check_there(recording)
-    from clean_swarm_env.recording.file import blocks_of  # imports NumPy
-    from clean_swarm_env.recording.reader import RecordedMission, RecordedParts
-    from clean_swarm_env.recording.taking import MOST_FRAMES
-    from train.replay.export import export
-
-    held, parts = RecordedMission(recording, ()), RecordedParts(blocks_of(recording), str(recording))
-    stretches = track(parts, "writing", held.frames / MOST_FRAMES, console=error_console(), transient=True)
-    typer.echo(f"{export(held, stretches, output)} tables in {output}")
 
 
 def check_what_if(every: float, runs: Sequence[Path]) -> None:

@@ -21,11 +21,8 @@ from train.cli.options import (
 )
 from train.running.commands import FINISHED
 
-COMMON = ("seed", "knowledge", "goal", *REPORTING)
-"""Options of headroom, look-ahead and periods."""
 
-
-@asking(*COMMON)
+@asking("seed", "knowledge", "goal", *REPORTING)
 def headroom_command(
     family: Family,
     situations: Situations = SITUATIONS,
@@ -53,51 +50,6 @@ def headroom_command(
 
     request, terms = given.request(family, scenarios=judged), tuple(told or ())
     evaluation = HeadroomEvaluation(request, names, searched, finalists=finalists, told=terms)
-    raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
-
-
-@asking("share", *COMMON, scenarios=30)
-def look_ahead_command(
-    family: Family,
-    base: Annotated[str, typer.Option(help="What copies follow after an option: an option, or policy:NAME.")],
-    copies: Annotated[int, typer.Option(help="Copies of the world for each option.")] = 4,
-    hold: Annotated[float, typer.Option(help="Seconds for which an option is held.")] = 5.0,
-    horizon: Annotated[float, typer.Option(help="Seconds for which copies run.")] = 120.0,
-    *,
-    given: GivenOptions,
-) -> None:
-    """Let teams look ahead with copies of their world, beside every option alone."""
-    check_whole({"--scenarios": (given.values["scenarios"], 2, MOST_SCENARIOS)})
-    check_named(given.directories, families=family, knowledge=given.values["knowledge"])
-    from selector.documents.errors import validated  # these import SciPy and Numba
-    from train.evaluation import pipeline
-    from train.evaluation.look_ahead import LookAheadEvaluation, LookingAhead
-
-    times = {"base": base, "copies": copies, "hold": hold, "horizon": horizon}
-    looking = validated(LookingAhead, times, "look-ahead", own=True)
-    raise typer.Exit(pipeline.evaluate(LookAheadEvaluation(given.request(family), looking), wide_console()))
-
-
-@asking("share", *COMMON, scenarios=20)
-def periods_command(
-    family: Family,
-    strategy: Annotated[list[str], typer.Option(help="As that of `evaluate`; can be repeated.")],
-    period: Annotated[
-        list[float],
-        typer.Option(help="Seconds between two decisions; can be repeated. The others are compared with the first."),
-    ],
-    *,
-    given: GivenOptions,
-) -> None:
-    """Compare strategies that decide more or less often, and hold their options meanwhile."""
-    check_whole({"--scenarios": (given.values["scenarios"], 2, MOST_SCENARIOS)})
-    if len(set(period)) < max(len(period), 2):
-        raise ConfigurationError(f"--period: expected at least two different ones, got {period}")
-    check_named(given.directories, strategy, families=family, knowledge=given.values["knowledge"])
-    from train.evaluation import pipeline  # imports SciPy and Numba
-    from train.evaluation.family import FamilyEvaluation
-
-    evaluation = FamilyEvaluation(given.request(family, strategies=tuple(strategy)), periods=period)
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
 
 
@@ -149,9 +101,6 @@ def score_command(
                 raise typer.Exit(code)
 
 
-MOST_TRIALS = 100_000
-
-
 @asking("seed", "store", *REPORTING)
 def tune_command(
     study: Annotated[str, typer.Argument(help="Name of a study, or path to its YAML file.", metavar="STUDY")],
@@ -168,27 +117,3 @@ def tune_command(
 
     config = load_file("studies", study, StudyConfig, given.directories)
     raise typer.Exit(run_study(config, given.request(study), wide_console()))
-
-
-@asking("seed", "knowledge", "store", *REPORTING)
-def configure_command(
-    option: Annotated[str, typer.Argument(help="Name of an option of the expert knowledge.", metavar="OPTION")],
-    family: Annotated[str, typer.Option(help="Family of scenarios, by name or by path.")],
-    method: Annotated[str, typer.Option(help="random, TPE, CMA-ES, NSGA-II or MAP-Elites.")] = "TPE",
-    trials: Annotated[int, typer.Option(help="Candidates of each method.")] = 60,
-    *,
-    given: GivenOptions,
-) -> None:
-    """Configure an option for a family: a study of all its numbers and flags, from a quarter to four times each."""
-    check_whole({"--trials": (trials, 2, MOST_TRIALS)})
-    knowledge = given.values["knowledge"]
-    check_named(given.directories, families=family, knowledge=knowledge)
-    from train.studies.config import study_versions
-
-    study_versions()
-    from train.studies.configured import configured_study
-    from train.studies.study import run_study
-
-    changes = {"method": method, "trials": trials}
-    study = configured_study(option, family, knowledge, changes, given.directories)
-    raise typer.Exit(run_study(study, given.request(option), wide_console()))

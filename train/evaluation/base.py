@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import validated
-from selector.documents.fields import Closed, Flag, Positive
+from selector.documents.fields import Closed, Flag
 from selector.strategies.strategy import DecisionStrategy
 from train.evaluation.entrants import Entrant
 from train.evaluation.trial_task import variants_of
@@ -64,8 +64,6 @@ class Identity(BaseModel):
     """Label of a strategy -> its members, with the digests of their files."""
     deciders: Mapping[str, str] = Field(default={})
     """Condition of an experiment -> its decider, with the digest of its file."""
-    periods: tuple[Positive, ...] = ()
-    """Lengths of decision periods that were compared [s]."""
     files: Mapping[str, str] = Field(default={})
     """File on which runs depend -> its digest."""
 
@@ -103,7 +101,7 @@ class Identity(BaseModel):
         """Return condition -> variant of the family, and member with its digest; see `variants_of`."""
         return {
             under(name, condition): (variant, member)
-            for name, variant in variants_of(family, self.periods).items()
+            for name, variant in variants_of(family).items()
             for entrant, members in zip(self.entrants, self.strategies.values(), strict=True)
             for condition, member in zip(entrant.conditions, members, strict=True)
         }

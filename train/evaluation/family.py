@@ -1,4 +1,4 @@
-"""The evaluation of strategies on a family of scenarios, alone, under disturbances, or with other decision periods.
+"""The evaluation of strategies on a family of scenarios, alone or under disturbances.
 
 All strategies get the same scenarios, in each variant of the family.
 """
@@ -25,7 +25,7 @@ from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Asked, Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
-from train.reports.family_tables import excess_publication, family_tables, robustness_tables
+from train.reports.family_tables import family_tables, robustness_tables
 from train.reports.text_table import Publication
 from train.request import Request
 from train.running.needs import check_needs
@@ -38,7 +38,6 @@ class FamilyEvaluation(Evaluation):
     Args:
         request: the request.
         family: the family, unless it is the one that the request names; it may have disturbances.
-        periods: lengths of a decision period [s] to compare, the others with the first; none are compared without.
         terms: terms of the observation beside those of the mission.
         settings: what the identity says besides of the evaluation.
 
@@ -59,12 +58,10 @@ class FamilyEvaluation(Evaluation):
         self,
         request: Request,
         family: FamilyConfig | None = None,
-        periods: Sequence[float] = (),
         terms: Sequence[str] = (),
         **settings: object,
     ) -> None:
         super().__init__(request)
-        self.periods = periods
         self.family = family or load_family(request.name, request.directories).with_knowledge(request.knowledge, terms)
         with within(request.name):
             missions = (request.scenarios or self.family.scenarios) * request.worlds * max(len(request.strategies), 1)
@@ -74,14 +71,14 @@ class FamilyEvaluation(Evaluation):
         self.mission = self.family.mission.model_copy(update={"store": ""})
         self.problem = DecidedGoal(self.batch, request.goal).problem
         self.goal, self.options = self.problem.goal, self.problem.options
-        self.variants = variants_of(self.family, periods)
+        self.variants = variants_of(self.family)
         self.entrants = entrants_of(request.strategies, self.options)
-        if self.beside_baselines and not (periods or request.scoring or request.store.learn):
+        if self.beside_baselines and not (request.scoring or request.store.learn):
             self.entrants = with_baselines(self.entrants, self.options, self.mission)
         check_fit(self.entrants, self.batch, request.goal, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
-        self.stem = f"{self.family.name}-seed{request.seed}{'-periods' if periods else ''}"
+        self.stem = f"{self.family.name}-seed{request.seed}"
         fixed = {f"{FIXED}:{option}": {self.goal: option} for option in self.options}
         self.scored = fixed if request.scoring else {}
         store = replace(request.store, url=request.store.url or self.family.mission.store or None)
@@ -100,7 +97,6 @@ class FamilyEvaluation(Evaluation):
                 entrant.label: [decider_named(member, request.directories).identity for member in entrant.members]
                 for entrant in self.entrants
             },
-            **({"periods": list(periods)} if periods else {}),
             **settings,
         }
         self.identify(identity, directories=[str(path) for path in self.directories])
@@ -165,10 +161,8 @@ class FamilyEvaluation(Evaluation):
         return [each for entrant in self.entrants for each in zip(entrant.conditions, entrant.members, strict=True)]
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
-        """Return how the strategies compare: with each other, under disturbances, or by their decision periods."""
+        """Return how the strategies compare: with each other, or under disturbances."""
         runs = self.runs(records, {entrant.label: entrant.conditions for entrant in self.entrants})
-        if self.periods:
-            return periods_publication(runs, list(self.variants))
         from train.reports.figures import draw_family, draw_robustness  # waits: the runs need no Matplotlib
 
         named = (self.family.name, self.family.description)
@@ -192,14 +186,3 @@ class FamilyEvaluation(Evaluation):
             fixed=tuple(entrant.label for entrant in self.entrants if entrant.fixed),
             records=records,
         )
-
-
-def periods_publication(runs: FamilyRuns, periods: Sequence[str]) -> Publication:
-    """Return the excess costs of each strategy with each length of a decision period, beside those with the first."""
-    named, against = dict[str, tuple[str, ...]](), {}
-    for label, names in runs.conditions.items():
-        for period in periods:
-            named[f"{label}, {period}"] = tuple(under(period, name) for name in names)
-            against[f"{label}, {period}"] = f"{label}, {periods[0]}"
-    head = f"ratio to {periods[0]}"
-    return excess_publication(replace(runs, conditions=named), against, "decision periods", head)

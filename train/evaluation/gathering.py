@@ -15,7 +15,6 @@ from train.deciders.named import FIXED
 from train.evaluation.base import Asked, Evaluation, Identity
 from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.family import FamilyEvaluation
-from train.evaluation.look_ahead import LookAheadEvaluation, LookingAhead
 from train.memory import NO_STORE, StoreRequest
 from train.request import ALL, Request, RunShare
 from train.running.finished_runs import JOURNAL, runs_of
@@ -104,8 +103,6 @@ def _rebuilt(request: Request, identity: Identity, asked: Asked, folder: Path) -
         experiment = validated(ExperimentConfig, identity.content("configuration"), f"{where}.configuration")
         return ExperimentEvaluation(replace(request, scenarios=None), experiment, asked)
     family, request = identity.family(folder), replace(request, strategies=(FIXED,), goal=identity.goal)
-    if held := identity.content("look_ahead"):
-        return LookAheadEvaluation(request, validated(LookingAhead, held, f"{where}.look_ahead"), family)
-    evaluation = FamilyEvaluation(request, family, identity.periods)
+    evaluation = FamilyEvaluation(request, family)
     evaluation.entrants = identity.entrants
     return evaluation

@@ -55,7 +55,6 @@ NOT_REPEATED = {
     "learner": "a training: replay files below its recordings/, or evaluate its result",
     "study": "a study: evaluate its result",
     "headroom": "a search for headroom: evaluate its result",
-    "look_ahead": "looking ahead: evaluate what copies follow",
 }
 """Key of the identity of results whose missions are not run again -> what they are of, and what to do."""
 LISTED = 8

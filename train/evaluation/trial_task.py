@@ -13,12 +13,11 @@ import numpy as np
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, Scenario, Split, place_of
-from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission import run_mission
-from selector.documents.errors import DocumentError, validated
+from selector.documents.errors import DocumentError
 from selector.documents.plain import short
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
@@ -126,16 +125,6 @@ def identities(tasks: Sequence[RunTask | TrialTask]) -> dict[str, str]:
     return {task.condition: task.named.identity for task in tasks if isinstance(task, TrialTask)}
 
 
-def variants_of(family: FamilyConfig, periods: Sequence[float] = ()) -> Mapping[str, FamilyConfig]:
-    """Return the families under which strategies run, by name; one without a name is the family itself.
-
-    They have other disturbances, or decision periods [s] of other lengths; DocumentError for one that cannot be.
-    """
-    if isinstance(family, RobustnessConfig):
-        return family.disturbed
-    found = {} if periods else {"": family}
-    for period in periods:
-        changed = {**family.mission.model_dump(), "decision_period": period}
-        mission = validated(MissionConfig, changed, "--period", own=True)
-        found[f"{period:g} s"] = family.model_copy(update={"mission": mission})
-    return found
+def variants_of(family: FamilyConfig) -> Mapping[str, FamilyConfig]:
+    """Return the families under which strategies run, by name: with each disturbance, or only itself without a name."""
+    return family.disturbed if isinstance(family, RobustnessConfig) else {"": family}

@@ -1,4 +1,4 @@
-"""Training of a strategy in many worlds, by the rewards that follow its choices or by the costs of missions."""
+"""Training of a strategy in many worlds, by the rewards that follow its choices."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.deciders.decider import DeciderMaker, columns_of
 from train.deciders.strategies import StrategyDecider
-from train.learning.lessons import MissionLearning, Paid, RewardLearning
+from train.learning.lessons import Paid, RewardLearning
 from train.learning.training import Checkpoint, Training, TrainingJob, expert_knowledge
 
 STRATEGY = "strategy.safetensors"
@@ -44,11 +44,7 @@ class BanditTraining(Training):
         expert = expert_knowledge(self.curriculum.batches[0].mission, job.directories)
         known = expert.with_learned(learned_from(job.folder.learned, "manifest: learned"))
         self.problem = Problem.of(known, whole.goal, self.settings.context)
-        self._learning = (
-            RewardLearning(job.config, self.curriculum, self.goal)
-            if self.settings.comparison is None
-            else MissionLearning(job.config, self.curriculum, self.trials)
-        )
+        self._learning = RewardLearning(job.config, self.curriculum, self.goal)
         self.strategy = self._built(self.settings.strategy, self.problem, self._learning.teams)
         self._decisions = 0
         self._best = self.strategy.learned()

@@ -117,15 +117,6 @@ class CreditConfig(Closed):
     """Weight of a reward one second later [-]."""
 
 
-class ComparisonConfig(Closed):
-    """Comparison of missions of one scenario by the logarithm of their excess costs."""
-
-    group: Annotated[int, Field(strict=True, ge=2, le=10_000)] = 8
-    """Missions of each scenario."""
-    limit: Positive = 0.1
-    """Largest absolute reward: a failed mission counts as one that costs a tenth more [-]."""
-
-
 class BanditConfig(Closed):
     """A strategy that learns from the rewards that follow its choices."""
 
@@ -134,10 +125,7 @@ class BanditConfig(Closed):
     context: tuple[Name, ...] = ()
     """Components of the observation that are its context."""
     credit: CreditConfig = CreditConfig()
-    """Rewards that count if each robot decides."""
-    comparison: ComparisonConfig | None = None
-    """Teams choose an option for each situation once in a mission and are rewarded for its excess compared with others.
-    `context` then names the situations, components of which the largest counts. None: robots decide, see `credit`."""
+    """Rewards that count."""
     exported: dict[Name, Any] = Field(default_factory=dict)
     """Parameters that the strategy gets after learning, for instance to stop exploring."""
 
@@ -236,11 +224,6 @@ class TrainingConfig(Closed):
         given = [name for name in LEARNERS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(f"expected one of {', '.join(LEARNERS)}, got {', '.join(given) or 'none'}")
-        group = self.bandit.comparison.group if self.bandit is not None and self.bandit.comparison is not None else 1
-        for task in self.tasks:
-            if task.worlds % group:
-                expected = f"worlds that make groups of {group}"
-                raise ValueError(f"tasks: {task.family}: expected {expected}, got {task.worlds}")
         return self
 
     @property

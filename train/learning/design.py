@@ -170,11 +170,11 @@ class DesignTraining(MembersTraining):
         done: list[list[Floats]] = [[] for _ in machines]
 
         def measure(alive: Sequence[int], _: int) -> Floats:
-            """Let candidates do one block more; return the logarithms (C, 1, n) of all their costs."""
+            """Let candidates do one block more; return the logarithms (C, n) of all their costs."""
             costs = self.costs([partial(MachineDecider, machines[k]) for k in alive], draw(settings.race.block))[0]
             for k, own in zip(alive, logarithms(costs).T, strict=True):
                 done[k].append(own)
-            return np.array([[np.concatenate(done[k])] for k in alive])
+            return np.array([np.concatenate(done[k]) for k in alive])
 
         left = race(range(len(machines)), measure, settings.race)
         left.sort(key=lambda k: float(np.mean(done[k])))

@@ -20,10 +20,10 @@ from selector.documents.fields import Closed, Number
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy, save_policy
 from selector.strategies.streams import normals
 from selforg.arrays import Floats, Ints
+from selforg.elementary import logarithms
 from train.deciders.decider import DeciderMaker
 from train.deciders.strategies import PolicyDecider
 from train.learning.config import EsConfig
-from train.learning.lessons import relative
 from train.learning.members import Drawing, MembersTraining, check_lengths
 
 POLICY_FOLDER = "policy"
@@ -134,3 +134,19 @@ def climbed(state: EsState, slope: Floats, rate: float, averaged: float) -> EsSt
     average = averaged * np.array(state.average) + (1.0 - averaged) * point
     parts = {"parameters": point, "average": average, "slope": slopes, "square": squares}
     return EsState(**{name: tuple(part.tolist()) for name, part in parts.items()}, decays=decays)
+
+
+def relative(cost: Floats, group: int, limit: float) -> Floats:
+    """Return the rewards (M,) of missions, compared with their groups: -ln(cost / median), limited to +-`limit` [-].
+
+    Costs of missions depend far more on the scenarios than on the members. So a reward is the difference to the other
+    missions of the scenario: the baseline of REINFORCE with several rollouts (Kool et al. 2019, "Buy 4 REINFORCE
+    samples, get a baseline for free"), here with the median, because a few failed missions would change a mean.
+
+    >>> relative(np.array([10.0, 40.0, 20.0, 5.0, 5.5, 5.0]), 3, limit=0.5).round(2).tolist()
+    [0.5, -0.5, 0.0, 0.0, -0.1, 0.0]
+
+    """
+    grouped = logarithms(cost).reshape(-1, group)
+    rewards: Floats = (np.median(grouped, axis=1, keepdims=True) - grouped).ravel()
+    return np.clip(rewards, -limit, limit) + 0.0

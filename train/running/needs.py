@@ -26,11 +26,9 @@ FILE_COSTS = {
     ".webm": (0.0, 6e-8, 0.01),
     ".mp4": (0.0, 2.5e-7, 0.01),
     ".html": (6.0, 0.0, 1.5),
-    ".mcap": (0.0, 1e-6, 1.0),
-    "": (0.0, 2e-7, 0.4),
 }
-"""Memory [byte], time [s] and room on the disk [byte] of a file by its ending, or of a directory of tables: for a pixel
-in each picture of a video, a byte of a recording on a page, a recorded number in tables."""
+"""Memory [byte], time [s] and room on the disk [byte] of a file by its ending: for a pixel in each picture of a video,
+for a byte of a recording on a page."""
 
 LONGEST = 7 * 86_400.0
 """Longest estimated time of a command [s], unless the user forces it."""

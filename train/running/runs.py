@@ -50,7 +50,7 @@ class RunRecord:
     wall_s: float
     """Time that the run took [s]."""
     counts: Mapping[str, Annotated[int, Field(ge=0)]] = field(default_factory=dict, kw_only=True)
-    """How often a team that looked ahead took each alternative, or what a study counts; nothing in other runs."""
+    """What a study counts; nothing in other runs."""
 
     @property
     def key(self) -> RunKey:

@@ -1,6 +1,6 @@
-"""The conclusion of a study: what its results cost on scenarios that decided nothing, beside what they must beat.
+"""The conclusion of a study: what its result costs on scenarios that decided nothing, beside what they must beat.
 
-The results become expert knowledge, in a file and in a knowledge store.
+The result becomes expert knowledge, in a file and in a knowledge store.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from train.analysis.statistics import Summary, summarise
 from train.evaluation.pipeline import mission_score
 from train.memory import StoreRequest
 from train.studies.config import RANDOM, StudyConfig
-from train.studies.missions import COST, FIGURES, LAST_RACE, STATEMENT, Candidate, MissionField
+from train.studies.missions import COST, FIGURES, STATEMENT, Candidate, MissionField
 from train.studies.search import Arm, CandidateSearch
 from train.studies.space import NULL_OPTION, StudySpace
 
@@ -58,42 +58,40 @@ class Stated:
 
 @dataclass(frozen=True)
 class Conclusion:
-    """The results of a study and its yardsticks, all on the same scenarios."""
+    """The result of a study and its yardsticks, all on the same scenarios."""
 
-    results: tuple[Stated, ...]
+    result: Stated
     yardsticks: tuple[Stated, ...]
 
-    def marks(self, result: Stated) -> list[str]:
-        """Return the labels of the yardsticks that a result did not beat."""
-        return [one.label for one in self.yardsticks if one.label in TO_BEAT and not result.beats(one)]
+    @property
+    def marks(self) -> list[str]:
+        """Labels of the yardsticks that the result did not beat."""
+        return [one.label for one in self.yardsticks if one.label in TO_BEAT and not self.result.beats(one)]
+
+    @property
+    def everyone(self) -> tuple[Stated, ...]:
+        """The result and its yardsticks."""
+        return (self.result, *self.yardsticks)
 
 
 def conclude(
     study: StudyConfig, space: StudySpace, search: CandidateSearch, arms: Sequence[Arm], field: MissionField
 ) -> Conclusion:
-    """Run the last race of each method and state its results; random search counts with its cheapest."""
-    winners = {arm.method: search.winners(arm) for arm in arms}
-    found = winners[study.method]
-    single = len(found) == 1
-    results = {study.name if single else f"{study.name}-{k + 1}": winner for k, winner in enumerate(found)}
+    """Run the last race of each method and state what it found."""
+    winners = {arm.method: search.winner(arm) for arm in arms}
     yardsticks = {UNCHANGED: Candidate(UNCHANGED, space.unchanged())}
     if off := space.null():
         yardsticks[NULL_OPTION] = Candidate(NULL_OPTION, off)
     if study.method != RANDOM:
-        yardsticks[BEST_RANDOM] = min(winners[RANDOM], key=lambda one: _cost(field, one))
-    everyone = {**results, **yardsticks}
+        yardsticks[BEST_RANDOM] = winners[RANDOM]
+    everyone = {study.name: winners[study.method], **yardsticks}
     figures = field.figures(STATEMENT, list(everyone.values()), study.last.scenarios)
     stated = [Stated(label, candidate, own) for (label, candidate), own in zip(everyone.items(), figures, strict=True)]
-    return Conclusion(tuple(stated[: len(results)]), tuple(stated[len(results) :]))
-
-
-def _cost(field: MissionField, candidate: Candidate) -> float:
-    """Return the mean cost of a candidate in the last race [s]."""
-    return float(field.figures(LAST_RACE, [candidate], field.asked(LAST_RACE, candidate))[0, COST].mean())
+    return Conclusion(stated[0], tuple(stated[1:]))
 
 
 class FoundKnowledge:
-    """The knowledge that a study found: its results, the unchanged options and Off, with the scores of all.
+    """The knowledge that a study found: its result, the unchanged options and Off, with the scores of all.
 
     Args:
         study: the study.
@@ -109,13 +107,13 @@ class FoundKnowledge:
     ) -> None:
         self._study, self._seed, self._family, self._conclusion = study, seed, family, conclusion
         self._scores: dict[tuple[str, str], Floats] = {}
-        self._goals = dict(conclusion.results[0].candidate.goals)
+        self._goals = dict(conclusion.result.candidate.goals)
         others = [one for one in conclusion.yardsticks if one.label != BEST_RANDOM]
         for goal in space.goals:
             options: dict[str, Content] = {}
-            for stated in (*conclusion.results, *others):
+            for stated in (conclusion.result, *others):
                 option = space.served(stated.candidate.goals)[goal]
-                name = stated.label if stated in conclusion.results else str(option["name"])
+                name = stated.label if stated is conclusion.result else str(option["name"])
                 scores = np.array([mission_score(family.mission, cost) for cost in stated.figures[COST].tolist()])
                 self._scores.setdefault((goal, name), scores)
                 options.setdefault(name, {**option, "name": name, "score": round(float(scores.mean()), 6)})
@@ -141,12 +139,10 @@ class FoundKnowledge:
         memory.close()
 
     def _description(self) -> str:
-        study, costs = self._study, []
-        for stated in self._conclusion.results:
-            cost, count = stated.summaries["cost_s"], stated.figures.shape[1]
-            interval = "" if cost.ci95 is None else f" [{cost.ci95[0]:.1f}, {cost.ci95[1]:.1f}]"
-            marks = self._conclusion.marks(stated)
-            mark = f", NOT SHOWN TO BEAT {' AND '.join(marks)}" if marks else ""
-            costs.append(f"{stated.label} costs {cost.mean:.1f} s{interval} on {count} fresh scenarios{mark}")
+        study, stated, marks = self._study, self._conclusion.result, self._conclusion.marks
+        cost, count = stated.summaries["cost_s"], stated.figures.shape[1]
+        interval = "" if cost.ci95 is None else f" [{cost.ci95[0]:.1f}, {cost.ci95[1]:.1f}]"
+        mark = f", NOT SHOWN TO BEAT {' AND '.join(marks)}" if marks else ""
+        told = f"{stated.label} costs {cost.mean:.1f} s{interval} on {count} fresh scenarios{mark}"
         about = f"{study.method} on training scenarios of {self._family.name}, seed {self._seed}"
-        return f"{study.description} {about}: {'; '.join(costs)}.".strip()
+        return f"{study.description} {about}: {told}.".strip()

@@ -8,17 +8,15 @@ from pydantic import Field, model_validator
 
 from clean_swarm_env.config.types import Scenarios
 from selector.documents.errors import impossible
-from selector.documents.fields import LARGEST_NUMBER, Closed, DocumentName, Flag, Label, Name, Number, Positive
+from selector.documents.fields import LARGEST_NUMBER, Closed, DocumentName, Flag, Label, Name, Number
 from train.learning.racing import RaceConfig
 from train.running.run_folder import versions
 
 WholeNumber = Annotated[int, Field(strict=True, ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
-Method = Literal["random", "TPE", "CMA-ES", "NSGA-II", "MAP-Elites"]
-STUDY_PACKAGES = ("optuna", "cmaes", "ribs")
+Method = Literal["random", "TPE", "CMA-ES"]
+STUDY_PACKAGES = ("optuna", "cmaes")
 """The packages of the extra `tune`, which everything else here needs."""
 RANDOM: Method = "random"
-ONE_NUMBER: tuple[Method, ...] = ("CMA-ES", "MAP-Elites")
-"""Methods that minimise one number."""
 
 
 class Range(Closed):
@@ -61,15 +59,6 @@ class LastConfig(Closed):
     """Scenarios of the last race at most, and as many further ones of the statement."""
 
 
-class ArchiveConfig(Closed):
-    """The cells of MAP-Elites, and of the picture of every study: events against the share of time avoiding."""
-
-    events: Positive = 50.0
-    """Largest number of collision events a mission; more count as this many."""
-    cells: Annotated[int, Field(strict=True, ge=2, le=1000)] = 20
-    """Number of cells along each side."""
-
-
 class StudyConfig(Closed):
     """One study."""
 
@@ -84,10 +73,8 @@ class StudyConfig(Closed):
     space: Annotated[dict[Name, Annotated[dict[Name, dict[Label, Any]], Field(min_length=1)]], Field(min_length=1)]
     """Goal -> option -> what replaces or adds to its keys. A mapping with `low` and `high` is a range, one with
     `choices` a choice, and anything else a constant. Of several options of a goal that of the highest score serves."""
-    objective: Literal["cost", "front"] = "cost"
-    """The mean cost of missions, or the front of their durations and collision events."""
     method: Method = "TPE"
-    """Method by which candidates are proposed; random search runs beside it."""
+    """Method by which candidates of a low mean cost are proposed; random search runs beside it."""
     trials: Annotated[int, Field(strict=True, ge=2, le=100_000)] = 60
     """Number of candidates of each method."""
     batch: Annotated[int, Field(strict=True, ge=2, le=1000)] = 6
@@ -96,19 +83,6 @@ class StudyConfig(Closed):
     """The race of each batch."""
     last: LastConfig = LastConfig()
     """The last race and the statement."""
-    archive: ArchiveConfig = ArchiveConfig()
-    """The archive."""
-
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
-        if self.objective == "front" and self.method in ONE_NUMBER:
-            raise impossible("method", "random, TPE or NSGA-II for a front", self.method)
-        return self
-
-    @property
-    def figures(self) -> int:
-        """Number of figures that are minimised."""
-        return 2 if self.objective == "front" else 1
 
     @property
     def methods(self) -> tuple[Method, ...]:

@@ -18,15 +18,13 @@ from selforg.arrays import Floats
 from train.analysis.intervals import too_few
 from train.analysis.statistics import share_cell
 from train.analysis.verdict import Ranking, amount, unfinished_sentence
-from train.learning.racing import front
 from train.reports.charts import colour_of, panels
 from train.reports.ranking_table import ranking_table
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 from train.running.finished_runs import as_csv
 from train.studies.conclusion import TO_BEAT, UNCHANGED, Conclusion, Stated
-from train.studies.config import ArchiveConfig
-from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, FIGURES, UNFINISHED
-from train.studies.search import Arm, empty_archive
+from train.studies.missions import COST, DURATION, EVENT_COUNT, FIGURES, UNFINISHED
+from train.studies.search import Arm
 from train.studies.space import NULL_OPTION, StudySpace
 
 Importances = Mapping[str, float]
@@ -50,13 +48,13 @@ def importances(arms: Sequence[Arm], space: StudySpace) -> dict[str, float]:
 
 
 def study_tables(conclusion: Conclusion, space: StudySpace, importance: Importances) -> list[Grid]:
-    """Return the tables: costs of the results beside their yardsticks, and their values."""
+    """Return the tables: cost of the result beside its yardsticks, and its values."""
     return [_costs(conclusion), _comparison(conclusion), _values(conclusion, space, importance)]
 
 
 def ranking_of(conclusion: Conclusion) -> Ranking:
-    """Return the results and their yardsticks by cost."""
-    return Ranking.of({one.label: one.figures[COST] for one in (*conclusion.results, *conclusion.yardsticks)})
+    """Return the result and its yardsticks by cost."""
+    return Ranking.of({one.label: one.figures[COST] for one in conclusion.everyone})
 
 
 def study_summary(
@@ -64,14 +62,11 @@ def study_summary(
 ) -> dict[str, Any]:
     """Return the content of `summary.json`."""
     return {
-        "results": [
-            {
-                **_stated(result, space),
-                "ratios": {one.label: result.ratio_to(one).content for one in conclusion.yardsticks},
-                "not_shown_to_beat": conclusion.marks(result),
-            }
-            for result in conclusion.results
-        ],
+        "result": {
+            **_stated(conclusion.result, space),
+            "ratios": {one.label: conclusion.result.ratio_to(one).content for one in conclusion.yardsticks},
+            "not_shown_to_beat": conclusion.marks,
+        },
         "yardsticks": [_stated(one, space) for one in conclusion.yardsticks],
         "importance": dict(importance),
         "missions": {arm.method: sum(trial.scenarios for trial in arm.trials) for arm in arms},
@@ -87,11 +82,10 @@ def trials_csv(arms: Sequence[Arm], space: StudySpace) -> str:
 
 def verdict_of(conclusion: Conclusion) -> list[str]:
     """Return what came out, in one to three sentences."""
-    there = (*conclusion.results, *conclusion.yardsticks)
-    ranking, left = ranking_of(conclusion), {one.label: one.figures[UNFINISHED][None, :, None] for one in there}
-    beaten = {one.label: conclusion.marks(one) for one in conclusion.results}
-    lost = [f"{label} is not shown to beat {' and '.join(marks)}" for label, marks in beaten.items() if marks]
-    shown = f"{'; '.join(lost)}." if lost else f"{', '.join(beaten)}: shown to beat {' and '.join(TO_BEAT)}."
+    left = {one.label: one.figures[UNFINISHED][None, :, None] for one in conclusion.everyone}
+    ranking, label, marks = ranking_of(conclusion), conclusion.result.label, conclusion.marks
+    shown = f"{label} is not shown to beat {' and '.join(marks)}." if marks else ""
+    shown = shown or f"{label}: shown to beat {' and '.join(TO_BEAT)}."
     return [ranking.sentences((UNCHANGED, NULL_OPTION))[0], shown, unfinished_sentence(left, ranking)]
 
 
@@ -103,7 +97,7 @@ def _stated(stated: Stated, space: StudySpace) -> dict[str, Any]:
 
 def _costs(conclusion: Conclusion) -> Grid:
     columns: dict[str, dict[str, str]] = {}
-    for stated in (*conclusion.results, *conclusion.yardsticks):
+    for stated in conclusion.everyone:
         _, duration, events, avoiding, left = (stated.summaries[name].mean for name in FIGURES)
         cells = (share_cell(left), amount(duration), amount(events), share_cell(avoiding))
         for head, cell in zip(("unfinished", "duration s", "events", "avoiding"), cells, strict=True):
@@ -114,27 +108,25 @@ def _costs(conclusion: Conclusion) -> Grid:
 
 
 def _comparison(conclusion: Conclusion) -> Grid:
-    rows = [
-        (stated.label, *_ratios(stated, conclusion), ", ".join(conclusion.marks(stated)) or EMPTY_CELL)
-        for stated in conclusion.results
-    ]
+    result = conclusion.result
+    row = (result.label, *_ratios(conclusion), ", ".join(conclusion.marks) or EMPTY_CELL)
     heads = ("result to", *TO_BEAT, UNCHANGED, "not shown to beat")
-    ratios = [one.ratio_to(other) for one in conclusion.results for other in conclusion.yardsticks if one is not other]
-    return Grid("ratios of mean costs, with 95 % intervals", heads, rows, notes=too_few(ratios))
+    ratios = [result.ratio_to(other) for other in conclusion.yardsticks]
+    return Grid("ratios of mean costs, with 95 % intervals", heads, [row], notes=too_few(ratios))
 
 
-def _ratios(stated: Stated, conclusion: Conclusion) -> list[str]:
+def _ratios(conclusion: Conclusion) -> list[str]:
     there = {one.label: one for one in conclusion.yardsticks}
     cells = []
     for label in (*TO_BEAT, UNCHANGED):
-        ratio = stated.ratio_to(there[label]) if label in there and label != stated.label else None
+        ratio = conclusion.result.ratio_to(there[label]) if label in there else None
         known = ratio is not None and ratio.ratio is not None
         cells.append(f"{ratio.ratio:.3f} {interval_cell(ratio.ci95)}" if ratio and known else EMPTY_CELL)
     return cells
 
 
 def _values(conclusion: Conclusion, space: StudySpace, importance: Importances) -> Grid:
-    columns = [one for one in (*conclusion.results, *conclusion.yardsticks) if one.candidate.values]
+    columns = [one for one in conclusion.everyone if one.candidate.values]
     rows = []
     for k, name in enumerate(space.names):
         share = f"{importance[name]:.0%}" if name in importance else EMPTY_CELL
@@ -146,11 +138,10 @@ def _text(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def draw_study(arms: Sequence[Arm], conclusion: Conclusion, archive: ArchiveConfig) -> Figure:
-    """Return durations and events of all trials beside the results, and the archive of all trials."""
-    with panels(1, 2, (11.0, 4.2), heights=[1.0]) as (figure, ((plane, cells),)):
+def draw_study(arms: Sequence[Arm], conclusion: Conclusion) -> Figure:
+    """Return durations and events of all trials beside the result and its yardsticks."""
+    with panels(1, 1, (6.5, 4.2), heights=[1.0]) as (figure, ((plane,),)):
         _draw_plane(plane, arms, conclusion)
-        _draw_archive(cells, arms, archive)
         return figure
 
 
@@ -159,12 +150,9 @@ def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None
         means = _means(arm)
         if not len(means):
             continue
-        pairs = means[:, [DURATION, EVENT_COUNT]]
-        best = front(pairs)
-        axes.scatter(pairs[:, 0], pairs[:, 1], s=14, color=colour, alpha=0.5, label=f"{arm.method}: trials and front")
-        axes.step(pairs[best, 0], pairs[best, 1], where="post", color=colour, linewidth=1.0)
-    for number, stated in enumerate((*conclusion.results, *conclusion.yardsticks)):
-        own = stated in conclusion.results
+        axes.scatter(means[:, DURATION], means[:, EVENT_COUNT], s=14, color=colour, alpha=0.5, label=arm.method)
+    for number, stated in enumerate(conclusion.everyone):
+        own = stated is conclusion.result
         x, y = stated.figures.mean(axis=1)[[DURATION, EVENT_COUNT]]
         marker, colour = ("*", RESULT) if own else (MARKERS[number % 3], YARDSTICK)
         axes.scatter(x, y, s=60, zorder=3, label=stated.label, marker=marker, color=colour)
@@ -174,21 +162,6 @@ def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None
     axes.xaxis.set_major_formatter(ScalarFormatter())
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.legend(fontsize=8)
-
-
-def _draw_archive(axes: Axes, arms: Sequence[Arm], config: ArchiveConfig) -> None:
-    means = np.concatenate([_means(arm) for arm in arms])
-    archive = empty_archive(config, 1)
-    if len(means):
-        archive.add(np.zeros((len(means), 1)), -means[:, COST], means[:, [EVENT_COUNT, AVOIDING]])
-    grid = np.full((config.cells, config.cells), np.nan)
-    elites = archive.data(["index", "objective"])
-    places = archive.int_to_grid_index(elites["index"])
-    grid[places[:, 1], places[:, 0]] = -elites["objective"]
-    extent = (0.0, config.events, 0.0, 1.0)
-    image = axes.imshow(grid, origin="lower", extent=extent, aspect="auto", cmap="viridis_r", norm="log")
-    axes.figure.colorbar(image, ax=axes, label="cost s of the cheapest", format=ScalarFormatter())
-    axes.set(title="archive of all trials", xlabel="collision events", ylabel="share of time avoiding")
 
 
 def _means(arm: Arm) -> Floats:

@@ -73,7 +73,7 @@ def run_study(study: StudyConfig, request: Request, console: Console, make: Task
             verdict_of(conclusion),
             study_tables(conclusion, space, importance),
             study_summary(conclusion, space, arms, importance),
-            draw_study(arms, conclusion, study.archive),
+            draw_study(arms, conclusion),
         )
         publish(publication, folder, console, request)
         found.give(request.store)

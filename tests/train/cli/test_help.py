@@ -11,9 +11,9 @@ from train.cli.app import PANELS
 KNOWN = ["evaluate", "train", "run", "play", "replay", "explain", "record", "video", "report", "tune", "gather", "list"]
 """Commands that users know by these names."""
 GROUPS = {
-    "look": {"picture", "draw", "export"},
-    "learn": {"knowledge", "dataset"},
-    "study": {"score", "headroom", "look-ahead", "periods", "configure", "claims"},
+    "look": {"picture", "draw"},
+    "learn": {"knowledge"},
+    "study": {"score", "headroom", "claims"},
     "machine": {"warm", "slurm"},
 }
 

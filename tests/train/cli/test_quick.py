@@ -58,7 +58,6 @@ MISTAKES = [
     ("train ppo --config exploring-pp", "did you mean 'exploring-ppo'"),
     ("train es --config ess", "did you mean 'es'"),
     ("tune keep-aprt", "did you mean 'keep-apart'"),
-    ("study configure ORCA --family crowdde", "did you mean 'crowded'"),
     ("study headroom crowdde", "did you mean 'crowded'"),
     ("run Foragin", "did you mean 'Foraging'"),
     ("explain none --robot 0 --time 1", "none: cannot be read"),
@@ -67,7 +66,6 @@ MISTAKES = [
     ("video none none.webp", "none: cannot be read"),
     ("report none", "none: cannot be read"),
     ("look picture none none.png --time 1", "none: cannot be read"),
-    ("look export none --output none.mcap", "none: cannot be read"),
     ("gather none", "none: cannot be read"),
 ]
 

@@ -71,7 +71,6 @@ def test_a_run_becomes_a_video_of_thirty_seconds_unless_a_speed_is_given(recorde
         ),
         (("video", "RUN", "a.webp"), "run.swarm: expected at most 8 numbers, for the memory, got more"),
         (("replay", "RUN", "--html", "a.html"), "a.html: a page of "),
-        (("look", "export", "RUN", "--output", "a.mcap"), "a.mcap: "),
     ],
 )
 def test_what_this_machine_is_too_small_for_is_refused_before_it_begins(

@@ -10,7 +10,13 @@ from train.deciders.what_if import FORETOLD
 from train.live.chosen import chosen
 from train.live.session import Session
 
-STRATEGIES = ("MaxScore", "Random", "policy:one", "fixed:ORCA")
+GATE = {"MaxScore": 0, "Random": 23, "policy:one": 40, "fixed:ORCA": 23}
+"""Strategy -> periods after which the gate asks: at the beginning, in the middle of a decision period, at its end."""
+CASES = [
+    pytest.param(strategy, ticks, marks=[] if ticks == GATE[strategy] else [pytest.mark.long])
+    for strategy in GATE
+    for ticks in (0, 23, 40)
+]
 
 
 def happened(session, robot: int, option: str) -> dict:
@@ -24,8 +30,7 @@ def happened(session, robot: int, option: str) -> dict:
     return {"path": path, "collisions": int(counts.events[0, 0]) - before[0], "items": int(items.done[0]) - before[1]}
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
-@pytest.mark.parametrize("ticks", [0, 23, 40])
+@pytest.mark.parametrize(("strategy", "ticks"), CASES)
 def test_what_is_foretold_happens(tmp_path, strategy, ticks):
     """In the middle of a decision period, at its end and at the beginning; other robots go on as they would."""
     paths = (tmp_path / f"{number}.swarm" for number in count())
@@ -80,15 +85,15 @@ def test_the_end_of_the_mission_ends_what_is_foretold(tmp_path):
     assert {one["seconds"] for one in session.what_if(0)} == {2.0}
 
 
-@pytest.mark.parametrize("robot", [-1, 6, 10**30, None, "0", 1.0, float("nan"), True, [], {}])
-def test_odd_questions_are_one_line_and_change_nothing(tmp_path, robot):
+def test_odd_questions_are_one_line_and_change_nothing(tmp_path):
     session = Session(play_of(SMALL), tmp_path / "odd.swarm", minds=False)
     session.tick()
     with served(session) as server:
         state = session.batch.get_state()
-        said = ordered(server, do="what_if", robot=robot)
-        assert said.removeprefix("order: ").startswith("robot")
-        assert len(said.splitlines()) == 1
+        for robot in (-1, 6, 10**30, None, "0", 1.0, float("nan"), True, [], {}):
+            said = ordered(server, do="what_if", robot=robot)
+            assert said.removeprefix("order: ").startswith("robot"), robot
+            assert len(said.splitlines()) == 1, robot
         assert session.batch.get_state() == state
 
 

@@ -124,7 +124,7 @@ def test_what_cannot_be_gathered_is_one_line(run, tmp_path):
         (("gather", "."), "shares: expected shares of one number, got none"),
         (
             ("machine", "slurm", "train", "ppo", "--output", "r"),
-            "machine slurm: expected evaluate or study score or study look-ahead or study periods, got train ppo",
+            "machine slurm: expected evaluate or study score, got train ppo",
         ),
         (("machine", "slurm", "evaluate", "crowded"), "machine slurm: expected a command with --output"),
     ],

@@ -8,8 +8,6 @@ import pytest
 
 from tests.train.learning.trainings import job, written
 from train.deciders.machines import RuleDecider
-from train.learning import lessons
-from train.learning.bandit import BanditTraining
 from train.learning.config import load_training
 from train.learning.es import EsTraining
 from train.learning.training import LEAST_EXCESS, CheckpointHistory, judged
@@ -27,14 +25,6 @@ def test_the_best_checkpoint_is_that_of_the_lowest_excess():
     worse = {"still/cost_s": 80.0, "still/excess_s": 80.0, "arrivals/cost_s": 24.0, "arrivals/excess_s": 4.0}
     assert not history.note({}, worse)  # its costs are lower, by the product
     assert min(history.scores) == pytest.approx(np.log([100.0, 2.0]).mean())
-
-
-def test_bandits_compare_the_excess_of_missions(tmp_path, monkeypatch):
-    training = BanditTraining(job(load_training(str(written(tmp_path, "missions")), "bandit"), tmp_path / "run"))
-    monkeypatch.setattr(lessons, "run_trials", lambda missions, *_: [result(1.0 + k) for k in range(len(missions))])
-    scenarios = next(zip(*training.curriculum.scenarios(0), strict=True)) * 2
-    costs = training._learning._costs(scenarios, np.zeros((4, 2), dtype=np.int64))
-    assert costs.tolist() == [1.0, 2.0, 3.0, 4.0]
 
 
 def test_members_are_compared_by_their_excess(tmp_path):

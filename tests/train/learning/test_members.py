@@ -10,17 +10,22 @@ from selector.documents.errors import DocumentError
 from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.policy_file import Network, load_policy
 from selector.strategies.problem import Problem
-from tests.train.learning.trainings import job, written
+from tests.train.learning.trainings import job, unvalidated, written
 from train.deciders.decider import TeamsDecider
 from train.deciders.machines import MachineDecider, RuleDecider
+from train.learning.bandit import BanditTraining
 from train.learning.config import DesignConfig, load_training
 from train.learning.design import DesignTraining, MachineSpace
-from train.learning.es import EsState, EsTraining, climbed
+from train.learning.es import EsState, EsTraining, climbed, relative
 from train.learning.members import MembersTraining, MemberTask, ObservationScale
 from train.running.processes import Processes
 from train.running.trials import TrialSettings
 
-LEARNERS = {"es": (EsTraining, "policy/policy.safetensors"), "design": (DesignTraining, "machine.yaml")}
+LEARNERS = {
+    "es": (EsTraining, "policy/policy.safetensors", "checkpoint.json"),
+    "design": (DesignTraining, "machine.yaml", "checkpoint.json"),
+    "bandit": (BanditTraining, "strategy.safetensors", "checkpoint.safetensors"),
+}
 
 
 def always(option):
@@ -51,21 +56,26 @@ def test_the_missions_that_a_dead_worker_left_keep_their_members_and_places():
 
 
 @pytest.mark.parametrize("kind", LEARNERS)
-def test_a_training_comes_to_the_same_bits_in_pieces_and_with_two_workers(tmp_path, kind):
-    made, learned = LEARNERS[kind]
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.long)])
+def test_a_training_comes_to_the_same_bits_in_pieces_and_with_any_number_of_workers(
+    tmp_path, monkeypatch, kind, workers
+):
+    made, *written_files = LEARNERS[kind]
+    if workers == 1:
+        unvalidated(monkeypatch)
     config = load_training(str(written(tmp_path, kind)), kind)
     whole = made(job(config, tmp_path / "whole"))
     while not whole.finished:
         whole.advance()
     whole.export("command")
     made(job(config, tmp_path / "cut")).advance()
-    with Processes(2).rounds() as done:
-        cut = made(job(config, tmp_path / "cut", resume=True, parts=2, done=done))
+    with Processes(workers).rounds() as done:
+        cut = made(job(config, tmp_path / "cut", resume=True, parts=workers, done=done))
         assert cut.checkpoint == 1
         while not cut.finished:
             cut.advance()
     cut.export("command")
-    for name in (learned, "history.jsonl", "checkpoint.json"):
+    for name in (*written_files, "history.jsonl"):
         assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
 
 
@@ -82,10 +92,7 @@ def fake(monkeypatch, cost_of):
         return costs, np.array([[100.0], [20.0], [54.0]]) * np.ones(features)
 
     monkeypatch.setattr(MembersTraining, "costs", done)
-    monkeypatch.setattr("train.learning.training.results_on", lambda *_: {})
-    monkeypatch.setattr("train.learning.training.figures_of", lambda _: {"random/excess_s": 1.0})
-    monkeypatch.setattr("train.learning.training.excesses", lambda _: {"random": [1.0]})
-    monkeypatch.setattr("train.learning.training.best_fixed", lambda *_: ("none", {"random": [1.0]}))
+    unvalidated(monkeypatch)
 
 
 def options_of(member, problem, observed):
@@ -152,6 +159,13 @@ def test_a_training_begins_with_the_best_option_also_where_most_fail(tmp_path, m
     design.advance()
     (only,) = design.state.kept[0].states.values()
     assert only.option == design.problem.options[8]
+
+
+def test_missions_are_compared_with_those_of_their_scenario_only():
+    costs = np.array([10.0, 20.0, 40.0, 1.0, 2.0, 80.0])
+    rewards = relative(costs, 3, limit=1.0)
+    np.testing.assert_allclose(rewards, [np.log(2.0), 0.0, np.log(0.5), np.log(2.0), 0.0, -1.0])
+    np.testing.assert_array_equal(relative(costs[3:], 3, limit=1.0), rewards[3:])
 
 
 def test_a_step_goes_up_the_slope_and_the_average_follows():
@@ -242,11 +256,3 @@ def test_machines_stay_within_their_sizes_whatever_is_changed():
     assert sizes >= {(1, 0), (3, 2)}
     assert max(states for states, _ in sizes) == 3
     assert max(ways for _, ways in sizes) == 2
-
-
-def test_one_learner_is_given(tmp_path):
-    both = {"es": {}, "ppo": {}}
-    with pytest.raises(DocumentError, match="expected one of ppo, bandit, es, design, got ppo, es"):
-        load_training(str(written(tmp_path, "es", **both)), "es")
-    with pytest.raises(DocumentError, match="expected one of ppo, bandit, es, design, got none"):
-        load_training(str(written(tmp_path, "es", es=None)), "es")

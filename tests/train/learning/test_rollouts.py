@@ -10,6 +10,8 @@ from gymnasium.spaces import Box, Discrete, MultiDiscrete
 
 from train.learning.ppo.rollouts import MomentsOfRobots, RobotRollouts
 
+pytestmark = pytest.mark.extra
+
 PERIODS, ROWS, GAMMA, TRACE = 7, 40, 0.9, 0.8
 COUNTS, PARTS = (5, 3), torch.tensor([[0.25, 0.5]])  # options of two goals; logarithms of their probabilities
 

@@ -1,4 +1,4 @@
-"""Trainings of some seconds: `missions` is one by bandit, rewarded by the costs of whole missions."""
+"""Trainings of some seconds."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ COMMON = {
     "tasks": [{"family": "random", "worlds": 2}],
     "observation": {"terms": ["situation", "crowd"]},
     "checkpoints": 3,
-    "decisions": 600,
+    "decisions": 300,
     "validation": {"scenarios": 1, "every": 3},
 }
 SMALL = {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}
@@ -34,16 +34,6 @@ KINDS = {
             "credit": {"hold": 5.0, "until": ["carrying_far", "carrying_near"], "horizon": 10.0},
         }
     },
-    "missions": {
-        "bandit": {
-            "strategy": {"name": "LinearThompson", "parameters": {"prior": 0.1}},
-            "context": ["free_far", "carrying_far"],
-            "comparison": {"group": 2},
-            "exported": {"exploration": 0.0},
-        },
-        "tasks": [{"family": "random", "worlds": 4}],
-        "decisions": 8,
-    },
     "es": {"es": {"pairs": 1, "opening": 1}, "checkpoints": 2, "decisions": 2},
     "design": {
         "design": {"candidates": 2, "kept": 1, "opening": 1, "race": {"block": 2, "blocks": 1}},
@@ -63,3 +53,11 @@ def written(directory, kind, **changes):
 def job(config, directory, *, resume=False, **more):
     """A training of seed 1 in a new directory, or one to go on with."""
     return replace(TrainingJob(config, 1, RunFolder(directory, {"identity": {}}, resume=resume)), **more)
+
+
+def unvalidated(monkeypatch):
+    """Let validations run no missions."""
+    monkeypatch.setattr("train.learning.training.results_on", lambda *_: {})
+    monkeypatch.setattr("train.learning.training.figures_of", lambda _: {"random/excess_s": 1.0})
+    monkeypatch.setattr("train.learning.training.excesses", lambda _: {"random": [1.0]})
+    monkeypatch.setattr("train.learning.training.best_fixed", lambda *_: ("none", {"random": [1.0]}))

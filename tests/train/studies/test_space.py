@@ -6,13 +6,13 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from selector.documents.find import load_file
-from selector.knowledge import load_knowledge
 from train.studies.config import StudyConfig
 
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 
-from train.studies.configured import configured_study
 from train.studies.space import StudySpace
+
+pytestmark = pytest.mark.extra
 
 
 def space_of(configs, space, **changes):
@@ -69,25 +69,3 @@ def test_a_mistake_is_one_line(configs, space, message):
     text = str(raised.value)
     assert message in text
     assert "\n" not in text
-
-
-def test_an_option_is_configured_in_all_its_numbers(configs):
-    study = configured_study("Near", "small", None, {"trials": 5}, (configs,))
-    assert study.space == {
-        "AvoidCollision": {
-            "Near": {
-                "parameters": {
-                    "view_distance": {"low": 0.125, "high": 2.0, "log": True, "whole": False},
-                    "full_length": {"low": 0.375, "high": 6.0, "log": True, "whole": False},
-                }
-            }
-        }
-    }
-    with pytest.raises(DocumentError, match="no goal has the option 'Far'"):
-        configured_study("Far", "small", None, {}, (configs,))
-
-
-def test_every_shipped_option_of_avoidance_can_be_configured():
-    for option in load_knowledge("avoidance").options("AvoidCollision"):
-        study = configured_study(option.name, "table1", None, {})
-        assert StudySpace(study, load_knowledge("avoidance")).dimensions

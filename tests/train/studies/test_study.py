@@ -7,13 +7,11 @@ import pytest
 from rich.console import Console
 
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
-pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.find import load_file
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore
-from tests.train.commands import run
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.memory import StoreRequest
 from train.request import Request
@@ -23,6 +21,8 @@ from train.running.needs import Machine
 from train.running.run_folder import WORKERS, RunFolder, read_manifest
 from train.studies.config import StudyConfig
 from train.studies.study import run_study
+
+pytestmark = pytest.mark.extra
 
 CONSOLE = Console(quiet=True)
 SAME = ("trials.csv", "summary.json", "table.md", "knowledge/planted.yaml", "figure.png")
@@ -51,18 +51,11 @@ def whole(configs, tmp_path_factory):
     return folder
 
 
+@pytest.mark.long
 def test_four_workers_come_to_the_same(configs, tmp_path, whole):
     request = request_of(configs, tmp_path / "four", machine=Machine(4))
     assert studied(request, synthetic) == FINISHED
     assert contents(tmp_path / "four") == contents(whole)
-
-
-def test_one_command_at_a_time_writes_a_study(configs, tmp_path, whole):
-    folder = tmp_path / "held"
-    shutil.copytree(whole, folder)
-    held = RunFolder(folder, {"identity": read_manifest(folder)["identity"]}, resume=True)
-    with held.alone(), pytest.raises(ConfigurationError, match="another command writes these results now"):
-        studied(request_of(configs, folder, resume=True), synthetic)
 
 
 def test_a_study_keeps_which_cpus_took_part(configs, tmp_path, whole):
@@ -146,7 +139,7 @@ def test_a_result_that_beats_neither_off_nor_random_search_is_marked(configs, tm
 
     assert studied(request_of(configs, tmp_path / "flat"), flat) == FINISHED
     assert "NOT SHOWN TO BEAT Off AND random search" in load_text(tmp_path / "flat")
-    (result,) = json.loads((tmp_path / "flat" / "summary.json").read_text())["results"]
+    result = json.loads((tmp_path / "flat" / "summary.json").read_text())["result"]
     assert result["not_shown_to_beat"] == ["Off", "random search"]
 
     def good(stage, candidate, numbers):
@@ -177,29 +170,11 @@ def test_a_kept_mission_of_another_study_is_refused_in_one_line(configs, tmp_pat
             studied(request_of(configs, folder, resume=True), synthetic)
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("tune", "nothing"), "unknown study 'nothing'"),
-        (("study", "configure", "Far", "--family", "small"), "no goal has the option 'Far'"),
-        (("study", "configure", "Near", "--family", "small", "--method", "luck"), "method: expected 'random'"),
-    ],
-)
-def test_mistakes_are_one_line(configs, tmp_path, capsys, words, message):
-    assert run(*words, "--configs", configs, "--output", tmp_path / "new", "--workers", "1") == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
-
-
 def test_missions_of_the_world_give_an_option_its_costs(configs, tmp_path):
-    changes = ("--trials", "4", "--method", "random", "--workers", "1")
     folder = tmp_path / "real"
-    assert (
-        run("study", "configure", "Near", "--family", "small", "--configs", configs, *changes, "--output", folder) == 0
-    )
+    assert studied(request_of(configs, folder, machine=Machine(1)), None, trials=4, method="random") == FINISHED
     summary = json.loads((folder / "summary.json").read_text())
     off = next(one for one in summary["yardsticks"] if one["name"] == "Off")
     assert off["figures"]["avoiding"]["mean"] == 0.0
     assert 0.0 < off["figures"]["cost_s"]["mean"] <= 200.0
-    assert load_knowledge("Near-small", [folder]).options("AvoidCollision")[0].name == "Near-small"
+    assert load_knowledge("planted", [folder]).options("AvoidCollision")[0].name == "planted"

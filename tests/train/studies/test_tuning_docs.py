@@ -11,13 +11,13 @@ from tests.paths import ROOT
 from tests.train.commands import run
 from train.studies.config import StudyConfig
 
-pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
-pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
-
 PAGE = (ROOT / "docs" / "tuning.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
+@pytest.mark.extra
 def test_the_commands_run_in_their_order(monkeypatch, tmp_path, capsys):
+    pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
     monkeypatch.chdir(tmp_path)
     files = re.findall(r"`(my/\S+)`:\n\n```yaml\n(.*?)```", PAGE, flags=re.DOTALL)
     assert len(files) == 2
@@ -27,7 +27,7 @@ def test_the_commands_run_in_their_order(monkeypatch, tmp_path, capsys):
         path.write_text(text)
     (block,) = re.findall(r"```sh\n(.*?)```", PAGE, flags=re.DOTALL)
     lines = [shlex.split(line)[1:] for line in block.splitlines()]
-    assert [line[line[0] in ("learn", "study")] for line in lines] == ["tune", "knowledge", "evaluate", "configure"]
+    assert [line[line[0] == "learn"] for line in lines] == ["tune", "knowledge", "evaluate"]
     for words in lines:
         more = ["--workers", "1"] if words[0] != "learn" else []
         assert run(*words, *more) == 0, capsys.readouterr().err
