@@ -11,7 +11,8 @@ from selforg.arrays import CLOCKED, KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats,
 from selforg.compiler.records import Recording
 from selforg.declared import fields_of, make_arrays, walk
 from selforg.mechanisms import MECHANISMS
-from tests.selforg.mechanisms.test_contract import build, crowded
+from tests.selforg.mechanisms.test_contract import crowded
+from tests.selforg.worlds import build
 
 
 class Flock:

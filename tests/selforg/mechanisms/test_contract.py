@@ -9,9 +9,8 @@ from selforg.gradients.gradient import Gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, Carried, DecisionMechanism, FormulaMechanism, MovementMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
-from selforg.parameters import parameters_of
 from selforg.plugins import PluginError
-from tests.selforg.worlds import directions, make_world, scatter, set_pose
+from tests.selforg.worlds import build, make_world, scatter, set_pose
 
 LUCK = np.random.default_rng(1)
 """Random numbers that no seed decides, for classes that break their promises."""
@@ -44,14 +43,6 @@ def crowded(space="torus", rows=6, order=None, seed=1):
         place = world.poses.positions[row] + 0.1
         set_pose(world.poses, row, place, world.poses.own[row, 0, 6 : 6 + world.space.dim], 0.5)
     return world
-
-
-def build(name, world, seed=3):
-    example = MECHANISMS.find(name).example
-    parameters = {key: one(world.buffer) if callable(one) else one for key, one in example.items()}
-    if "directions" in parameters_of(MECHANISMS.find(name)):
-        parameters["directions"] = directions(world.poses.rows, world.space.dim, seed)
-    return MECHANISMS.create(name, world.buffer, **parameters)
 
 
 @pytest.mark.parametrize("name", MECHANISMS.names())
