@@ -1,3 +1,4 @@
+import ast
 import os
 import re
 import subprocess
@@ -14,3 +15,12 @@ def test_the_examples_of_the_guide_run(tmp_path):
         [sys.executable, guide], env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=True
     )
     assert ran.stdout == "(5, 2)\n"
+
+
+def test_selforg_imports_nothing_but_numpy_numba_and_the_standard_library():
+    allowed = {"numpy", "numba", "selforg", *sys.stdlib_module_names}
+    for path in (ROOT / "selforg").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            assert all(name.split(".")[0] in allowed for name in names), f"{path} imports {names}"

@@ -39,6 +39,7 @@ def test_every_channel_is_a_column_with_its_place(recording):
         assert len({len(column) for column in table.values()}) == 1
 
 
+@pytest.mark.extra
 def test_parquet_holds_the_tables(recording, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     assert run("look", "export", recording.path, "--output", tmp_path / "tables") == 0
@@ -52,6 +53,7 @@ def test_parquet_holds_the_tables(recording, tmp_path):
     assert json.loads(table.schema.metadata[b"clean_swarm"])["robots"] == 5
 
 
+@pytest.mark.extra
 def test_mcap_holds_the_frames(recording, tmp_path):
     reading = pytest.importorskip("mcap.reader")
     assert run("look", "export", recording.path, "--output", tmp_path / "run.mcap") == 0
@@ -68,6 +70,7 @@ def test_what_exists_is_not_replaced(recording, tmp_path, capsys):
     assert "exists already; expected a new file or directory" in capsys.readouterr().err
 
 
+@pytest.mark.extra
 def test_a_recording_is_written_stretch_by_stretch(tmp_path):
     pytest.importorskip("pyarrow.parquet")
     mission = load_mission("table1").model_copy(update={"time_limit": 160.0})

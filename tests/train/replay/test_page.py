@@ -176,19 +176,9 @@ def test_a_robot_that_joins_begins_where_it_joins(opened, recordings):
 
 
 @pytest.mark.long
-def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, results, recordings, capsys):
-    rng = np.random.default_rng(16)
+def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, explained, recordings):
     page = opened()
-    for _ in range(20):
-        k = int(rng.integers(2))
-        frame = int(rng.integers(recordings[k].frames))
-        there = recordings[k]["present"][: frame + 1].any(axis=0)
-        robot = int(rng.choice(np.flatnonzero(there)))  # also one that has joined
-        page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose({k}, {robot})")
-        capsys.readouterr()
-        words = ("--condition", CONDITIONS[k], "--robot", robot, "--time", frame * 0.2, "--json")
-        assert run("explain", results / "run", *words) == 0
-        step = json.loads(capsys.readouterr().out)
+    for k, frame, robot, step in explained(page, 20, seed=16):
         rows = page.evaluate(
             "[...document.querySelectorAll('[data-network=robot]')].map(row => ({...row.dataset,"
             " why: row.querySelector('.why').textContent, ran: row.querySelector('[data-ran]')?.textContent}))"

@@ -65,17 +65,9 @@ def test_the_page_makes_the_same_sentences(opened):
 @pytest.mark.page
 @pytest.mark.extra
 @pytest.mark.long
-def test_facts_and_inputs_are_those_of_the_command(opened, results, recordings, capsys):
-    rng, page, avoided, chosen = np.random.default_rng(5), opened(), 0, 0
-    for _ in range(14):
-        k = int(rng.integers(2))
-        frame = int(rng.integers(1, recordings[k].frames))
-        robot = int(rng.choice(np.flatnonzero(recordings[k]["present"][: frame + 1].any(axis=0))))
-        page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose({k}, {robot})")
-        capsys.readouterr()
-        words = ("--condition", CONDITIONS[k], "--robot", robot, "--time", frame * 0.2, "--json")
-        assert run("explain", results / "run", *words) == 0
-        step = json.loads(capsys.readouterr().out)
+def test_facts_and_inputs_are_those_of_the_command(opened, explained, recordings):
+    page, avoided, chosen = opened(), 0, 0
+    for k, frame, robot, step in explained(page, 14, seed=5):
         shown, facts = page.evaluate(f"replay.factsOf(replay.runs[{k}], {frame}, {robot})"), step["facts"]
         assert shown["state"] == facts["state"]
         if facts["state"] != "at work":
