@@ -7,11 +7,11 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from clean_swarm_env.testing.mechanisms import SPACES, crowded
 from selforg.arrays import CLOCKED, KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats, Ints, Within, derived
 from selforg.compiler.records import Recording
 from selforg.declared import fields_of, make_arrays, walk
 from selforg.mechanisms import MECHANISMS
+from tests.selforg.worlds import build, world_of
 
 
 class Flock:
@@ -89,7 +89,7 @@ def test_a_record_without_marks_is_refused():
 
 @pytest.mark.parametrize("name", MECHANISMS.names())
 def test_no_mechanism_forgets_an_array(name):
-    mechanism = crowded(MECHANISMS.find(name), SPACES[0], {})
+    mechanism = build(name, world_of())
     if hasattr(mechanism, "move"):
         mechanism.move(1.0)
     assert walk({"mechanism": mechanism}).forgotten == []

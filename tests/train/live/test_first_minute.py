@@ -1,58 +1,13 @@
-"""The first minute of a play: it opens with the best strategy, jams beside it, and ends with a verdict."""
+"""The first minute of a play on its page: it fits, says what to do, and ends with a verdict."""
 
 import pytest
 
 from tests.train.live.pages import drag, free_place, on_screen, place_of, shows, until
-from tests.train.live.sessions import SMALL, ordered, play_of, served
-from train.live.chosen import AVOIDING, NEVER, STRATEGY, TRAINED, chosen, usual
-from train.live.session import Session
+from tests.train.live.sessions import SMALL, play_of, served
+
+pytestmark = [pytest.mark.page, pytest.mark.extra, pytest.mark.long]  # one of its kind in the gate: test_live_page.py
 
 
-def on_page(test):
-    """Mark a test of the page in Chromium; one of its kind in the gate is in test_live_page.py."""
-    for mark in (pytest.mark.page, pytest.mark.extra, pytest.mark.long):
-        test = mark(test)
-    return test
-
-
-@pytest.mark.parametrize(
-    ("name", "expected"),
-    [
-        ("crowded", (AVOIDING, STRATEGY)),
-        ("crowded-exploring", (TRAINED, NEVER)),
-        ("table1", (STRATEGY, "")),
-        ("bumpers", (AVOIDING, "")),
-        ("ReachGoal", (STRATEGY, "")),
-    ],
-)
-def test_a_mission_opens_with_the_strategy_that_is_best_there(name, expected):
-    play = chosen(name, 1, 0, None, ())
-    assert (play.strategy, *usual(play.scenario.mission, ())) == (expected[0], *expected)
-    assert chosen(name, 1, 0, "Random", ()).strategy == "Random"
-
-
-def test_something_happens_within_ten_seconds(tmp_path):
-    session = Session(chosen("crowded", 1, 0, None, ()), tmp_path / "crowded.swarm", minds=False)
-    for _ in range(50):
-        session.tick()
-    assert (session.worlds.task.garbage.cargo >= 0).sum() >= 5
-    assert session.worlds.task.garbage.recycled.any()
-    session.close()
-
-
-def test_an_order_opens_a_mission_under_another_strategy(session, sessions):
-    with served(session, others=sessions(play_of(SMALL), minds=False)) as server:
-        assert ordered(server, do="open", name="", strategy="fixed:ORCA") == ""
-        assert server.conductor.stream.state["strategy"] == "fixed:ORCA"
-        for strategy in ("os:system", "policy:x.zip", "", None, 3, float("nan"), ["fixed:ORCA"], "x" * 5000):
-            said = ordered(server, do="open", name="", strategy=strategy)
-            assert (said == "") == (strategy == ""), said
-            assert len(said.splitlines()) <= 1
-        assert server.conductor.stream.state["strategy"] == "MaxScore"
-        assert ordered(server, do="step") == ""  # the session that was there goes on
-
-
-@on_page
 @pytest.mark.parametrize(
     ("size", "scheme"), [((1366, 768), "light"), ((1440, 1100), "dark"), ((390, 844), "light"), ((390, 844), "dark")]
 )
@@ -68,7 +23,6 @@ def test_the_world_fits_without_scrolling(session, opened, size, scheme):
         assert set(groups) == {size[0] > 900}
 
 
-@on_page
 def test_only_kinds_of_events_that_happened_have_a_line(page):
     assert page.text_content("#kinds") == "no event yet"
     page.click("#play")
@@ -80,7 +34,6 @@ def test_only_kinds_of_events_that_happened_have_a_line(page):
     assert len(shown) * 12 == page.evaluate("document.querySelector('#timeline').height")
 
 
-@on_page
 def test_a_paused_play_says_what_to_do(page):
     shows(page, ".banner", "Ready: press Play or space")
     page.keyboard.press(" ")
@@ -89,7 +42,6 @@ def test_a_paused_play_says_what_to_do(page):
     shows(page, ".banner", "Paused. Space goes on.")
 
 
-@on_page
 def test_a_robot_is_dragged_while_the_world_runs(session, opened):
     with served(session, speed=0.25, playing=True) as server:
         page = opened(server)
@@ -99,7 +51,6 @@ def test_a_robot_is_dragged_while_the_world_runs(session, opened):
         assert page.evaluate("replay.page.state.playing")
 
 
-@on_page
 def test_click_and_drag_take_the_same_things(page):
     """Ten pixels beside the middle of an item or robot is near enough for both, 60 for none."""
     x, y = on_screen(page, *place_of(page, 3))
@@ -113,7 +64,6 @@ def test_click_and_drag_take_the_same_things(page):
         page.mouse.up()
 
 
-@on_page
 def test_the_pointer_says_what_a_press_would_do(session, page):
     robot = on_screen(page, *place_of(page, 3))
     page.mouse.move(*robot)
@@ -126,7 +76,6 @@ def test_the_pointer_says_what_a_press_would_do(session, page):
     shows(page, "#hint", "a click adds an item here")
 
 
-@on_page
 def test_the_end_has_a_verdict_and_leads_on(sessions, opened):
     opening = sessions(play_of({**SMALL, "time_limit": 2.0, "robots": {"count": 10}}, "fixed:ORCA"))
     with served(opening[""](), others=opening) as server:
@@ -147,7 +96,6 @@ def test_the_end_has_a_verdict_and_leads_on(sessions, opened):
         until(page, "() => document.title === 'Clean Swarm: ReachGoal, live'")
 
 
-@on_page
 def test_a_keyboard_is_enough(page):
     for _ in range(2):
         page.keyboard.press("Tab")
@@ -167,7 +115,6 @@ def test_a_keyboard_is_enough(page):
     shows(page, "#panel h2", "Robot 1")
 
 
-@on_page
 def test_every_control_has_a_plain_line(page):
     without = page.evaluate(
         "[...document.querySelectorAll('button, select, summary, label, input:not([data-layer])')]"

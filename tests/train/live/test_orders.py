@@ -123,7 +123,7 @@ class Orders(RuleBasedStateMachine):
 
 
 TestOrders = Orders.TestCase
-TestOrders.settings = settings(max_examples=int(os.environ.get("ORDERS", "5")), stateful_step_count=25)
+TestOrders.settings = settings(max_examples=int(os.environ.get("ORDERS", "3")), stateful_step_count=25)
 
 
 def test_an_order_that_fails_ends_no_session(session, monkeypatch):
@@ -224,3 +224,15 @@ def test_another_mission_and_the_same_again_are_opened_by_order(sessions, tmp_pa
         assert server.conductor.session.ticks == 0
         assert ordered(server, do="step") == ""
     assert [RecordedMission(path).frames for path in sorted(tmp_path.glob("*.swarm"))] == [1, 1, 1]
+
+
+def test_an_order_opens_a_mission_under_another_strategy(session, sessions):
+    with served(session, others=sessions(play_of(SMALL), minds=False)) as server:
+        assert ordered(server, do="open", name="", strategy="fixed:ORCA") == ""
+        assert server.conductor.stream.state["strategy"] == "fixed:ORCA"
+        for strategy in ("os:system", "policy:x.zip", "", None, 3, float("nan"), ["fixed:ORCA"], "x" * 5000):
+            said = ordered(server, do="open", name="", strategy=strategy)
+            assert (said == "") == (strategy == ""), said
+            assert len(said.splitlines()) <= 1
+        assert server.conductor.stream.state["strategy"] == "MaxScore"
+        assert ordered(server, do="step") == ""  # the session that was there goes on

@@ -7,7 +7,7 @@ import pytest
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.live.sessions import SMALL, play_of
-from train.live.chosen import PlayedMission, again
+from train.live.chosen import AVOIDING, NEVER, STRATEGY, TRAINED, PlayedMission, again, chosen, usual
 from train.live.session import Session
 
 BY_HAND = {
@@ -160,3 +160,28 @@ def test_a_play_whose_files_have_changed_is_refused(first, tmp_path):
     changed = PlayedMission(**{**vars(again(recording)), "strategy": "fsm:rule sha256:0"})
     with pytest.raises(ConfigurationError, match="fsm:rule has changed since"):
         Session(changed, tmp_path / "changed.swarm")
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("crowded", (AVOIDING, STRATEGY)),
+        ("crowded-exploring", (TRAINED, NEVER)),
+        ("table1", (STRATEGY, "")),
+        ("bumpers", (AVOIDING, "")),
+        ("ReachGoal", (STRATEGY, "")),
+    ],
+)
+def test_a_mission_opens_with_the_strategy_that_is_best_there(name, expected):
+    play = chosen(name, 1, 0, None, ())
+    assert (play.strategy, *usual(play.scenario.mission, ())) == (expected[0], *expected)
+    assert chosen(name, 1, 0, "Random", ()).strategy == "Random"
+
+
+def test_something_happens_within_ten_seconds(tmp_path):
+    session = Session(chosen("crowded", 1, 0, None, ()), tmp_path / "crowded.swarm", minds=False)
+    for _ in range(50):
+        session.tick()
+    assert (session.worlds.task.garbage.cargo >= 0).sum() >= 5
+    assert session.worlds.task.garbage.recycled.any()
+    session.close()

@@ -1,6 +1,7 @@
 """The replay page in a headless Chromium: it plays, scrubs, shows its recordings' numbers, and asks for nothing."""
 
 import json
+from itertools import product
 
 import numpy as np
 import pytest
@@ -227,25 +228,31 @@ def test_events_are_those_of_the_recording(opened, recordings):
     assert page.locator(".score >> nth=0").text_content().startswith(f"{done} of 8 items dumped")
 
 
-LAYERS = {"fields", "reach", "view", "seen", "paths"}  # contacts may be none at these moments
+LAYERS = {"fields", "reach", "view", "seen", "paths", "command", "added", "target", "causes"}
+"""Those that show something at one of the moments below; contacts may be none there."""
+SIGNS = {"command", "what the mechanism adds", "way to the target", "neighbours that count"}
 
 
 @pytest.mark.long
-def test_layers_following_and_colours_change_what_is_drawn(opened):
-    changing = set()
-    for moment in (5, 10, 20, 30):  # at some of them nobody is seen
-        page = opened(f"#t={moment}&robot=2")
-        before = picture(page)
-        for name in (*LAYERS, "contacts"):
+def test_layers_following_and_colours_change_what_is_drawn_and_have_a_legend(opened):
+    page, changing = opened(), set()
+    for moment, robot in product((5, 10, 20, 30), range(8)):  # at some of them nobody is seen
+        page.evaluate(f"replay.page.go({moment}); replay.page.choose(0, {robot})")
+        for name in LAYERS - changing:
+            before = picture(page)
             page.click(f"[name={name}]")
-            now = picture(page)
-            changing |= {name} if now != before else set()
-            before = now
-    assert changing >= LAYERS
-    page.keyboard.press("f")
-    followed = picture(page)
-    page.click("#theme")
-    assert len({before, followed, picture(page)}) == 3
+            changing |= {name} if picture(page) != before else set()
+    assert changing == LAYERS
+    drawn = [picture(page)]
+    for change in (lambda: page.keyboard.press("f"), lambda: page.click("#theme")):
+        change()
+        drawn.append(picture(page))
+    assert len(set(drawn)) == 3
+    signs = dict(
+        page.evaluate("[...document.querySelectorAll('#legend span')].map(sign => [sign.textContent, sign.title])")
+    )
+    assert signs.keys() >= SIGNS
+    assert all(signs.values())
 
 
 @pytest.mark.long

@@ -9,7 +9,6 @@ import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
 from tests.train.commands import run
-from tests.train.live.pages import picture
 from tests.train.replay.conftest import CONDITIONS
 from train.evaluation import explain
 from train.evaluation.why import Facts, sentence
@@ -113,25 +112,6 @@ def test_what_if_it_goes_on_as_it_did(results, recordings, capsys):
 def test_what_if_needs_a_decider():
     with pytest.raises(ConfigurationError, match="expected a run of a family, or of a decider that decides in each"):
         explain._asking(None, [])
-
-
-@pytest.mark.page
-@pytest.mark.extra
-@pytest.mark.long
-def test_arrows_lines_and_their_legend_can_be_shown(opened):
-    page = opened("#t=10&robot=2")
-    changed = set()
-    for moment in (4, 10, 20, 30):
-        for robot in range(8):
-            page.evaluate(f"replay.page.go({moment}); replay.page.choose(0, {robot})")
-            for name in ("command", "added", "target", "causes"):
-                before = picture(page)
-                page.click(f"[name={name}]")
-                changed |= {name} if picture(page) != before else set()
-    assert changed == {"command", "added", "target", "causes"}
-    words = page.evaluate("[...document.querySelectorAll('#legend span')].map(sign => [sign.textContent, sign.title])")
-    assert {"command", "what the mechanism adds", "way to the target", "neighbours that count"} <= {w for w, _ in words}
-    assert all(told for _, told in words)
 
 
 @pytest.mark.page
