@@ -1,4 +1,4 @@
-"""What compiled code writes, found in its source: `python -m tests.kernels` lists records that functions write.
+"""What compiled code writes, found in its source.
 
 A function writes a record if it assigns to an entry of one of its fields, or hands the field or the whole record to a
 function that does. Names stand for the same array after `x = record.field[row]`.
@@ -163,8 +163,3 @@ def signatures() -> dict[str, tuple[str, str]]:
             writes = any(fields_of(kind)[field].mark.name in LASTING for field in fields if field in fields_of(kind))
             found[f"{name}({parameter})"] = (word, "Written" if writes else "Words")
     return found
-
-
-if __name__ == "__main__":
-    for place, (word, right) in sorted(signatures().items()):
-        print(place, right, "" if word == right else f"not {word}")

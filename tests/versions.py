@@ -30,7 +30,7 @@ def tried(environment: Path, python: str, resolution: str) -> str:
         ("uv", "pip", "install", "-q", "--python", bin_folder / "python", *TOOLS),
         (bin_folder / "clean-swarm", "evaluate", "--help"),
         (bin_folder / "clean-swarm", "evaluate", "--scenarios", "1", "--workers", "1"),
-        (bin_folder / "python", "-m", "pytest", "-q", "-x", "--rootdir", ROOT, *(ROOT / test for test in TESTS)),
+        (bin_folder / "python", "-m", "pytest", "-qx", "-m", "", "--rootdir", ROOT, *(ROOT / test for test in TESTS)),
     )
     own = {**os.environ, "PYTHONPATH": str(ROOT)}
     with tempfile.TemporaryDirectory() as elsewhere:

@@ -11,7 +11,7 @@ from selforg.arrays import CLOCKED, KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats,
 from selforg.compiler.records import Recording
 from selforg.declared import fields_of, make_arrays, walk
 from selforg.mechanisms import MECHANISMS
-from tests.selforg.mechanisms.test_contract import build, crowded
+from tests.selforg.worlds import build, world_of
 
 
 class Flock:
@@ -89,8 +89,7 @@ def test_a_record_without_marks_is_refused():
 
 @pytest.mark.parametrize("name", MECHANISMS.names())
 def test_no_mechanism_forgets_an_array(name):
-    world = crowded(rows=6)
-    mechanism = build(name, world)
+    mechanism = build(name, world_of())
     if hasattr(mechanism, "move"):
         mechanism.move(1.0)
     assert walk({"mechanism": mechanism}).forgotten == []

@@ -24,9 +24,9 @@ def cluster(tmp_path):
         yield running
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser():
-    """Chromium, or skip."""
+    """Chromium for all tests of a run, or skip."""
     sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
     chromium = shutil.which("chromium")
     if chromium is None:

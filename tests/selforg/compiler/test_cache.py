@@ -79,6 +79,7 @@ def test_a_change_in_a_file_that_a_kernel_calls_is_seen(project):
     assert len(list((project / "kept").glob("kernel-*"))) == 3
 
 
+@pytest.mark.long
 def test_a_template_is_kept_for_each_function_that_has_a_name_of_its_own_and_changes_with_both_files(project):
     (project / "template.py").write_text(TEMPLATE)
     (project / "kernel.py").write_text(FILLED)
@@ -146,6 +147,7 @@ def test_what_others_may_have_written_is_doubted(tmp_path, way):
     assert re.search(words, doubt_about(kept))
 
 
+@pytest.mark.long
 def test_code_that_others_planted_does_not_run(project):
     kept, mark = planted(project)
     BY_OTHERS["another's folder" if os.getuid() == 0 else "all may write the cache"](kept)
@@ -156,6 +158,7 @@ def test_code_that_others_planted_does_not_run(project):
     assert str(kept) in line
 
 
+@pytest.mark.long
 def test_a_cache_is_its_owners_alone_and_his_code_runs(project):
     kept, mark = planted(project)
     assert kept.stat().st_mode & 0o777 == 0o700

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numba.core import event
+from numba.core.caching import NullCache
 
 from selforg.compiler.decorators import inlined, kernel, lean_kernel, part
 from selforg.compiler.switches import COMPILED, PLAIN
@@ -42,8 +43,10 @@ def plain(numbers):
 
 
 @pytest.mark.skipif(PLAIN or not COMPILED, reason="Numba by itself compiles a part several times")
-def test_a_part_is_compiled_once_for_all_kernels_constants_and_whole_numbers():
+def test_a_part_is_compiled_once_for_all_kernels_constants_and_whole_numbers(monkeypatch):
     listed = Listed()
+    for each in (lean, plain):
+        monkeypatch.setattr(each, "_cache", NullCache())  # an earlier run has kept them
     with event.install_listener("numba:compile", listed):
         assert (lean.py_func(np.array([4])), plain.py_func(np.array([4]))) == (11, 15)
         for kind in (np.int32, np.int64):

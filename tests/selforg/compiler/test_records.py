@@ -120,7 +120,9 @@ def test_owner_and_record_share_their_arrays_in_a_copy_too():
 
 
 SWITCHED = """
-from tests.selforg.compiler.test_records import OTHER, Other, look_and_write, np
+from tests.selforg.compiler.test_records import OTHER, SAMPLE, Other, look_and_write, np, sample
+packed = SAMPLE.pack(sample())
+print([int(look_and_write(packed.words, row)) for row in range(3)], packed.record.places[:, 1])
 try:
     print(look_and_write(OTHER.pack(Other(np.zeros((3, 2)))).words, 1))
 except Exception as error:
@@ -128,10 +130,16 @@ except Exception as error:
 """
 
 
-@pytest.mark.parametrize("switch", ["CLEAN_SWARM_CHECK_RECORDS", "CLEAN_SWARM_PLAIN_NUMBA"])
-def test_with_a_switch_the_wrong_record_is_an_error_in_compiled_code(switch):
-    environment = {**os.environ, switch: "1"}
+@pytest.mark.parametrize(
+    ("switch", "refused"),
+    [
+        ("CLEAN_SWARM_CHECK_RECORDS", "TypeError"),
+        ("CLEAN_SWARM_PLAIN_NUMBA", "TypingError"),
+        ("NUMBA_DISABLE_JIT", "AttributeError"),
+    ],
+)
+def test_under_each_switch_a_kernel_gives_the_same_numbers_and_refuses_another_record(switch, refused):
     done = subprocess.run(
-        [sys.executable, "-c", SWITCHED], cwd=ROOT, env=environment, capture_output=True, text=True, check=True
+        [sys.executable, "-c", SWITCHED], cwd=ROOT, env={**os.environ, switch: "1"}, capture_output=True, text=True
     )
-    assert done.stdout.strip() == ("TypeError" if "CHECK" in switch else "TypingError")
+    assert done.stdout.splitlines() == ["[6, 6, 6] [-7.  -4.5 -2. ]", refused], done.stderr

@@ -50,66 +50,36 @@ def test_an_action_keeps_its_contract(cls):
     check_action(cls)
 
 
-@pytest.mark.parametrize(
-    ("read", "said"),
-    [
-        (lambda self, rows: np.zeros(3), r"Mine.read: expected finite numbers or facts \(4,\), got float64 \(3,\)"),
-        (lambda self, rows: np.full(len(rows), np.nan), r"expected finite numbers or facts .* \[nan nan nan nan\]"),
-        (lambda self, rows: ["a"] * len(rows), "expected finite numbers or facts"),
-        (lambda self, rows: np.arange(len(rows)) * 1.0, "for some of the rows what all of them get"),
-        (lambda self, rows: LUCK.random(len(rows)), "the same if it is asked twice"),
-        (lambda self, rows: rows.sort() or np.zeros(len(rows)), "expected to change no array that it reads"),
-        (lambda self, rows: self.nothing, "AttributeError: 'Mine' object has no attribute 'nothing'"),
-    ],
-)
-def test_a_sensor_that_breaks_its_contract_is_one_line(read, said, monkeypatch):
-    cls = type("Mine", (SensorComponent,), {"read": read, "__init__": lambda self: None, "__module__": __name__})
-    monkeypatch.setitem(SENSORS._classes, "Mine", cls)
-    with pytest.raises(PluginError, match=said):
-        check_sensor(cls)
-
-
-def test_a_fact_is_0_or_1(monkeypatch):
-    def read(self, rows):
-        return np.full(len(rows), 0.5)
-
-    members = {"read": read, "kind": "fact", "__init__": lambda self: None, "__module__": __name__}
-    monkeypatch.setitem(SENSORS._classes, "Mine", cls := type("Mine", (SensorComponent,), members))
-    with pytest.raises(PluginError, match="expected 0 or 1 of a fact"):
-        check_sensor(cls)
+def put(array, place, value):
+    array[place] = value
 
 
 @pytest.mark.parametrize(
-    ("act", "said"),
+    ("members", "said"),
     [
-        (
-            lambda self, now, rows, started, c: c.commanded.fill(True),
-            "to command no rows in which the behaviour does not",
-        ),
-        (
-            lambda self, now, rows, started, c: c.vectors[rows].fill(1) or c.vectors.__setitem__(rows, np.inf),
-            "finite vec",
-        ),
-        (lambda self, now, rows, started, c: rows.fill(0), "expected to change no array that it reads"),
-        (lambda self, now, rows, started, c: c.commanded.__setitem__(rows[0], True), "IndexError"),
+        ({"read": lambda self, rows: np.zeros(3)},
+         r"Mine.read: expected finite numbers or facts \(4,\), got float64 \(3,\)"),
+        ({"read": lambda self, rows: np.full(len(rows), np.nan)},
+         r"expected finite numbers or facts .* \[nan nan nan nan\]"),
+        ({"read": lambda self, rows: ["a"] * len(rows)}, "expected finite numbers or facts"),
+        ({"read": lambda self, rows: np.arange(len(rows)) * 1.0}, "for some of the rows what all of them get"),
+        ({"read": lambda self, rows: LUCK.random(len(rows))}, "the same if it is asked twice"),
+        ({"read": lambda self, rows: rows.sort() or np.zeros(len(rows))}, "expected to change no array that it reads"),
+        ({"read": lambda self, rows: self.nothing}, "AttributeError: 'Mine' object has no attribute 'nothing'"),
+        ({"read": lambda self, rows: np.full(len(rows), 0.5), "kind": "fact"}, "expected 0 or 1 of a fact"),
+        ({"read": lambda self, rows: put(self._vectors, rows, 0.0) or np.zeros(len(rows)),
+          "__init__": Heading.__init__}, r"Mine\.read: expected to change nothing"),
+        ({"act": lambda self, now, rows, started, c: c.commanded.fill(True)},
+         "to command no rows in which the behaviour does not"),
+        ({"act": lambda self, now, rows, started, c: c.vectors[rows].fill(1) or put(c.vectors, rows, np.inf)},
+         "finite vec"),
+        ({"act": lambda self, now, rows, started, c: rows.fill(0)}, "expected to change no array that it reads"),
+        ({"act": lambda self, now, rows, started, c: put(c.commanded, rows[0], True)}, "IndexError"),
     ],
-)
-def test_an_action_that_breaks_its_contract_is_one_line(act, said, monkeypatch):
-    cls = type("Mine", (Action,), {"act": act, "__init__": lambda self: None, "__module__": __name__})
-    monkeypatch.setitem(ACTIONS._classes, "Mine", cls)
+)  # fmt: skip
+def test_a_component_that_breaks_its_contract_is_one_line(members, said, monkeypatch):
+    blueprint, registry = (SensorComponent, SENSORS) if "read" in members else (Action, ACTIONS)
+    cls = type("Mine", (blueprint,), {"__init__": lambda self: None, "__module__": __name__, **members})
+    monkeypatch.setitem(registry._classes, "Mine", cls)
     with pytest.raises(PluginError, match=said):
-        check_action(cls)
-
-
-def test_a_sensor_that_changes_what_its_source_says_is_one_line(monkeypatch):
-    def read(self, rows):
-        self.source.vectors[rows] = 0.0
-        return np.zeros(len(rows))
-
-    def begin(self, mechanism: MovementSource) -> None:
-        self.source, self.sources = mechanism, (mechanism,)
-
-    members = {"read": read, "__init__": begin, "__module__": __name__}
-    monkeypatch.setitem(SENSORS._classes, "Mine", cls := type("Mine", (SensorComponent,), members))
-    with pytest.raises(PluginError, match=r"Mine\.read: expected to change nothing"):
-        check_sensor(cls)
+        (check_sensor if registry is SENSORS else check_action)(cls)

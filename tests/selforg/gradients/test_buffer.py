@@ -79,10 +79,17 @@ def test_random_sequences_agree_with_the_naive_buffer(rule, distance, torus, seq
         np.testing.assert_allclose(mine, naive.answer(now + later), atol=1e-12)
 
 
+def buffer_of(rows=1, space=None, teams=None, **settings):
+    """Return a buffer of robots at the middle of a torus."""
+    space = space or Torus(11.0, 11.0)
+    buffer = SoBuffer(BufferSettings(**settings), space, OwnPoses(space, rows, teams))
+    buffer.poses.update(np.full((rows, 2), 5.0), None, 0.0)
+    return buffer
+
+
 def test_when_it_is_looked_at_does_not_change_what_is_left():
     positions = np.random.default_rng(0).random((200, 2)) * 7
-    space = Torus(11.0, 7.0)
-    lazy, eager = (SoBuffer(BufferSettings(), space, OwnPoses(space, 1)) for _ in range(2))
+    lazy, eager = (buffer_of(space=Torus(11.0, 7.0)) for _ in range(2))
     for buffer in (lazy, eager):
         buffer.store_static(
             0, "f", positions, 0.0, diffusion=positions.sum(axis=1), evaporation_factor=0.9, evaporation_period=0.3
@@ -98,12 +105,10 @@ def test_when_it_is_looked_at_does_not_change_what_is_left():
 
 
 def test_growing_keeps_everything_and_the_order_within_cells():
-    space = Torus(11.0, 11.0)
-    small, large = (SoBuffer(BufferSettings(aggregation_distance=0.0), space, OwnPoses(space, 1)) for _ in range(2))
+    small, large = (buffer_of(aggregation_distance=0.0) for _ in range(2))
     positions = np.random.default_rng(1).random((1000, 2)) * 11
     large.table.reserve(4000)
     for buffer in (small, large):
-        buffer.poses.update(np.array([[5.0, 5.0]]), None, 0.0)
         buffer.store_static(0, "f", positions, 0.0)
     one, other = (Queries(b).gather(0.0).pairs[:, :7] for b in (small, large))
     np.testing.assert_array_equal(one, other)
@@ -111,12 +116,11 @@ def test_growing_keeps_everything_and_the_order_within_cells():
 
 
 def test_moving_neighbours_together_in_place_is_moving_them_to_new_tables(monkeypatch):
-    space, seen = Torus(11.0, 11.0), []
+    seen = []
     for in_place in (False, True):
         monkeypatch.setattr("selforg.gradients.store.tables.SECOND_COPY", 0 if in_place else 1 << 18)
         monkeypatch.setattr("selforg.gradients.store.tables.SMALLEST_UNSORTED", 100)
-        buffer = SoBuffer(BufferSettings(aggregation_distance=0.3), space, OwnPoses(space, 1))
-        buffer.poses.update(np.array([[5.0, 5.0]]), None, 0.0)
+        buffer = buffer_of(aggregation_distance=0.3)
         buffer.table.reserve(2000)
         rng = np.random.default_rng(1)
         for tick in range(100):
@@ -127,18 +131,14 @@ def test_moving_neighbours_together_in_place_is_moving_them_to_new_tables(monkey
 
 
 def test_evaporated_gradients_are_freed_without_being_looked_at():
-    space = Torus(11.0, 11.0)
-    buffer = SoBuffer(BufferSettings(aggregation_distance=0.0), space, OwnPoses(space, 1))
-    rng = np.random.default_rng(1)
+    buffer, rng = buffer_of(aggregation_distance=0.0), np.random.default_rng(1)
     for tick in range(2000):
         buffer.store_static(0, "f", rng.random((5, 2)) * 11, tick * 0.2, evaporation_factor=0.5, evaporation_period=1.0)
     assert len(buffer) < 300  # alive: 4 s * 25 a second = 100
 
 
 def test_extinguishing_needs_the_rule_new_and_takes_the_nearest():
-    space = Torus(11.0, 11.0)
-    poses = OwnPoses(space, 2, [0, 1])
-    buffer = SoBuffer(BufferSettings(aggregation={"g": "new"}, aggregation_distance=0.1), space, poses)
+    buffer = buffer_of(rows=2, teams=[0, 1], aggregation={"g": "new"}, aggregation_distance=0.1)
     for team in (0, 1):
         buffer.store_static(team, "g", [[1.0, 1.0], [2.0, 2.0]], 0.0)
     buffer.extinguish(0, "g", [[2.0, 2.0]], 1.0)
@@ -149,8 +149,7 @@ def test_extinguishing_needs_the_rule_new_and_takes_the_nearest():
 
 
 def test_clearing_one_team_leaves_the_others():
-    space = Torus(11.0, 11.0)
-    buffer = SoBuffer(BufferSettings(aggregation_distance=0.0), space, OwnPoses(space, 2, [0, 1]))
+    buffer = buffer_of(rows=2, teams=[0, 1], aggregation_distance=0.0)
     for team in (0, 1):
         buffer.store_static(team, "g", np.random.default_rng(team).random((100, 2)), 0.0)
     before = Queries(buffer).gradients(1, 0.0, EVERYTHING)
@@ -160,11 +159,9 @@ def test_clearing_one_team_leaves_the_others():
 
 
 def test_moving_gradients_keep_a_history_of_newer_ones_only():
-    space = Euclidean(2)
-    buffer = SoBuffer(BufferSettings(moving_storage_size=3), space, OwnPoses(space, 1))
+    buffer = buffer_of(space=Euclidean(2), moving_storage_size=3)
     for stamp in (1.0, 2.0, 2.0, 1.5, 3.0, 4.0):
         buffer.store(Gradient("f", (stamp, 0.0), source="x", stamp=stamp, moving=True), 4.0)
-    buffer.poses.update(np.zeros((1, 2)), None, 0.0)
     (history,) = Queries(buffer).neighbour_histories(0, 4.0, EVERYTHING)
     assert [g.stamp for g in history] == [2.0, 3.0, 4.0]
     (newest,) = Queries(buffer).neighbours(0, 4.0, EVERYTHING)
@@ -172,8 +169,7 @@ def test_moving_gradients_keep_a_history_of_newer_ones_only():
 
 
 def test_payloads_of_gradients_that_are_gone_are_forgotten():
-    space = Euclidean(2)
-    buffer = SoBuffer(BufferSettings(), space, OwnPoses(space, 1))
+    buffer = buffer_of(space=Euclidean(2))
     for stamp in range(5000):
         buffer.store(Gradient("f", (0.0, 0.0), source="x", stamp=stamp, moving=True, payload={"n": stamp}), stamp)
     assert len(buffer.payloads) < 2000
@@ -181,8 +177,7 @@ def test_payloads_of_gradients_that_are_gone_are_forgotten():
 
 
 def test_a_gradient_lies_in_memory_where_the_one_lay_that_it_replaces():
-    space = Euclidean(2)
-    buffer = SoBuffer(BufferSettings(aggregation_distance=0.1), space, OwnPoses(space, rows=1))
+    buffer = buffer_of(space=Euclidean(2), aggregation_distance=0.1)
     for x in (1.0, 2.0, 3.0):
         buffer.store_static(0, "trail", [[x, 0.0]], 0.0)
     buffer.store_static(0, "trail", [[2.05, 0.0]], 1.0)

@@ -23,16 +23,22 @@ def ages(ticks, history=4, **settings):
     return told
 
 
-def test_a_pose_is_new_when_it_is_received_then_ages_and_is_forgotten_with_the_history():
-    assert ages([(1.0, 0.0), *[(0.5, 0.0)] * 4]) == [[0, -1], [1, -1], [2, -1], [3, -1], [-1, -1]]
+HEARD, FAR, LOST = (1.0, 0.0), (0.5, 0.0), (1.0, 1.0)
 
 
-def test_the_pose_received_before_is_known_too_and_those_that_were_lost_are_skipped():
-    assert ages([(1.0, 0.0), (1.0, 0.0), (1.0, 1.0), (1.0, 0.0)]) == [[0, -1], [0, 1], [1, 2], [0, 2]]
-
-
-def test_a_late_pose_arrives_with_the_age_of_its_delay():
-    assert ages([(1.0, 0.0)] * 3, delay=2) == [[-1, -1], [-1, -1], [2, -1]]
+@pytest.mark.parametrize(
+    ("ticks", "settings", "told"),
+    [
+        # a pose is new when it is received, then ages, and is forgotten with the history
+        ([HEARD, *[FAR] * 4], {}, [[0, -1], [1, -1], [2, -1], [3, -1], [-1, -1]]),
+        # the pose received before is known, too, and those that were lost are skipped
+        ([HEARD, HEARD, LOST, HEARD], {}, [[0, -1], [0, 1], [1, 2], [0, 2]]),
+        # a late pose arrives with the age of its delay
+        ([HEARD] * 3, {"delay": 2}, [[-1, -1], [-1, -1], [2, -1]]),
+    ],
+)
+def test_poses_have_the_age_since_they_were_sent(ticks, settings, told):
+    assert ages(ticks, **settings) == told
 
 
 def test_losses_have_the_given_probability_and_differ_among_receivers():

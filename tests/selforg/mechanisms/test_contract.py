@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.testing import check_mechanism
+from clean_swarm_env.testing.mechanisms import NOWHERE, SPACES, crowded
 from selforg import mechanisms
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, Carried, DecisionMechanism, FormulaMechanism, MovementMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
-from selforg.parameters import parameters_of
 from selforg.plugins import PluginError
-from tests.selforg.worlds import directions, make_world, scatter, set_pose
+from tests.selforg.worlds import build, make_world
 
 LUCK = np.random.default_rng(1)
 """Random numbers that no seed decides, for classes that break their promises."""
@@ -28,30 +28,6 @@ class Spring(FormulaMechanism):
 
 MOVEMENTS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), MovementMechanism)]
 DECISIONS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), DecisionMechanism)]
-
-
-def crowded(space="torus", rows=6, order=None, seed=1):
-    """A world with everything in it, the rows in some order."""
-    world = make_world(space, rows=rows, seed=seed, size=5.0, settings=BufferSettings(aggregation_distance=0.0))
-    if order is not None:
-        places, headings = world.poses.positions[order].copy(), world.poses.own[order, 0, 6:9].copy()
-        for row in range(rows):
-            world.poses.forget([row])
-            set_pose(world.poses, row, places[row], headings[row][: world.space.dim], 0.0)
-    for sign in (-1, 0, 1):
-        scatter(world, 15, channel=f"sign{sign}", attraction=sign, diffusion=2.0, goal_radius=0.2, size=5.0)
-    for row in range(rows):  # a second pose, so that everybody has a velocity
-        place = world.poses.positions[row] + 0.1
-        set_pose(world.poses, row, place, world.poses.own[row, 0, 6 : 6 + world.space.dim], 0.5)
-    return world
-
-
-def build(name, world, seed=3):
-    example = MECHANISMS.find(name).example
-    parameters = {key: one(world.buffer) if callable(one) else one for key, one in example.items()}
-    if "directions" in parameters_of(MECHANISMS.find(name)):
-        parameters["directions"] = directions(world.poses.rows, world.space.dim, seed)
-    return MECHANISMS.create(name, world.buffer, **parameters)
 
 
 @pytest.mark.parametrize("name", MECHANISMS.names())
@@ -105,7 +81,7 @@ def test_a_mechanism_that_is_not_registered_is_one_line():
 
 @pytest.mark.parametrize("name", MOVEMENTS)
 def test_speeds_are_kept(name):
-    mechanism = build(name, crowded())
+    mechanism = crowded(MECHANISMS.find(name), SPACES[0], {})
     vectors, active = mechanism.move(1.0)
     lengths = np.linalg.norm(vectors[active], axis=1)
     highest = getattr(mechanism, "max_speed", np.inf)
@@ -134,17 +110,15 @@ def test_depositing_leaves_one_pheromone_per_row_with_a_pose(name):
 
 @pytest.mark.parametrize("name", DECISIONS)
 def test_decisions_have_a_value_and_a_state_and_change_only_by_spreading(name):
-    world = crowded()
-    world.poses.forget([2])
-    mechanism = MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example)
+    mechanism = crowded(MECHANISMS.find(name), SPACES[0], {})
     before = mechanism.values.copy(), mechanism.state_codes.copy()
     decision = mechanism.decide(1.0)
     np.testing.assert_array_equal(mechanism.values, before[0])
     assert decision.values.shape == decision.states.shape == decision.decided.shape == (6,)
     mechanism.spread(1.0)
-    kept = decision.decided & world.poses.known
+    kept = decision.decided & mechanism.poses.known
     np.testing.assert_array_equal(mechanism.values[kept], decision.values[kept])
-    assert mechanism.values[2] == before[0][2]
+    assert mechanism.values[NOWHERE] == before[0][NOWHERE]
     mechanism.reset(np.arange(6))
     np.testing.assert_array_equal(mechanism.values, before[0])
     np.testing.assert_array_equal(mechanism.state_codes, before[1])

@@ -14,31 +14,43 @@ def pair(clearance, diffusion, distance=0.5):
     return Pair(distance, clearance, diffusion, 0.0, 1.0, 0.0, own_reach=1.5, view_distance=2.0)
 
 
-def test_repulsion_is_full_at_exactly_no_clearance():
-    assert repulsion_balch(pair(0.0, 1.0)) == math.inf
-    assert repulsion_ge(pair(0.0, 1.0), 2.0) == (math.inf, 0.0)
-    assert RepulsionFernandez.formula(pair(0.0, 1.0, distance=0.0)) == -math.inf
-    assert RepulsionGradient.formula(pair(0.0, 1.0)) == -math.inf
-    assert repulsion_balch(pair(1e-12, 1.0)) == pytest.approx(1.0)
-    near = pair(1e-12, 1.0)._replace(goal_radius=0.5, distance=0.5 + 1e-12)
-    assert RepulsionFernandez.formula(near) == pytest.approx(-0.75e12, rel=1e-3)
+BEYOND_2 = math.nextafter(2.0, 3.0)
 
 
-def test_neighbours_repel_up_to_the_own_reach_attract_beyond_and_are_not_seen_beyond_the_view_distance():
-    lengths = [RepulsionFernandez.formula(pair(d, 1.0, distance=d)) for d in (1.0, 1.5, 2.0, math.nextafter(2.0, 3.0))]
-    assert lengths == [-0.5, 0.0, 0.5, 0.0]
+@pytest.mark.parametrize(
+    ("formula", "of", "expected"),
+    [
+        # repulsion is full at exactly no clearance
+        (repulsion_balch, pair(0.0, 1.0), math.inf),
+        (RepulsionFernandez.formula, pair(0.0, 1.0, distance=0.0), -math.inf),
+        (RepulsionGradient.formula, pair(0.0, 1.0), -math.inf),
+        (repulsion_balch, pair(1e-12, 1.0), pytest.approx(1.0)),
+        (
+            RepulsionFernandez.formula,
+            pair(1e-12, 1.0)._replace(goal_radius=0.5, distance=0.5 + 1e-12),
+            pytest.approx(-0.75e12, rel=1e-3),
+        ),
+        # attraction is none there
+        (attraction_balch, pair(0.0, 1.0), 0.0),
+        (attraction_ge, pair(0.0, 0.0), 0.0),
+        # the diffusion belongs to what it bounds
+        (attraction_balch, pair(2.0, 2.0, 3.0), 1.0),
+        (attraction_balch, pair(BEYOND_2, 2.0, 3.0), 3.0),
+        (repulsion_balch, pair(2.0, 2.0), 0.0),
+        (repulsion_balch, pair(1.0, 2.0), 0.5),
+        (attraction_ge, pair(2.0, 2.0), 2.0),
+        (attraction_ge, pair(3.0, 2.0), 2.0),
+        # neighbours repel up to the own reach, attract beyond, and are not seen beyond the view distance
+        *((RepulsionFernandez.formula, pair(d, 1.0, distance=d), length)
+          for d, length in ((1.0, -0.5), (1.5, 0.0), (2.0, 0.5), (BEYOND_2, 0.0))),
+    ],
+)  # fmt: skip
+def test_a_formula_at_its_borders(formula, of, expected):
+    assert formula(of) == expected
 
 
-def test_attraction_is_none_at_exactly_no_clearance():
-    assert attraction_balch(pair(0.0, 1.0)) == 0.0
-    assert attraction_ge(pair(0.0, 0.0)) == 0.0
-
-
-def test_the_diffusion_belongs_to_what_it_bounds():
-    assert attraction_balch(pair(2.0, 2.0, 3.0)) == 1.0
-    assert attraction_balch(pair(math.nextafter(2.0, 3.0), 2.0, 3.0)) == 3.0
-    assert repulsion_balch(pair(2.0, 2.0)) == 0.0
-    assert repulsion_balch(pair(1.0, 2.0)) == 0.5
-    assert attraction_ge(pair(2.0, 2.0)) == 2.0
-    assert attraction_ge(pair(3.0, 2.0)) == 2.0
-    assert repulsion_ge(pair(2.0, 2.0), 1.0) == (0.0, 0.0)
+@pytest.mark.parametrize(("of", "given", "expected"), [
+    (pair(0.0, 1.0), 2.0, (math.inf, 0.0)), (pair(2.0, 2.0), 1.0, (0.0, 0.0)),
+])  # fmt: skip
+def test_repulsion_of_ge_at_its_borders(of, given, expected):
+    assert repulsion_ge(of, given) == expected

@@ -10,7 +10,8 @@ from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface,
 from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree
 from selforg.network.model.model import NetworkModel
 
-EVENTS = ("finish", "enable", "priority", "manual_start", "goal_enable", "hold", "remove", "plan")
+EVENTS = ("finish", "enable", "set_priority", "start_by_hand", "enable_goal", "hold", "remove", "set_plan")
+"""Methods of a network."""
 
 
 class Draw:
@@ -113,18 +114,20 @@ class Draw:
         }
         return before | changed
 
-    def events(self, model: NetworkModel) -> list[tuple[str, Any, Any]]:
-        """What happens to the network from outside before a step: (kind, whom, value)."""
+    def events(self, model: NetworkModel) -> list[tuple[str, Any, tuple[Any, ...]]]:
+        """What happens to the network from outside before a step: (kind, whom, with what)."""
         if self.chance(0.7):
             return []
         kind, behaviour = self.one_of(*EVENTS), self.one_of(*model.behaviours)
         if kind == "remove" and self.chance(0.8):
             return []
         names = [b.name for b in model.behaviours]
-        value = {
-            "priority": int(self.rng.integers(0, 5)),
-            "hold": int(self.rng.integers(-1, len(behaviour.alternatives))) if behaviour.alternatives else -1,
-            "plan": ([self.one_of(*names) for _ in range(self.rng.integers(0, 5))], int(self.rng.integers(0, 3))),
-        }.get(kind, self.chance(0.5))
-        whom = self.one_of(*model.goals).name if kind == "goal_enable" else behaviour.name
-        return [(kind, whom, value)]
+        values = {
+            "set_priority": (int(self.rng.integers(0, 5)),),
+            "hold": (int(self.rng.integers(-1, len(behaviour.alternatives))) if behaviour.alternatives else -1,),
+            "set_plan": ([self.one_of(*names) for _ in range(self.rng.integers(0, 5))], int(self.rng.integers(0, 3))),
+            "finish": (),
+            "remove": (),
+        }.get(kind, (self.chance(0.5),))
+        whom = self.one_of(*model.goals).name if kind == "enable_goal" else behaviour.name
+        return [(kind, whom, values)]

@@ -105,6 +105,18 @@ class ReferenceNetwork:
         if not enabled:
             self.finish(name)
 
+    def enable_goal(self, name: str, enabled: bool) -> None:
+        self.goal_enabled[name] = enabled
+
+    def set_priority(self, name: str, priority: int) -> None:
+        self.nodes[name].priority = priority
+
+    def start_by_hand(self, name: str, wanted: bool) -> None:
+        self.nodes[name].manual = wanted
+
+    def hold(self, name: str, alternative: int) -> None:
+        self.nodes[name].alternative = alternative
+
     def remove(self, name: str) -> None:
         self.nodes[name].present = self.nodes[name].executing = False
 

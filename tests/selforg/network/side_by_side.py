@@ -17,53 +17,16 @@ ROUNDING = 1e-12
 ROW = np.array([0])
 
 
-def apply_compiled(network: BehaviourNetwork, kind: str, whom: str, value: Any) -> None:
-    model = network.model
-    if kind == "plan":
-        names, index = value
-        network.set_plan(0, [model.behaviour_index[name] for name in names], index)
-    elif kind == "goal_enable":
-        network.enable_goal(ROW, model.goal_index[whom], value)
+def apply(compiled: BehaviourNetwork, naive: ReferenceNetwork, kind: str, whom: str, values: tuple[Any, ...]) -> None:
+    """Let an event happen to both networks: a method of their own, or a plan that they are given."""
+    model = compiled.model
+    if kind == "set_plan":
+        naive.plan, naive.plan_index = values
+        compiled.set_plan(0, [model.behaviour_index[name] for name in naive.plan], naive.plan_index)
     else:
-        behaviour = model.behaviour_index[whom]
-        match kind:
-            case "finish":
-                network.finish(ROW, behaviour)
-            case "enable":
-                network.enable(ROW, behaviour, value)
-            case "priority":
-                network.set_priority(ROW, behaviour, value)
-            case "manual_start":
-                network.start_by_hand(ROW, behaviour, value)
-            case "hold":
-                network.hold(ROW, behaviour, value)
-            case "remove":
-                network.remove(ROW, behaviour)
-
-
-def apply_naive(network: ReferenceNetwork, kind: str, whom: str, value: Any) -> None:
-    match kind:
-        case "plan":
-            network.plan, network.plan_index = value
-        case "goal_enable":
-            network.goal_enabled[whom] = value
-        case "finish":
-            network.finish(whom)
-        case "enable":
-            network.enable(whom, value)
-        case "priority":
-            network.nodes[whom].priority = value
-        case "manual_start":
-            network.nodes[whom].manual = value
-        case "hold":
-            network.nodes[whom].alternative = value
-        case "remove":
-            network.remove(whom)
-
-
-def first_difference(seed: int, steps: int) -> str | None:
-    """Where the two first differ in one random life of one random network."""
-    return live(seed, steps)[0]
+        number = model.goal_index[whom] if kind == "enable_goal" else model.behaviour_index[whom]
+        getattr(compiled, kind)(ROW, number, *values)
+        getattr(naive, kind)(whom, *values)
 
 
 def live(seed: int, steps: int) -> tuple[str | None, int]:
@@ -75,9 +38,8 @@ def live(seed: int, steps: int) -> tuple[str | None, int]:
     readings = {sensor.name: 0.0 for sensor in draw.sensors}
     for step in range(steps):
         readings = draw.readings(readings)
-        for kind, whom, value in draw.events(model):
-            apply_compiled(compiled, kind, whom, value)
-            apply_naive(naive, kind, whom, value)
+        for event in draw.events(model):
+            apply(compiled, naive, *event)
         compiled.readings[0] = [readings[sensor.name] for sensor in model.sensors]
         compiled.step(guarantee=guarantee)
         naive.step(readings, guarantee)

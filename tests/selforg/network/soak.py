@@ -8,22 +8,15 @@ from tests.soaking import report, rounds
 STEPS = 50
 
 
-def main(arguments: list[str]) -> int:
-    networks = int(arguments[0]) if arguments else 10_000
-    first = int(arguments[1]) if len(arguments) > 1 else 0
-    differing, steps, cut_short, tried = [], 0, 0, 0
-    for seed in rounds(networks, first):
-        told, lived = live(seed, STEPS)
-        differing += [told] if told else []
-        cut_short += told is None and lived < STEPS
-        steps += lived
-        tried += 1
+def main(networks: int = 10_000, first: int = 0) -> int:
+    lives = [live(seed, STEPS) for seed in rounds(networks, first)]
+    differing = [told for told, _ in lives if told]
     print(*differing, sep="\n", end="\n" if differing else "")
-    print(f"{tried} networks, {steps} steps, {cut_short} lives cut short where rounding had to decide")
-    print(f"{len(differing)} differ from the reference")
-    report(tried, tried - len(differing))
-    return 1 if differing else 0
+    cut_short = sum(steps < STEPS for _, steps in lives) - len(differing)
+    print(f"{len(lives)} networks, {sum(steps for _, steps in lives)} steps, {cut_short} lives cut short by rounding")
+    report(len(lives), len(lives) - len(differing))
+    return int(bool(differing))
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main(*map(int, sys.argv[1:])))

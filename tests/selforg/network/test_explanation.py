@@ -45,34 +45,53 @@ def test_start_and_stop_of_one_behaviour():
     assert told(network) == {"go": "keeps running: started by hand"}
 
 
-def test_the_threshold_as_a_reason():
-    high = NetworkSettings(activation_threshold=5.0, threshold_decay=0.9)
-    network = explained(Behaviour("go"), settings=high)
-    assert told(network) == {"go": "does not start: activation below the threshold"}
-    settings = NetworkSettings(activation_threshold=0.9, threshold_decay=0.4, activation_decay=0.1)
-    network = explained(Behaviour("go", timeout=None), Behaviour("other", (IS,)), settings=settings)
-    told(network)
-    assert told(network)["go"] == "stopped: activation fell below the threshold"  # starting has raised the threshold
+WEAK = Behaviour("weak", (), (Effect("other", 1.0),))
+STRONG = Behaviour("strong", (IS,), (Effect("other", -1.0),), priority=1)
 
 
-def test_the_others_as_a_reason():
-    weak = Behaviour("weak", (), (Effect("other", 1.0),))
-    strong = Behaviour("strong", (IS,), (Effect("other", -1.0),), priority=1)
-    network = explained(weak, strong)
-    told(network)
-    reasons = told(network, fact=True)
-    assert reasons == {"weak": "stopped: had to make room for strong", "strong": "started: ready and active enough"}
-    blocked = "does not start: strong influences the same sensor and does not yield"
-    assert told(network) == {"weak": blocked, "strong": "keeps running: ready and active enough"}
-
-
-def test_a_full_network_as_a_reason():
-    one = NetworkSettings(activation_threshold=0.5, threshold_decay=1.0, max_parallel=1)
-    network = explained(Behaviour("late", (IS,)), Behaviour("early", interruptable=False), settings=one)
-    told(network)
-    reasons = told(network, fact=True)
-    assert reasons["late"] == "does not start: enough others run"
-    assert reasons["early"] == "keeps running: not interruptable"
+@pytest.mark.parametrize(
+    ("behaviours", "settings", "course"),
+    [
+        (
+            [Behaviour("go")],
+            NetworkSettings(activation_threshold=5.0, threshold_decay=0.9),
+            [({}, {"go": "does not start: activation below the threshold"})],
+        ),
+        (  # starting raises the threshold
+            [Behaviour("go", timeout=None), Behaviour("other", (IS,))],
+            NetworkSettings(activation_threshold=0.9, threshold_decay=0.4, activation_decay=0.1),
+            [({}, {}), ({}, {"go": "stopped: activation fell below the threshold"})],
+        ),
+        (
+            [WEAK, STRONG],
+            STEADY,
+            [
+                ({}, {}),
+                ({"fact": True}, {"weak": "stopped: had to make room for strong"}),
+                (
+                    {},
+                    {
+                        "weak": "does not start: strong influences the same sensor and does not yield",
+                        "strong": "keeps running: ready and active enough",
+                    },
+                ),
+            ],
+        ),
+        (
+            [Behaviour("late", (IS,)), Behaviour("early", interruptable=False)],
+            NetworkSettings(activation_threshold=0.5, threshold_decay=1.0, max_parallel=1),
+            [
+                ({}, {}),
+                ({"fact": True},
+                 {"late": "does not start: enough others run", "early": "keeps running: not interruptable"}),
+            ],
+        ),
+    ],
+)  # fmt: skip
+def test_reasons_of_the_threshold_the_others_and_a_full_network(behaviours, settings, course):
+    network = explained(*behaviours, settings=settings)
+    for readings, reasons in course:
+        assert reasons.items() <= told(network, **readings).items()
 
 
 @pytest.mark.parametrize("seed", range(15))

@@ -1,11 +1,35 @@
-"""What a person does on the live page, for the tests: drag a thing, and find a place that is free."""
+"""What a person does on the live page, for the tests: read what it shows, drag a thing, find a place that is free."""
 
 import numpy as np
 
+FRAMES = "() => replay.page.run.frames"
+
 
 def until(page, condition: str, *words: object) -> None:
-    """Wait until a condition of the page holds."""
+    """Wait until a condition of the page holds, a minute at most: the machine may be busy."""
     page.wait_for_function(condition, arg=list(words) or None)
+
+
+def shows(page, selector: str, words: str, how: str = "startsWith") -> None:
+    """Wait until the text of an element begins so; `how` may also be "endsWith" or "includes"."""
+    until(page, f"([one, words]) => document.querySelector(one)?.textContent.{how}(words)", selector, words)
+
+
+def step(page) -> None:
+    """Let one step be done, and wait until its frame is drawn."""
+    frames = page.evaluate(FRAMES)
+    page.click("#step")
+    until(page, "([frames]) => replay.page.run.frames > frames && !replay.page.waiting", frames)
+
+
+def place_of(page, robot: int) -> list[float]:
+    """Return where a robot is drawn [m]."""
+    return [page.evaluate(f"replay.page.shown[0].view.{axis}[{robot}]") for axis in "xy"]
+
+
+def picture(page) -> str:
+    """Return the pixels of the world."""
+    return page.evaluate("document.querySelector('.world').toDataURL()")
 
 
 def on_screen(page, x: float, y: float) -> tuple[float, float]:

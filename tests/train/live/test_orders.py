@@ -3,8 +3,6 @@
 import json
 import os
 from dataclasses import replace
-from functools import partial
-from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from urllib.request import urlopen
@@ -20,7 +18,7 @@ from clean_swarm_env.recording.file import blocks_in
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, frames_from
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING
 from tests.train.live.sessions import SMALL, asked, ordered, play_of, served
-from train.live.chosen import again, chosen
+from train.live.chosen import again
 from train.live.session import Session
 
 MEANT = {
@@ -125,17 +123,16 @@ class Orders(RuleBasedStateMachine):
 
 
 TestOrders = Orders.TestCase
-TestOrders.settings = settings(max_examples=int(os.environ.get("ORDERS", "5")), stateful_step_count=25)
+TestOrders.settings = settings(max_examples=int(os.environ.get("ORDERS", "3")), stateful_step_count=25)
 
 
-def test_an_order_that_fails_ends_no_session(tmp_path, monkeypatch):
+def test_an_order_that_fails_ends_no_session(session, monkeypatch):
     """A mistake of ours in an order is shown, and the session goes on."""
 
     def fail(change, worlds):
         raise ZeroDivisionError("what\nwas not thought of")
 
     monkeypatch.setattr(Change, "make", fail)
-    session = Session(play_of(SMALL), tmp_path / "run.swarm")
     with served(session) as server:
         said = ordered(server, do="add_item", x=1.0, y=1.0)
         assert said == "the order failed: ZeroDivisionError: what was not thought of"
@@ -144,22 +141,19 @@ def test_an_order_that_fails_ends_no_session(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("playing", [True, False])
-def test_a_tick_that_fails_ends_its_mission_and_no_more(tmp_path, playing):
+def test_a_tick_that_fails_ends_its_mission_and_no_more(sessions, tmp_path, playing):
     """What was played is kept, the page is told, and the same again or another one can be opened."""
-    paths = (tmp_path / f"{number}.swarm" for number in count())
-
-    def opened():
-        return Session(play_of(SMALL), next(paths), minds=False)
+    opening = sessions(play_of(SMALL), minds=False)
 
     def fail(course):
         for _ in range(3):
             yield next(course)
         raise ZeroDivisionError("what\nwas not thought of")
 
-    session = opened()
+    session = opening[""]()
     session._course = fail(session._course)
     said = "the mission failed: ZeroDivisionError: what was not thought of"
-    with served(session, playing=playing, others={"": opened}) as server:
+    with served(session, playing=playing, others=opening) as server:
         if not playing:
             assert [ordered(server, do="step") for _ in range(4)] == ["", "", "", said]
         stream = server.conductor.stream
@@ -174,8 +168,7 @@ def test_a_tick_that_fails_ends_its_mission_and_no_more(tmp_path, playing):
     assert RecordedMission(tmp_path / "0.swarm").frames == 3
 
 
-def test_a_slow_session_hears_orders(tmp_path):
-    session = Session(play_of(SMALL), tmp_path / "run.swarm")
+def test_a_slow_session_hears_orders(session):
     with served(session, speed=0.01, playing=True) as server:
         assert "speed: expected a number from 0.01 to 1000" in ordered(server, do="speed", speed=1e-12)
         assert ordered(server, do="speed", speed=1000) == ""
@@ -217,17 +210,9 @@ def test_the_strategy_of_the_command_line_can_be_chosen_again(tmp_path):
     session.close()
 
 
-def test_another_mission_and_the_same_again_are_opened_by_order(tmp_path):
-    paths = (tmp_path / f"{number}.swarm" for number in count())
-    kinds = {
-        "": lambda: play_of(SMALL),
-        "ReachGoal": lambda: chosen("ReachGoal", 1, 0, None, ()),
-        "gone": lambda: 1 / 0,
-    }
-    sessions = {
-        name: partial(lambda kind: Session(kind(), next(paths), minds=False), kind) for name, kind in kinds.items()
-    }
-    with served(sessions[""](), others=sessions) as server:
+def test_another_mission_and_the_same_again_are_opened_by_order(sessions, tmp_path):
+    opening = {**sessions(play_of(SMALL), minds=False), "gone": lambda: 1 / 0}
+    with served(opening[""](), others=opening) as server:
         assert ordered(server, do="step") == ""
         assert ordered(server, do="open", name="ReachGoal") == ""
         assert server.conductor.stream.state["strategy"] == "MaxScore"
@@ -239,3 +224,15 @@ def test_another_mission_and_the_same_again_are_opened_by_order(tmp_path):
         assert server.conductor.session.ticks == 0
         assert ordered(server, do="step") == ""
     assert [RecordedMission(path).frames for path in sorted(tmp_path.glob("*.swarm"))] == [1, 1, 1]
+
+
+def test_an_order_opens_a_mission_under_another_strategy(session, sessions):
+    with served(session, others=sessions(play_of(SMALL), minds=False)) as server:
+        assert ordered(server, do="open", name="", strategy="fixed:ORCA") == ""
+        assert server.conductor.stream.state["strategy"] == "fixed:ORCA"
+        for strategy in ("os:system", "policy:x.zip", "", None, 3, float("nan"), ["fixed:ORCA"], "x" * 5000):
+            said = ordered(server, do="open", name="", strategy=strategy)
+            assert (said == "") == (strategy == ""), said
+            assert len(said.splitlines()) <= 1
+        assert server.conductor.stream.state["strategy"] == "MaxScore"
+        assert ordered(server, do="step") == ""  # the session that was there goes on

@@ -7,7 +7,7 @@ import pytest
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.live.sessions import SMALL, play_of
-from train.live.chosen import PlayedMission, again
+from train.live.chosen import AVOIDING, NEVER, STRATEGY, TRAINED, PlayedMission, again, chosen, usual
 from train.live.session import Session
 
 BY_HAND = {
@@ -29,9 +29,8 @@ def played(session: Session, ticks: int = 60, by_hand=BY_HAND) -> bytes:
         for order in by_hand.get(tick, ()):
             session.do(order)
         session.tick()
-    state = session.worlds.get_state()
     session.close()
-    return state
+    return session.worlds.get_state()
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +102,14 @@ def test_a_mission_that_is_over_has_a_result_and_takes_no_changes(tmp_path):
     assert RecordedMission(tmp_path / "over.swarm").result["ticks"] == 10
 
 
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """A session that refuses what it is told."""
+    session = Session(play_of(SMALL), tmp_path_factory.mktemp("small") / "small.swarm")
+    yield session
+    session.close()
+
+
 @pytest.mark.parametrize(
     ("order", "expected"),
     [
@@ -116,14 +123,12 @@ def test_a_mission_that_is_over_has_a_result_and_takes_no_changes(tmp_path):
         ({"do": "set_loss", "loss": 2}, "by hand: .*loss"),
     ],
 )
-def test_an_odd_order_is_one_line(tmp_path, order, expected):
-    session = Session(play_of(SMALL), tmp_path / "odd.swarm")
-    before = session.worlds.get_state()
+def test_an_odd_order_is_one_line(small, order, expected):
+    before = small.worlds.get_state()
     with pytest.raises(ValueError, match=expected) as error:
-        session.do(order)
+        small.do(order)
     assert len(str(error.value).splitlines()) == 1
-    assert session.worlds.get_state() == before
-    session.close()
+    assert small.worlds.get_state() == before
 
 
 def test_a_policy_plays_for_the_goal_that_it_was_trained_for(tmp_path):
@@ -134,10 +139,8 @@ def test_a_policy_plays_for_the_goal_that_it_was_trained_for(tmp_path):
     session.close()
 
 
-def test_strategies_are_those_that_fit(tmp_path):
-    session = Session(play_of(SMALL), tmp_path / "fit.swarm")
-    assert {"MaxScore", "Random", "fixed:Off", "fsm:rule"} <= set(session.strategies())
-    session.close()
+def test_strategies_are_those_that_fit(small, tmp_path):
+    assert {"MaxScore", "Random", "fixed:Off", "fsm:rule"} <= set(small.strategies())
     session = Session(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
     fixed = [f"fixed:{option}" for option in session.options]
     assert session.strategies() == ["MaxScore", "policy:one", *fixed, "Random"]
@@ -157,3 +160,28 @@ def test_a_play_whose_files_have_changed_is_refused(first, tmp_path):
     changed = PlayedMission(**{**vars(again(recording)), "strategy": "fsm:rule sha256:0"})
     with pytest.raises(ConfigurationError, match="fsm:rule has changed since"):
         Session(changed, tmp_path / "changed.swarm")
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("crowded", (AVOIDING, STRATEGY)),
+        ("crowded-exploring", (TRAINED, NEVER)),
+        ("table1", (STRATEGY, "")),
+        ("bumpers", (AVOIDING, "")),
+        ("ReachGoal", (STRATEGY, "")),
+    ],
+)
+def test_a_mission_opens_with_the_strategy_that_is_best_there(name, expected):
+    play = chosen(name, 1, 0, None, ())
+    assert (play.strategy, *usual(play.scenario.mission, ())) == (expected[0], *expected)
+    assert chosen(name, 1, 0, "Random", ()).strategy == "Random"
+
+
+def test_something_happens_within_ten_seconds(tmp_path):
+    session = Session(chosen("crowded", 1, 0, None, ()), tmp_path / "crowded.swarm", minds=False)
+    for _ in range(50):
+        session.tick()
+    assert (session.worlds.task.garbage.cargo >= 0).sum() >= 5
+    assert session.worlds.task.garbage.recycled.any()
+    session.close()

@@ -5,6 +5,7 @@ import pytest
 from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
+from tests.train.live.test_session import played
 from train.live.chosen import again, chosen
 from train.live.session import Session
 
@@ -15,16 +16,6 @@ BY_HAND = {
     31: [{"do": "remove_robot", "robot": 3}, {"do": "follow_strategy", "strategy": "Random"}],
     40: [{"do": "put_robot", "robot": 0, "x": 17.0, "y": 3.0}],
 }
-
-
-def played(session, ticks=60, by_hand=BY_HAND):
-    """Run a session; return the bodies at its end."""
-    for tick in range(ticks):
-        for order in by_hand.get(tick, ()):
-            session.do(order)
-        session.tick()
-    session.close()
-    return session.worlds.physics.bodies.tobytes()
 
 
 @pytest.mark.parametrize("task", [*task_names(), "Shepherding"])
@@ -42,7 +33,7 @@ def test_every_task_can_be_played(tmp_path, task, monkeypatch):
 
 
 def test_a_task_that_was_changed_by_hand_runs_again_with_the_same_bits(tmp_path):
-    first = played(Session(chosen("ReachGoal", 1, 4, None, ()), tmp_path / "a.swarm", minds=False))
+    first = played(Session(chosen("ReachGoal", 1, 4, None, ()), tmp_path / "a.swarm", minds=False), by_hand=BY_HAND)
     recording = RecordedMission(tmp_path / "a.swarm")
     assert [recording[name][3, 2] for name in "xy"] == [1.0, 1.5]
     assert [change.tick for change in recording.by_hand] == [tick for tick, orders in BY_HAND.items() for _ in orders]

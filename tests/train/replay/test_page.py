@@ -1,11 +1,10 @@
 """The replay page in a headless Chromium: it plays, scrubs, shows its recordings' numbers, and asks for nothing."""
 
 import json
-from pathlib import Path
+from itertools import product
 
 import numpy as np
 import pytest
-import yaml
 
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
@@ -14,71 +13,12 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
-from tests.paths import TRAINED
 from tests.train.commands import run
+from tests.train.live.pages import picture, shows, until
+from tests.train.replay.conftest import CONDITIONS
 from train.replay.page_file import write_page
 
-pytestmark = pytest.mark.page
-FAMILY = {
-    "name": "small",
-    "description": "Eight robots and eight items, messages lost, robots that fail and join.",
-    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 90.0, "delivery": {"loss": 0.2}},
-    "robots": [8, 8],
-    "items": [8, 8],
-    "changes": {"number": [5, 5], "kinds": ["join", "fail"]},
-}
-CONDITIONS = ("policy:general", "fixed:RepulsionGradient")
-CELLS = "[...document.querySelectorAll('[data-NAME]')].map(cell => [cell.dataset.NAME, +cell.dataset.value])"
-
-
-@pytest.fixture(scope="module")
-def results(tmp_path_factory) -> Path:
-    """Results of two strategies with recordings, and the page of both."""
-    directory = tmp_path_factory.mktemp("page")
-    (directory / "small.yaml").write_text(yaml.safe_dump(FAMILY))
-    words = [word for name in CONDITIONS for word in ("--strategy", name)]
-    words += [
-        "--scenarios",
-        "1",
-        "--workers",
-        "1",
-        "--minds",
-        "--configs",
-        str(TRAINED),
-        "--output",
-        str(directory / "run"),
-    ]
-    assert run("evaluate", "--family", directory / "small.yaml", *words) == 0
-    conditions = [word for name in CONDITIONS for word in ("--condition", name)]
-    assert run("replay", directory / "run", *conditions, "--html", directory / "both.html") == 0
-    return directory
-
-
-@pytest.fixture(scope="module")
-def recordings(results) -> list[RecordedMission]:
-    folder = results / "run" / "recordings"
-    return [RecordedMission(folder / f"test-1-{name.replace(':', '_')}.swarm") for name in CONDITIONS]
-
-
-@pytest.fixture
-def opened(watched, results):
-    """Open the page at a link; at the end it must have logged nothing, and asked for itself only."""
-    address, pages = (results / "both.html").as_uri(), []
-
-    def open_page(link: str = ""):
-        page, *told = watched(viewport={"width": 1500, "height": 900})
-        pages.append(told)
-        page.goto(address + link)
-        page.wait_for_selector("body[data-ready]")
-        return page
-
-    yield open_page
-    for said, asked in pages:
-        assert said == []
-        assert [url.partition("#")[0] for url in asked] == [address]
-
-
-PICTURE = "document.querySelector('.world').toDataURL()"
+pytestmark = [pytest.mark.page, pytest.mark.extra]
 
 
 def test_every_channel_has_the_same_checksum_in_python_and_in_the_page(opened, recordings):
@@ -89,10 +29,9 @@ def test_every_channel_has_the_same_checksum_in_python_and_in_the_page(opened, r
 def test_it_plays_and_stops(opened):
     page = opened("#t=10")
     page.click("#play")
-    while page.evaluate("replay.page.time") < 12.0:
-        page.wait_for_timeout(50)
+    until(page, "() => replay.page.time >= 12.0")
     page.keyboard.press(" ")
-    assert page.text_content("#play") == "Play"
+    shows(page, "#play", "Play")
     stopped = page.evaluate("replay.page.time")
     assert abs(stopped / 0.2 - round(stopped / 0.2)) < 1e-6
     page.wait_for_timeout(300)
@@ -111,6 +50,7 @@ def test_keys_move_one_step(opened):
     assert page.evaluate("replay.page.robot") == 1
 
 
+@pytest.mark.long
 def test_keys_change_the_speed_step_by_step_and_buttons_of_the_panel_choose_robots(opened):
     page = opened("#t=10")
     page.focus("#speed")
@@ -127,6 +67,7 @@ def test_keys_change_the_speed_step_by_step_and_buttons_of_the_panel_choose_robo
     assert page.evaluate("replay.page.robot") == 2
 
 
+@pytest.mark.long
 def test_every_input_of_a_policy_has_a_plain_line(opened):
     page = opened("#t=10")
     lines = page.evaluate("[...document.querySelectorAll('.inputs td[title]')].map(cell => cell.title)")
@@ -134,6 +75,7 @@ def test_every_input_of_a_policy_has_a_plain_line(opened):
     assert not [line for line in lines if line.startswith("Input ")]
 
 
+@pytest.mark.long
 def test_the_timeline_and_the_charts_scrub(opened):
     page = opened()
     for selector in ("#timeline", ".chart >> nth=1"):
@@ -143,6 +85,7 @@ def test_the_timeline_and_the_charts_scrub(opened):
         page.keyboard.press("Home")
 
 
+@pytest.mark.long
 def test_a_link_opens_a_moment_and_the_address_follows(opened, recordings):
     page = opened("#t=8.4&robot=3&run=1")
     assert page.text_content("#panel h2") == "Robot 3"
@@ -152,6 +95,7 @@ def test_a_link_opens_a_moment_and_the_address_follows(opened, recordings):
     assert page.evaluate("location.hash") == "#t=8.6&robot=3&run=1"
 
 
+@pytest.mark.long
 def test_two_runs_stay_on_one_clock_and_part_where_they_part(opened, recordings):
     one, other = recordings
     frames = min(one.frames, other.frames)
@@ -163,6 +107,7 @@ def test_two_runs_stay_on_one_clock_and_part_where_they_part(opened, recordings)
     assert page.evaluate("replay.page.shown.map(({run}) => replay.page.frameOf(run))") == [parting, parting]
 
 
+@pytest.mark.long
 def test_a_robot_that_is_clicked_is_chosen_where_it_is(opened, recordings):
     page = opened("#t=15")
     recording, frame = recordings[0], 75
@@ -178,10 +123,9 @@ def test_a_robot_that_is_clicked_is_chosen_where_it_is(opened, recordings):
         assert page.text_content("[data-held]") == held
 
 
-def test_fingers_choose_move_and_zoom(watched, results, recordings):
-    page, said, _ = watched(has_touch=True)
-    page.goto((results / "both.html").as_uri() + "#t=15")
-    page.wait_for_selector("body[data-ready]")
+@pytest.mark.long
+def test_fingers_choose_move_and_zoom(opened, recordings):
+    page = opened("#t=15", has_touch=True)
     recording, box = recordings[0], page.locator(".world >> nth=0").bounding_box()
     place = recording["x"][75, 4] / 11.0 * box["width"], (1.0 - recording["y"][75, 4] / 11.0) * box["height"]
     page.touchscreen.tap(box["x"] + place[0], box["y"] + place[1])
@@ -202,9 +146,9 @@ def test_fingers_choose_move_and_zoom(watched, results, recordings):
     touch("touchEnd")
     x, y = page.evaluate("replay.page.shown[0].view.centre")
     assert (x, y) == pytest.approx((5.5 + 0.25 * 11.0 / 2.0, 5.5), abs=0.1)
-    assert said == []
 
 
+@pytest.mark.long
 def test_a_robot_that_stands_still_says_for_how_long(opened, recordings):
     page, recording = opened(), recordings[0]
     places = np.stack([recording["x"], recording["y"]], axis=-1)
@@ -222,6 +166,7 @@ def test_a_robot_that_stands_still_says_for_how_long(opened, recordings):
     assert len(said) > 2
 
 
+@pytest.mark.long
 def test_a_robot_that_joins_begins_where_it_joins(opened, recordings):
     page, there = opened(), recordings[0]["present"]
     robot = 8
@@ -231,19 +176,10 @@ def test_a_robot_that_joins_begins_where_it_joins(opened, recordings):
     assert page.text_content("[data-movement]") == "It begins here."
 
 
-def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, results, recordings, capsys):
-    rng = np.random.default_rng(16)
+@pytest.mark.long
+def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, explained, recordings):
     page = opened()
-    for _ in range(20):
-        k = int(rng.integers(2))
-        frame = int(rng.integers(recordings[k].frames))
-        there = recordings[k]["present"][: frame + 1].any(axis=0)
-        robot = int(rng.choice(np.flatnonzero(there)))  # also one that has joined
-        page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose({k}, {robot})")
-        capsys.readouterr()
-        words = ("--condition", CONDITIONS[k], "--robot", robot, "--time", frame * 0.2, "--json")
-        assert run("explain", results / "run", *words) == 0
-        step = json.loads(capsys.readouterr().out)
+    for k, frame, robot, step in explained(page, 20, seed=16):
         rows = page.evaluate(
             "[...document.querySelectorAll('[data-network=robot]')].map(row => ({...row.dataset,"
             " why: row.querySelector('.why').textContent, ran: row.querySelector('[data-ran]')?.textContent}))"
@@ -273,6 +209,7 @@ def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, results, r
         assert page.text_content("[data-held]") == step["options"]["AvoidCollision"]
 
 
+@pytest.mark.long
 def test_events_are_those_of_the_recording(opened, recordings):
     page = opened()
     counted = page.evaluate(
@@ -291,26 +228,34 @@ def test_events_are_those_of_the_recording(opened, recordings):
     assert page.locator(".score >> nth=0").text_content().startswith(f"{done} of 8 items dumped")
 
 
-LAYERS = {"fields", "reach", "view", "seen", "paths"}  # contacts may be none at these moments
+LAYERS = {"fields", "reach", "view", "seen", "paths", "command", "added", "target", "causes"}
+"""Those that show something at one of the moments below; contacts may be none there."""
+SIGNS = {"command", "what the mechanism adds", "way to the target", "neighbours that count"}
 
 
-def test_layers_following_and_colours_change_what_is_drawn(opened):
-    changing = set()
-    for moment in (5, 10, 20, 30):  # at some of them nobody is seen
-        page = opened(f"#t={moment}&robot=2")
-        before = page.evaluate(PICTURE)
-        for name in (*LAYERS, "contacts"):
+@pytest.mark.long
+def test_layers_following_and_colours_change_what_is_drawn_and_have_a_legend(opened):
+    page, changing = opened(), set()
+    for moment, robot in product((5, 10, 20, 30), range(8)):  # at some of them nobody is seen
+        page.evaluate(f"replay.page.go({moment}); replay.page.choose(0, {robot})")
+        for name in LAYERS - changing:
+            before = picture(page)
             page.click(f"[name={name}]")
-            now = page.evaluate(PICTURE)
-            changing |= {name} if now != before else set()
-            before = now
-    assert changing >= LAYERS
-    page.keyboard.press("f")
-    followed = page.evaluate(PICTURE)
-    page.click("#theme")
-    assert len({before, followed, page.evaluate(PICTURE)}) == 3
+            changing |= {name} if picture(page) != before else set()
+    assert changing == LAYERS
+    drawn = [picture(page)]
+    for change in (lambda: page.keyboard.press("f"), lambda: page.click("#theme")):
+        change()
+        drawn.append(picture(page))
+    assert len(set(drawn)) == 3
+    signs = dict(
+        page.evaluate("[...document.querySelectorAll('#legend span')].map(sign => [sign.textContent, sign.title])")
+    )
+    assert signs.keys() >= SIGNS
+    assert all(signs.values())
 
 
+@pytest.mark.long
 def test_the_field_is_highest_where_robots_have_just_been(opened):
     page = opened("#t=20")
     assert page.evaluate(
@@ -324,17 +269,18 @@ def test_the_field_is_highest_where_robots_have_just_been(opened):
     )
 
 
-def page_of_task(watched, task, seconds, folder, at):
-    """Open the page of a recorded mission of a task; return the page and what the browser said."""
-    mission = MissionConfig.model_validate({"task": task, "time_limit": seconds})
-    run = MissionRun(mission, random_start(mission, 3, 0), 3, {})
-    record_mission(run, RecordSettings(folder, minds=True, name="task"), {})
-    recording = RecordedMission(folder / "task.swarm")
-    write_page([recording], folder / "task.html")
-    page, said, _ = watched()
-    page.goto((folder / "task.html").as_uri() + at)
-    page.wait_for_selector("body[data-ready]")
-    return page, said, recording
+@pytest.fixture
+def page_of(opened, tmp_path):
+    """Record a mission; return its page at a link, and its recording."""
+
+    def open_page(mission, link, **settings):
+        run = MissionRun(mission, random_start(mission, 3, 0), 3, {})
+        record_mission(run, RecordSettings(tmp_path, minds=True, name="run"), {})
+        recording = RecordedMission(tmp_path / "run.swarm")
+        write_page([recording], tmp_path / "page.html")
+        return opened(link, tmp_path / "page.html", **settings), recording
+
+    return open_page
 
 
 def colour_of(page, place):
@@ -346,8 +292,10 @@ def colour_of(page, place):
     )[:3]
 
 
-def test_the_page_of_a_task_shows_its_things_its_measures_and_the_minds(watched, tmp_path):
-    page, said, recording = page_of_task(watched, "Foraging", 20.0, tmp_path, "#t=10&robot=4")
+@pytest.mark.long
+def test_the_page_of_a_task_shows_its_things_its_measures_and_the_minds(page_of):
+    mission = MissionConfig.model_validate({"task": "Foraging", "time_limit": 20.0})
+    page, recording = page_of(mission, "#t=10&robot=4")
     assert "keeps running" in page.text_content("#panel")
     assert "items dumped" not in page.text_content("#runs").lower()
     red, green, blue = colour_of(
@@ -358,13 +306,14 @@ def test_the_page_of_a_task_shows_its_things_its_measures_and_the_minds(watched,
     assert green > max(red + 20, blue)
     page.keyboard.press("End")
     (value,) = recording.result["measures"].values()
-    assert f"items brought per minute {value:.3g}" in page.text_content("figcaption")
-    assert said == []
+    shows(page, "figcaption", f"items brought per minute {value:.3g}", "includes")
 
 
-def test_things_that_move_are_drawn_where_they_are(watched, tmp_path, monkeypatch):
+@pytest.mark.long
+def test_things_that_move_are_drawn_where_they_are(page_of, monkeypatch):
     with_shepherding(monkeypatch)
-    page, said, recording = page_of_task(watched, "Shepherding", 12.0, tmp_path, "#t=12&robot=1")
+    mission = MissionConfig.model_validate({"task": "Shepherding", "time_limit": 12.0})
+    page, recording = page_of(mission, "#t=12&robot=1")
     x, y = (recording[name][-1] for name in ("thing_x", "thing_y"))
     assert np.hypot(x - recording["thing_x"][0], y - recording["thing_y"][0]).max() > 0.5
     drawn = page.evaluate(
@@ -373,26 +322,20 @@ def test_things_that_move_are_drawn_where_they_are(watched, tmp_path, monkeypatc
     )
     assert np.allclose(drawn[0], [4.0, 3.0])
     assert np.allclose(drawn[1:], np.stack([x, y], axis=1))
-    assert said == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [(1366, 768), (390, 844)])
-def test_zones_walls_and_models_are_drawn_and_explained(watched, tmp_path, size):
+def test_zones_walls_and_models_are_drawn_and_explained(page_of, size):
     """A mission with a silent zone and a wall, whose robots are of two models, at a desk and on a phone."""
     groups = [{"model": model, "count": 3} for model in ("scout", "carrier")]
     walls = [{"corners": [[3.0, 0.0], [3.0, 4.0]]}]
     changes = {"robots": {"groups": groups}, "time_limit": 6.0, "world": {"walls": walls}}
     held = load_mission("silent-zone").model_dump() | {"robots": {}}
     mission = MissionConfig.model_validate(with_changes(held, changes))
-    run = MissionRun(mission, random_start(mission, 3, 0), 3, {})
-    record_mission(run, RecordSettings(tmp_path, minds=True, name="zone"), {})
-    write_page([RecordedMission(tmp_path / "zone.swarm")], tmp_path / "zone.html")
-    page, said, _ = watched(viewport={"width": size[0], "height": size[1]})
-    page.goto((tmp_path / "zone.html").as_uri() + "#t=3&robot=1")
-    page.wait_for_selector("body[data-ready]")
+    page, _ = page_of(mission, "#t=3&robot=1", viewport={"width": size[0], "height": size[1]})
     for name in ("fields", "paths"):
         page.evaluate(f"document.querySelector('[name={name}]').click()")
-    assert said == []  # reading pixels is remarked upon
     inside, outside = (colour_of(page, f"view.place({x}, 0.15)") for x in (8.0, 13.0))
     assert outside == [251, 250, 247]  # paper
     assert np.subtract(outside, inside).min() > 5
@@ -400,12 +343,13 @@ def test_zones_walls_and_models_are_drawn_and_explained(watched, tmp_path, size)
     assert {"scout", "carrier"} & set(legend.split())
     assert "zone of lost messages or slow ground" in legend
     assert "wall" in legend.split()
-    shown = page.evaluate("document.querySelector('.world').toDataURL()")
+    shown = picture(page)
     page.evaluate("document.querySelector('[name=numbers]').click()")
-    assert page.evaluate("document.querySelector('.world').toDataURL()") != shown
+    assert picture(page) != shown
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
+@pytest.mark.long
 def test_numbers_of_robots_stand_apart(opened):
     page, told = opened(), 0
     page.uncheck("[name=causes]")
@@ -419,60 +363,25 @@ def test_numbers_of_robots_stand_apart(opened):
     assert told > 300
 
 
-def test_a_picture_of_a_hundred_robots_takes_8_ms_at_most(watched, tmp_path):
-    """The median of 60 pictures with all layers, the least of five tries, because the machine may be busy."""
-    changes = {"world": {"width": 35.0, "height": 35.0}, "robots": {"count": 100}, "time_limit": 12.0}
-    mission = MissionConfig.model_validate(with_changes(load_mission("table1").model_dump(), changes))
-    run = MissionRun(mission, random_start(mission, 3, 0), 3, {})
-    record_mission(run, RecordSettings(tmp_path, minds=True, name="many"), {})
-    write_page([RecordedMission(tmp_path / "many.swarm")], tmp_path / "many.html")
-    page, _, _ = watched(viewport={"width": 1366, "height": 768})
-    page.goto((tmp_path / "many.html").as_uri() + "#t=5&robot=7")
-    page.wait_for_selector("body[data-ready]")
-    page.evaluate("document.querySelectorAll('[data-layer]:not(:disabled)').forEach((box) => { box.checked = true; })")
-    assert min(page.evaluate("replay.page.measure(60)") for _ in range(5)) <= 8.0
+@pytest.mark.long
+@pytest.mark.parametrize(("width", "height"), [(1366, 768), (1440, 1100), (390, 844)])
+def test_worlds_side_by_side_are_on_one_line_and_fit(opened, width, height):
+    page = opened("#t=10", viewport={"width": width, "height": height})
+    one, other = (page.locator(f".world >> nth={k}").bounding_box() for k in range(2))
+    assert (one["y"], one["height"]) == pytest.approx((other["y"], other["height"]))
+    assert one["x"] + one["width"] <= other["x"]
+    assert one["y"] + one["height"] <= height
+    assert other["x"] + other["width"] <= width
 
 
-def test_worlds_side_by_side_are_on_one_line_and_fit(watched, results):
-    for width, height in ((1366, 768), (1440, 1100), (390, 844)):
-        page, said, _ = watched(viewport={"width": width, "height": height})
-        page.goto((results / "both.html").as_uri() + "#t=10")
-        page.wait_for_selector("body[data-ready]")
-        one, other = (page.locator(f".world >> nth={k}").bounding_box() for k in range(2))
-        assert (one["y"], one["height"]) == pytest.approx((other["y"], other["height"]))
-        assert one["x"] + one["width"] <= other["x"]
-        assert one["y"] + one["height"] <= height
-        assert other["x"] + other["width"] <= width
-        assert said == []
-
-
-def test_what_if_is_foretold_on_the_page_as_by_the_command(watched, results, tmp_path, capsys):
+@pytest.mark.long
+def test_what_if_is_foretold_on_the_page_as_by_the_command(opened, results, tmp_path, capsys):
     words = ("--condition", CONDITIONS[1])
     assert run("replay", results / "run", *words, "--what-if", 30, "--html", tmp_path / "ahead.html") == 0
-    page, said, _ = watched()
-    page.goto((tmp_path / "ahead.html").as_uri() + "#t=31&robot=3")
-    page.wait_for_selector("body[data-ready]")
+    page = opened("#t=31&robot=3", tmp_path / "ahead.html")
     capsys.readouterr()
     assert run("explain", results / "run", *words, "--robot", 3, "--time", 29.8, "--what-if", "--json") == 0
     expected = {one["option"]: f"{one['cost_s']:.1f} s" for one in json.loads(capsys.readouterr().out)["what_if"]}
     cell = "row => [row.dataset.foretold, row.lastElementChild.innerText]"
-    cells = f"[...document.querySelectorAll('[data-foretold]')].map({cell})"
-    assert dict(page.evaluate(cells)) == expected
+    assert dict(page.evaluate(f"[...document.querySelectorAll('[data-foretold]')].map({cell})")) == expected
     assert "robot 3 took another option at 30.0 s" in page.inner_text("#panel")
-    assert said == []
-
-
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (("run", "--what-if", "0.5"), "--what-if: expected seconds from 1 on, got 0.5"),
-        (("run", "--what-if", "nan"), "--what-if: expected seconds from 1 on, got nan"),
-        (("recording", "--what-if", "5"), "expected a directory of results, whose run is repeated"),
-    ],
-)
-def test_a_wrong_what_if_is_one_line(results, recordings, tmp_path, capsys, words, line):
-    places = {"run": results / "run", "recording": recordings[0].path}
-    assert run("replay", places[words[0]], *words[1:], "--html", tmp_path / "page.html") == 2
-    (said,) = capsys.readouterr().err.strip().splitlines()
-    assert line in said
-    assert not (tmp_path / "page.html").exists()

@@ -63,3 +63,19 @@ def test_what_cannot_be_shown_is_one_line(tmp_path, monkeypatch, capsys, words, 
     assert expected in errors
     assert len(errors.splitlines()) == 1
     assert not (tmp_path / "page.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("run", "--what-if", "0.5"), "--what-if: expected seconds from 1 on, got 0.5"),
+        (("run", "--what-if", "nan"), "--what-if: expected seconds from 1 on, got nan"),
+        (("recording", "--what-if", "5"), "expected a directory of results, whose run is repeated"),
+    ],
+)
+def test_a_wrong_what_if_is_one_line(results, recordings, tmp_path, capsys, words, line):
+    places = {"run": results / "run", "recording": recordings[0].path}
+    assert run("replay", places[words[0]], *words[1:], "--html", tmp_path / "page.html") == 2
+    (said,) = capsys.readouterr().err.strip().splitlines()
+    assert line in said
+    assert not (tmp_path / "page.html").exists()

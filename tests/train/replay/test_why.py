@@ -7,8 +7,10 @@ from math import pi
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.types import ConfigurationError
 from tests.train.commands import run
-from tests.train.replay.test_page import CONDITIONS, opened, recordings, results  # noqa: F401  (fixtures)
+from tests.train.replay.conftest import CONDITIONS
+from train.evaluation import explain
 from train.evaluation.why import Facts, sentence
 
 PATROLLING = Facts("at work", 0.0, ("Patrol",), (1.0, 0.0), (1.0, 0.0), 0.0, (), 0.0, None, 12.0)
@@ -51,24 +53,20 @@ def test_the_sentence_follows_the_rules(expected):
 
 
 @pytest.mark.page
-def test_the_page_makes_the_same_sentences(opened):  # noqa: F811
+@pytest.mark.extra
+@pytest.mark.long
+def test_the_page_makes_the_same_sentences(opened):
     page = opened()
     said = page.evaluate("cases => cases.map(replay.sentenceOf)", [asdict(facts) for facts in CASES.values()])
     assert said == list(CASES)
 
 
 @pytest.mark.page
-def test_facts_and_inputs_are_those_of_the_command(opened, results, recordings, capsys):  # noqa: F811
-    rng, page, avoided, chosen = np.random.default_rng(5), opened(), 0, 0
-    for _ in range(14):
-        k = int(rng.integers(2))
-        frame = int(rng.integers(1, recordings[k].frames))
-        robot = int(rng.choice(np.flatnonzero(recordings[k]["present"][: frame + 1].any(axis=0))))
-        page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose({k}, {robot})")
-        capsys.readouterr()
-        words = ("--condition", CONDITIONS[k], "--robot", robot, "--time", frame * 0.2, "--json")
-        assert run("explain", results / "run", *words) == 0
-        step = json.loads(capsys.readouterr().out)
+@pytest.mark.extra
+@pytest.mark.long
+def test_facts_and_inputs_are_those_of_the_command(opened, explained, recordings):
+    page, avoided, chosen = opened(), 0, 0
+    for k, frame, robot, step in explained(page, 14, seed=5):
         shown, facts = page.evaluate(f"replay.factsOf(replay.runs[{k}], {frame}, {robot})"), step["facts"]
         assert shown["state"] == facts["state"]
         if facts["state"] != "at work":
@@ -97,7 +95,7 @@ def test_facts_and_inputs_are_those_of_the_command(opened, results, recordings, 
     assert chosen
 
 
-def test_what_if_it_goes_on_as_it_did(results, recordings, capsys):  # noqa: F811
+def test_what_if_it_goes_on_as_it_did(results, recordings, capsys):
     """The option that the robot holds anyway leads where the recorded robot went."""
     recording = recordings[1]
     for frame in (23, 60):
@@ -111,37 +109,15 @@ def test_what_if_it_goes_on_as_it_did(results, recordings, capsys):  # noqa: F81
         assert len(foretold) > 5
 
 
-def test_what_if_needs_a_decider(tmp_path, capsys):
-    words = ("--scenarios", 1, "--condition", "RepulsionGradient", "--workers", 1, "--output", tmp_path / "run")
-    assert run("evaluate", *words) == 0
-    assert run("explain", tmp_path / "run", "--robot", 0, "--time", 1, "--what-if") == 2
-    assert (
-        capsys.readouterr()
-        .err.strip()
-        .endswith("expected a run of a family, or of a decider that decides in each period")
-    )
+def test_what_if_needs_a_decider():
+    with pytest.raises(ConfigurationError, match="expected a run of a family, or of a decider that decides in each"):
+        explain._asking(None, [])
 
 
 @pytest.mark.page
-def test_arrows_lines_and_their_legend_can_be_shown(opened):  # noqa: F811
-    page = opened("#t=10&robot=2")
-    changed = set()
-    for moment in (4, 10, 20, 30):
-        for robot in range(8):
-            page.evaluate(f"replay.page.go({moment}); replay.page.choose(0, {robot})")
-            for name in ("command", "added", "target", "causes"):
-                before = page.evaluate("document.querySelector('.world').toDataURL()")
-                page.click(f"[name={name}]")
-                if page.evaluate("document.querySelector('.world').toDataURL()") != before:
-                    changed.add(name)
-    assert changed == {"command", "added", "target", "causes"}
-    words = page.evaluate("[...document.querySelectorAll('#legend span')].map(sign => [sign.textContent, sign.title])")
-    assert {"command", "what the mechanism adds", "way to the target", "neighbours that count"} <= {w for w, _ in words}
-    assert all(told for _, told in words)
-
-
-@pytest.mark.page
-def test_the_cost_so_far_ends_at_the_cost_of_the_run(opened, recordings):  # noqa: F811
+@pytest.mark.extra
+@pytest.mark.long
+def test_the_cost_so_far_ends_at_the_cost_of_the_run(opened, recordings):
     page = opened()
     for k, recording in enumerate(recordings):
         page.evaluate(f"replay.page.go({(recording.frames - 1) * 0.2})")

@@ -11,14 +11,17 @@ from selforg.network.planning.problem import (
     number_is,
     planning_action,
 )
-from selforg.network.planning.search import ForwardSearch, Plan, Unknown, Unsolvable
+from selforg.network.planning.search import ForwardSearch, Unknown, Unsolvable
 from tests.selforg.network.planning.generated_problems import generated
 from tests.selforg.network.planning.planner_reference import execute, true_in
 from tests.selforg.network.planning.robot_problem import robot_problem, robot_state
 
-SOLVABLE, UNSOLVABLE = 38, 12
-LONGEST_HORIZON = 6
-"""Steps that the other engine, which is no friend of long plans, has to look ahead at most."""
+SOLVABLE = (
+    *(1, 2, 4, 6, 8, 9, 10, 11, 12, 13, 15, 17, 18, 19, 21, 22, 23, 26, 27, 29),
+    *(30, 31, 33, 34, 35, 36, 37, 38, 39, 42, 43, 46, 47, 48, 49, 50, 51, 53),
+)
+"""Seeds of the first problems that have a plan of few steps: the other engine is no friend of long plans."""
+UNSOLVABLE = (7, 14, 16, 24, 59, 64, 67, 70, 79, 80, 87, 96)
 UNSOLVABLE_HORIZON = 4
 """Steps up to which the other engine proves that there is no plan."""
 
@@ -28,37 +31,18 @@ def horizon(problem, answer):
     return int(answer.cost * STEPS_PER_UNIT / min(action.cost for action in problem.actions))
 
 
-def chosen():
-    """Return the seeds of the first problems of each kind that are small enough for the other engine."""
-    solvable, unsolvable = [], []
-    seed = 0
-    while len(solvable) < SOLVABLE or len(unsolvable) < UNSOLVABLE:
-        problem, facts, numbers = generated(seed)
-        answer = ForwardSearch(problem, node_limit=1000).plan(facts, numbers, [0])
-        if isinstance(answer, Unsolvable):
-            unsolvable.append(seed)
-        elif isinstance(answer, Plan) and horizon(problem, answer) <= LONGEST_HORIZON:
-            solvable.append(seed)
-        seed += 1
-    return [*solvable[:SOLVABLE], *unsolvable[:UNSOLVABLE]]
-
-
-SEEDS = chosen()
-
-
 def outcome(seed):
     problem, facts, numbers = generated(seed)
     return ForwardSearch(problem).plan(facts, numbers, [0])
 
 
 def test_the_generated_problems_are_a_mixture():
-    outcomes = [outcome(seed) for seed in SEEDS]
-    lengths = [len(answer.actions) for answer in outcomes if isinstance(answer, Plan)]
-    assert sum(length >= 3 for length in lengths) >= 15
-    assert sum(bool(generated(seed)[0].numbers) for seed in SEEDS) >= 15
-    assert sum(not generated(seed)[0].numbers for seed in SEEDS) >= 15
+    assert all(isinstance(outcome(seed), Unsolvable) for seed in UNSOLVABLE)
+    assert sum(len(outcome(seed).actions) >= 3 for seed in SOLVABLE) >= 15
+    assert 15 <= sum(bool(generated(seed)[0].numbers) for seed in (*SOLVABLE, *UNSOLVABLE)) <= 35
 
 
+@pytest.mark.extra
 def test_a_number_that_nothing_changes_keeps_only_the_truth_of_its_bounds():
     pytest.importorskip("up_aries")
     from tests.selforg.network.planning import aries_horizon
@@ -69,7 +53,8 @@ def test_a_number_that_nothing_changes_keeps_only_the_truth_of_its_bounds():
         assert aries_horizon.best_plan(search, np.array([False]), np.array([reading]), (0,), 1) == expected
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.extra
+@pytest.mark.parametrize("seed", [*SOLVABLE, *UNSOLVABLE])
 def test_costs_are_those_of_an_optimal_engine(seed):
     pytest.importorskip("up_aries")
     from tests.selforg.network.planning import aries_horizon
@@ -86,6 +71,7 @@ def test_costs_are_those_of_an_optimal_engine(seed):
     assert true_in(problem.goals[0].condition, world)
 
 
+@pytest.mark.extra
 def test_the_robot_model_goes_to_pddl():
     pytest.importorskip("unified_planning")
     from unified_planning.io import PDDLReader
@@ -100,6 +86,7 @@ def test_the_robot_model_goes_to_pddl():
     ]
 
 
+@pytest.mark.extra
 def test_an_engine_takes_the_place_of_the_built_in_search():
     pytest.importorskip("up_aries")
     from selforg.network.planning.pddl import EngineSearch
@@ -114,6 +101,7 @@ def test_an_engine_takes_the_place_of_the_built_in_search():
     assert all(true_in(goal.condition, world) for goal in problem.goals)
 
 
+@pytest.mark.extra
 def test_an_engine_without_an_answer_in_time_says_so():
     pytest.importorskip("up_aries")
     from selforg.network.planning.pddl import EngineSearch
@@ -123,11 +111,3 @@ def test_an_engine_without_an_answer_in_time_says_so():
     )
     answer = EngineSearch(problem, "aries", timeout=1.0).plan(np.array([False]), np.array([0.0]), [0])
     assert isinstance(answer, Unknown | Unsolvable)
-
-
-def test_unknown_engines_list_the_installed():
-    pytest.importorskip("unified_planning")
-    from selforg.network.planning.pddl import EngineSearch
-
-    with pytest.raises(ValueError, match=r"unknown planning engine 'ares' \(installed: .*sequential_simulator"):
-        EngineSearch(robot_problem(), "ares")

@@ -48,12 +48,15 @@ def test_without_the_library_the_error_says_what_to_install(monkeypatch):
     environment.cache_clear()
 
 
+@pytest.mark.extra
 def test_engines_that_are_not_installed_list_those_that_are():
     pytest.importorskip("unified_planning")
     with pytest.raises(ValueError, match=r"unknown planning engine 'ares' \(installed: "):
         planner_named(cleaning_model(), "ares")
 
 
+@pytest.mark.extra
+@pytest.mark.long
 def test_an_engine_gives_the_network_plans_that_reach_what_the_built_in_ones_reach():
     pytest.importorskip("up_aries")
     model, rows = cleaning_model(), 4

@@ -1,6 +1,4 @@
 import operator
-import statistics
-import time
 
 import numpy as np
 import pytest
@@ -66,89 +64,106 @@ def test_a_station_that_cannot_be_driven_to_leaves_the_goals_that_remain():
     assert [search.problem.actions[index].name for index in answer.outcome.actions] == ["Avoid"]
 
 
-def test_cleaning_robot_is_planned_in_well_under_a_millisecond():
-    problem = robot_problem()
-    times = []
-    for _ in range(50):
-        search = ForwardSearch(problem)
-        search.plan(*robot_state(), [0, 1, 2])  # the conjunction of the goals is made ready once
-        state = robot_state("garbage_seen", "garbage_found", "rep_bool", avoidance=0.7)
-        begin = time.perf_counter()
-        search.plan(*state, [0, 1, 2])
-        times.append(time.perf_counter() - begin)
-    assert statistics.median(times) < 1e-3
+A, B, C = (fact_is(slot) for slot in range(3))
+PROBLEMS = {
+    "a cheaper detour wins over the short way": (
+        (("short", (), ((0, True),), 3.0), ("first", (), ((1, True),), 1.0), ("second", (B,), ((0, True),), 1.5)),
+        {},
+        Plan((1, 2), 2.5),
+    ),
+    "of equal costs the shorter plan, then the earlier action wins; 0.1 + 0.2 is 0.3": (
+        (
+            ("first", (), ((1, True),), 0.1),
+            ("second", (B,), ((0, True),), 0.2),
+            ("direct", (), ((0, True),), 0.1 + 0.2),
+            ("twin", (), ((0, True),), 0.3),
+        ),
+        {},
+        Plan((2,), 0.3),
+    ),
+    "the same with the twin before": (
+        (
+            ("first", (), ((1, True),), 0.1),
+            ("second", (B,), ((0, True),), 0.2),
+            ("twin", (), ((0, True),), 0.3),
+            ("direct", (), ((0, True),), 0.1 + 0.2),
+        ),
+        {},
+        Plan((2,), 0.3),
+    ),
+    "actions without cost are not added for nothing": (
+        (("free", (), ((1, True),), 0.0), ("needed", (), ((0, True),))),
+        {},
+        Plan((1,), 1.0),
+    ),
+    "numbers are driven to their bound; 0.3 + 0.3 + 0.3 < 0.9 in floating point": (
+        (("charge", (), ((0, 0.3),)),),
+        {"goal": number_is(0, ">=", 0.9)},
+        Plan((0, 0, 0), 3.0),
+    ),
+    "and beyond it": ((("charge", (), ((0, 0.3),)),), {"goal": number_is(0, ">", 0.9)}, Plan((0,) * 4, 4.0)),
+    "a counter that only grows is proved unable to fall": (
+        (("charge", (), ((0, 1.0), (1, True))),),
+        {"goal": all_of((number_is(0, "<=", -1.0), B))},
+        Unsolvable(),
+    ),
+    "nor below": (
+        (("charge", (), ((0, 1.0), (1, True))),),
+        {"goal": all_of((number_is(0, "<", -1.0), B))},
+        Unsolvable(),
+    ),
+    "endless counters do not hide that a goal has no servant": (
+        (("up", (), ((0, 1.0),)), ("down", (), ((0, -1.0),))),
+        {"goal": all_of((A, number_is(0, ">=", 5.0))), "node_limit": 10},
+        Unsolvable(),
+    ),
+    "a goal that destroys another is proved unsolvable in a finite space": (
+        (("a", (), ((0, True), (1, False))), ("b", (), ((1, True), (0, False)))),
+        {"goal": all_of((A, B))},
+        Unsolvable(),
+    ),
+    "where each action undoes the other's fact and moves a counter, the search gives up at its limit": (
+        (("up", (), ((0, 1.0), (0, True), (1, False))), ("down", (), ((0, -1.0), (1, True), (0, False)))),
+        {"goal": all_of((A, B, number_is(0, ">=", 3.0))), "node_limit": 50},
+        Unknown(50),
+    ),
+    "satisfied goals cost nothing": ((("a", (), ((0, True),)),), {"true": "a"}, Plan((), 0.0)),
+    "an action that serves two goals is not counted twice": (
+        (
+            ("a", (), ((0, True),), 2.5),
+            ("b", (), ((1, True),), 2.5),
+            ("prepare", (), ((2, True),), 1.0),
+            ("both", (C,), ((0, True), (1, True)), 3.0),
+        ),
+        {"goal": all_of((A, B))},
+        Plan((2, 3), 4.0),
+    ),
+    "what only one of two ways needs is not asked of both": (  # nothing sets the fact that the first way needs
+        (
+            ("cheap", (B,), ((0, True),), 1.0),
+            ("dear", (C, number_is(0, ">=", 1.0)), ((0, True),), 1.0),
+            ("way", (), ((2, True), (0, 1.0)), 1.0),
+        ),
+        {},
+        Plan((2, 1), 2.0),
+    ),
+    "large changes bridge a gap in one step": (
+        (("crawl", (), ((0, 1.0),), 1.0), ("warm up", (), ((1, True),), 0.5), ("leap", (B,), ((0, 4.0),), 2.0)),
+        {"goal": number_is(0, ">=", 3.0)},
+        Plan((1, 2), 2.5),
+    ),
+}
+"""Actions, what is asked, and the answer: facts a, b, c and a number, all of them false and 0."""
 
 
-FIRST_FACT = fact_is(0)
-
-
-def one_fact_problem(*actions, goal=FIRST_FACT, facts=("a", "b", "c"), numbers=("x",)):
-    return PlanningProblem(facts, numbers, actions, (PlanningGoal("goal", goal),))
-
-
-def solve(problem, *true, number=0.0, node_limit=20_000):
-    facts = np.array([name in true for name in problem.facts])
-    return ForwardSearch(problem, node_limit).plan(facts, np.full(len(problem.numbers), number), [0])
-
-
-def test_cheaper_detour_wins_over_the_short_way():
-    short = planning_action("short", (), ((0, True),), cost=3.0)
-    first = planning_action("first", (), ((1, True),), cost=1.0)
-    second = planning_action("second", (fact_is(1),), ((0, True),), cost=1.5)
-    assert solve(one_fact_problem(short, first, second)) == Plan((1, 2), 2.5)
-
-
-def test_of_equal_costs_the_shorter_plan_then_the_earlier_action_wins():
-    first = planning_action("first", (), ((1, True),), cost=0.1)
-    second = planning_action("second", (fact_is(1),), ((0, True),), cost=0.2)
-    direct = planning_action("direct", (), ((0, True),), cost=0.1 + 0.2)  # 0.30000000000000004: still a tie
-    twin = planning_action("twin", (), ((0, True),), cost=0.3)
-    assert solve(one_fact_problem(first, second, direct, twin)).actions == (2,)
-    assert solve(one_fact_problem(first, second, twin, direct)).actions == (2,)
-
-
-def test_actions_without_cost_are_not_added_for_nothing():
-    free = planning_action("free", (), ((1, True),), cost=0.0)
-    needed = planning_action("needed", (), ((0, True),))
-    assert solve(one_fact_problem(free, needed)) == Plan((1,), 1.0)
-
-
-def test_numbers_are_driven_to_their_bound():
-    charge = planning_action("charge", (), ((0, 0.3),))
-    problem = one_fact_problem(charge, goal=number_is(0, ">=", 0.9))
-    assert solve(problem) == Plan((0, 0, 0), 3.0)  # 0.3 + 0.3 + 0.3 < 0.9 in floating point
-    assert solve(one_fact_problem(charge, goal=number_is(0, ">", 0.9))).actions == (0,) * 4
-
-
-@pytest.mark.parametrize("relation", ["<=", "<"])
-def test_a_counter_that_only_grows_is_proved_unable_to_fall(relation):
-    charge = planning_action("charge", (), ((0, 1.0), (1, True)))
-    assert solve(one_fact_problem(charge, goal=all_of((number_is(0, relation, -1.0), fact_is(1))))) == Unsolvable()
-
-
-def test_endless_counters_do_not_hide_that_a_goal_has_no_servant():
-    up = planning_action("up", (), ((0, 1.0),))
-    down = planning_action("down", (), ((0, -1.0),))
-    problem = one_fact_problem(up, down, goal=all_of((fact_is(0), number_is(0, ">=", 5.0))))
-    assert solve(problem, node_limit=10) == Unsolvable()
-
-
-def test_a_goal_that_destroys_another_is_proved_unsolvable_in_a_finite_space():
-    a = planning_action("a", (), ((0, True), (1, False)))
-    b = planning_action("b", (), ((1, True), (0, False)))
-    assert solve(one_fact_problem(a, b, goal=all_of((fact_is(0), fact_is(1))))) == Unsolvable()
-
-
-def test_where_the_space_is_endless_the_search_gives_up_at_its_limit():
-    # Each action undoes the other's fact and both move the counter: no bound ever ends the search.
-    up = planning_action("up", (), ((0, 1.0), (0, True), (1, False)))
-    down = planning_action("down", (), ((0, -1.0), (1, True), (0, False)))
-    goal = all_of((fact_is(0), fact_is(1), number_is(0, ">=", 3.0)))
-    assert solve(one_fact_problem(up, down, goal=goal), node_limit=50) == Unknown(50)
-
-
-def test_satisfied_goals_cost_nothing():
-    assert solve(one_fact_problem(planning_action("a", (), ((0, True),))), "a") == Plan((), 0.0)
+@pytest.mark.parametrize("case", PROBLEMS)
+def test_small_problems_have_their_answer(case):
+    actions, asked, answer = PROBLEMS[case]
+    asked = {"goal": A, "true": "", "node_limit": 20_000} | asked
+    goals = (PlanningGoal("goal", asked["goal"]),)
+    problem = PlanningProblem(("a", "b", "c"), ("x",), tuple(planning_action(*action) for action in actions), goals)
+    facts = np.array([name in asked["true"] for name in problem.facts])
+    assert ForwardSearch(problem, asked["node_limit"]).plan(facts, np.zeros(1), [0]) == answer
 
 
 def test_independent_goals_do_not_multiply_the_states():
@@ -277,29 +292,6 @@ def test_following_a_plan_the_rest_of_it_stays_the_best_plan(question):
         rest = search.plan(*as_arrays(world), [0, 1])
         assert isinstance(rest, Plan)
         assert rest.actions == answer.actions[1:]
-
-
-def test_an_action_that_serves_two_goals_is_not_counted_twice():
-    prepare = planning_action("prepare", (), ((2, True),), cost=1.0)
-    both = planning_action("both", (fact_is(2),), ((0, True), (1, True)), cost=3.0)
-    singles = (planning_action("a", (), ((0, True),), cost=2.5), planning_action("b", (), ((1, True),), cost=2.5))
-    problem = one_fact_problem(*singles, prepare, both, goal=all_of((fact_is(0), fact_is(1))))
-    assert solve(problem) == Plan((2, 3), 4.0)
-
-
-def test_what_only_one_of_two_ways_needs_is_not_asked_of_both():
-    cheap = planning_action("cheap", (fact_is(1),), ((0, True),), cost=1.0)
-    dear = planning_action("dear", (fact_is(2), number_is(0, ">=", 1.0)), ((0, True),), cost=1.0)
-    way = planning_action("way", (), ((2, True), (0, 1.0)), cost=1.0)
-    problem = one_fact_problem(cheap, dear, way)  # nothing sets the fact that the first way needs
-    assert solve(problem) == Plan((2, 1), 2.0)
-
-
-def test_large_changes_bridge_a_gap_in_one_step():
-    crawl = planning_action("crawl", (), ((0, 1.0),), cost=1.0)
-    warm_up = planning_action("warm up", (), ((1, True),), cost=0.5)
-    leap = planning_action("leap", (fact_is(1),), ((0, 4.0),), cost=2.0)
-    assert solve(one_fact_problem(crawl, warm_up, leap, goal=number_is(0, ">=", 3.0))) == Plan((1, 2), 2.5)
 
 
 def test_plans_are_told_apart_by_every_number_they_depend_on():

@@ -65,43 +65,48 @@ def running(network):
     return [b.name for b, on in zip(network.model.behaviours, network.executing[0], strict=True) if on]
 
 
-def test_a_quiet_world_needs_one_plan():
-    network = following()
+COURSES = {
+    "a quiet world needs one plan": ({}, [({}, (0, 0))] * 5),
+    "without a plan the planner is asked in every step": ({"answer": None}, [({}, (1, 0))] * 3),
+    "the expected change passes the step and asks for nothing": ({}, [({}, (0, 0)), ({"far": 4.0}, (0, 1))]),
+    "a realised step is passed alone, also before an equal one": (
+        {"answer": (0, 0, 1)},
+        [({}, (0, 0)), ({"far": 4.0}, (0, 1))],
+    ),
+    "a change against the effect asks for a plan": ({}, [({"far": 5.5}, (1, 0))]),
+    "a change that nothing was expected to bring asks for a plan": ({}, [({"noise": True}, (1, 0))]),
+    "a sensor that no condition looks at asks for nothing": ({}, [({"unused": True}, (0, 0))]),
+    "M2: a change that six decimals do not show asks for nothing": (
+        {"far": 0.25},
+        [({"far": 0.25 + 4e-7}, (0, 0)), ({"far": 0.25 + 2e-6}, (1, 0))],
+    ),
+    "M3: the changes of this step and the one before are held against an effect": (
+        {},
+        [({"far": 4.5}, (0, 0)), ({"far": 4.0}, (0, 1))],
+    ),
+    "M3: those of earlier steps are not": (
+        {},
+        [({"far": 4.5}, (0, 0)), ({}, (0, 0)), ({"far": 4.0}, (0, 0))],
+    ),
+    "M3: -0.2 and -0.3, added by the machine, make -0.5 or, as here, a little less, below no effect of -0.5": (
+        {"far": 0.83, "effect": -0.5},
+        [({"far": far}, (0, int(far == 0.13))) for far in (0.83, 0.63, 0.33, 0.13)],
+    ),
+}
+"""How it begins, and what is read in each step: whether a plan is asked for, and which step of it is due."""
+
+
+@pytest.mark.parametrize("case", COURSES)
+def test_a_plan_is_followed(case):
+    begin, course = COURSES[case]
+    network = following(**begin)
     assert network.planner.calls == 1
-    assert [step(network) for _ in range(5)] == [0] * 5
+    assert [(step(network, **readings), index(network)) for readings, _ in course] == [after for _, after in course]
 
 
-def test_without_a_plan_the_planner_is_asked_every_step():
-    network = following(None)
-    assert [step(network) for _ in range(3)] == [1, 1, 1]
-
-
-def test_the_expected_change_passes_the_step_and_asks_for_nothing():
-    network = following()
-    assert "fetch" in running(network)
-    assert (step(network), index(network)) == (0, 0)
-    assert (step(network, far=4.0), index(network)) == (0, 1)
-
-
-def test_a_realised_step_is_passed_alone_also_before_an_equal_one():
-    network = following((0, 0, 1))
-    step(network)
-    assert (step(network, far=4.0), index(network)) == (0, 1)
-
-
-def test_a_change_against_the_effect_asks_for_a_plan():
-    network = following()
-    assert step(network, far=5.5) == 1
-
-
-def test_a_change_that_nothing_was_expected_to_bring_asks_for_a_plan():
-    network = following()
-    assert step(network, noise=True) == 1
-
-
-def test_a_sensor_that_no_condition_looks_at_asks_for_nothing():
-    network = following()
-    assert step(network, unused=True) == 0
+def test_a_step_that_runs_is_the_first_of_the_plan():
+    assert "fetch" in running(following())
+    assert (0.63 - 0.83) + (0.33 - 0.63) > -0.5 == (0.33 - 0.63) + (0.13 - 0.33)  # of the last course above
 
 
 @pytest.mark.parametrize(("strict", "passed"), [(False, 1), (True, 0)])
@@ -127,32 +132,6 @@ def test_a_sensor_that_only_optional_conditions_read_asks_for_nothing():
     step(network, far=5.0)
     assert step(network, unused=True) == 0
     assert step(network, noise=True) == 1
-
-
-def test_a_change_that_six_decimals_do_not_show_asks_for_nothing():
-    """M2 of the original."""
-    network = following(far=0.25)
-    assert step(network, far=0.25 + 4e-7) == 0
-    assert step(network, far=0.25 + 2e-6) == 1
-
-
-def test_only_the_change_of_this_step_and_the_one_before_is_held_against_an_effect():
-    """M3 of the original."""
-    network = following()
-    for far in (4.5, 4.0):
-        assert (step(network, far=far), index(network)) == (0, int(far < 4.5))
-    network = following()
-    step(network, far=4.5)
-    step(network)
-    assert (step(network, far=4.0), index(network)) == (0, 0)  # half of the effect, and nothing the step before
-
-
-def test_two_changes_are_added_as_they_are_rounded_by_the_machine():
-    """M3 of the original: -0.2 and -0.3 make -0.5 or, as here, a little less, which is below no effect of -0.5."""
-    assert (0.63 - 0.83) + (0.33 - 0.63) > -0.5 == (0.33 - 0.63) + (0.13 - 0.33)
-    network = following(far=0.83, effect=-0.5)
-    course = [(step(network, far=far), index(network)) for far in (0.83, 0.63, 0.33, 0.13)]
-    assert course == [(0, 0), (0, 0), (0, 0), (0, 1)]
 
 
 def test_a_new_plan_does_not_clear_the_change_of_the_step_before():
