@@ -1,4 +1,4 @@
-"""Damaged shares and models, and full disks: what is wrong is said in one line, and nothing is half done."""
+"""Damaged models, and full disks: what is wrong is said in one line, and nothing is half done."""
 
 import os
 import resource
@@ -22,78 +22,12 @@ from clean_swarm_env.recording.reader import RecordedMission, RecordedParts
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from tests.attacks.targets import Target, attack, damaged, recorded
-from tests.train import fake_mission
-from tests.train.commands import told
 from tests.train.live.sessions import SMALL, play_of
 from train.deciders.models import ModelDecider
-from train.evaluation import trial_task
-from train.evaluation.gathering import gathered, held_evaluation
 from train.evaluation.repeat import record_run
 from train.evaluation.trial_task import experiment_tasks
 from train.live.session import Session
 from train.replay.export import export
-from train.request import Request, RunShare
-from train.running.finished_runs import JOURNAL
-from train.running.run_folder import MANIFEST
-
-COUNT = 3
-FILES = [(number, name) for number in range(1, COUNT + 1) for name in (MANIFEST, JOURNAL)]
-
-
-def held(folder):
-    """Return the evaluation of a share."""
-    return held_evaluation(Request("shares"), folder)
-
-
-@pytest.fixture
-def shares(monkeypatch, tmp_path, capsys):
-    """A directory of three shares of an experiment of four runs."""
-    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission)
-    monkeypatch.chdir(tmp_path)
-    for number in range(1, COUNT + 1):
-        words = ("evaluate", "--scenarios", 2, "--workers", 1, "--output", "whole", "--share", f"{number}/{COUNT}")
-        assert told(capsys, *words)[0] == 0
-    return tmp_path / "whole"
-
-
-def place(root: Path, number: int, name: str) -> Path:
-    return RunShare(number, COUNT).folder(root) / name
-
-
-def test_damaged_shares_are_gathered_as_they_were_or_refused_in_one_line(shares, tmp_path):
-    """Files are cut, changed, swapped and lost; figures of a run may change in a journal, but no run comes or goes."""
-    first = place(shares, 1, "")
-    expected, _ = gathered(held(first), shares, COUNT)
-    whole = {record.key for record in expected}
-    files = {at: place(shares, *at).read_bytes() for at in FILES}
-    one = st.sampled_from(FILES)
-    changes = (
-        st.tuples(one, one.flatmap(lambda at: damaged(files[at])))
-        | st.tuples(one, one.map(files.__getitem__))
-        | st.tuples(one, st.just(None))
-        | st.tuples(one, st.sampled_from(FILES).map(lambda at: files[at] * 2))
-    )
-
-    def read(given):
-        root = tmp_path / "damaged"
-        shutil.rmtree(root, ignore_errors=True)
-        shutil.copytree(shares, root)
-        for at, content in given:
-            if content is None:
-                place(root, *at).unlink(missing_ok=True)
-            else:
-                place(root, *at).write_bytes(content)
-        try:
-            found, _ = gathered(held(place(root, 1, "")), root, COUNT)
-        except DocumentError as error:
-            message = str(error)
-        else:
-            assert {record.key for record in found} == whole
-            return
-        assert len(message.splitlines()) == 1
-        assert "damaged/shares" in message
-
-    attack(Target(st.lists(changes, min_size=1, max_size=3), read), 60)
 
 
 def field(number: int, *values: int | str | bytes) -> bytes:

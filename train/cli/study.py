@@ -56,7 +56,7 @@ def headroom_command(
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
 
 
-@asking("share", *COMMON, scenarios=30)
+@asking(*COMMON, scenarios=30)
 def look_ahead_command(
     family: Family,
     base: Annotated[str, typer.Option(help="What copies follow after an option: an option, or policy:NAME.")],
@@ -78,7 +78,7 @@ def look_ahead_command(
     raise typer.Exit(pipeline.evaluate(LookAheadEvaluation(given.request(family), looking), wide_console()))
 
 
-@asking("share", *COMMON, scenarios=20)
+@asking(*COMMON, scenarios=20)
 def periods_command(
     family: Family,
     strategy: Annotated[list[str], typer.Option(help="As that of `evaluate`; can be repeated.")],
@@ -125,7 +125,7 @@ Names = Annotated[
 ]
 
 
-@asking("scenarios", "seed", "knowledge", "share", *REPORTING)
+@asking("scenarios", "seed", "knowledge", *REPORTING)
 def score_command(
     names: Names,
     store: Annotated[

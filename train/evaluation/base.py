@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import validated
-from selector.documents.fields import Closed, Flag, Positive
+from selector.documents.fields import Positive
 from selector.strategies.strategy import DecisionStrategy
 from train.evaluation.entrants import Entrant
 from train.evaluation.trial_task import variants_of
@@ -27,26 +27,8 @@ from train.request import Request
 from train.running.run_folder import LEARNED_BEFORE, MANIFEST, Json, fingerprints, versions
 from train.running.runs import Job, RunKey, RunRecord, under
 
-OWN_STARTS = "own starts"
 DIGEST = " sha256:"
 """What follows a member that names a file in the manifest."""
-
-
-class Asked(Closed):
-    """What the identity of results does not say of the evaluation; the manifest has it beside."""
-
-    scenarios: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 1
-    """Scenarios of a family."""
-    worlds: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
-    """World seeds of each."""
-    scoring: Flag = False
-    """Whether the strategies or conditions are fixed options, each of which is scored."""
-    starts: str = OWN_STARTS
-    """Where the start configurations of an experiment come from, in two words or by a path."""
-    starts_from: str = ""
-    """The same in a sentence."""
-    measured: Mapping[str, Mapping[str, Mapping[str, float | None]]] = Field(default={})
-    """Figures measured on them elsewhere: scenario -> name of a condition -> figure -> value."""
 
 
 class Identity(BaseModel):
@@ -111,8 +93,8 @@ class Identity(BaseModel):
 
 Choosers = Mapping[str, DecisionStrategy]
 """Goal -> strategy with one row, which chooses one option for the whole team and mission."""
-Done = Mapping[RunKey, RunRecord | None]
-"""Runs that need not be done: their records, or None for those that others do."""
+Done = Mapping[RunKey, RunRecord]
+"""Runs that need not be done."""
 
 
 class Evaluation(ABC):
@@ -130,7 +112,6 @@ class Evaluation(ABC):
         memory: the knowledge store of this evaluation, if any.
         mission: the mission; before the runs begin it gets what was learned of its options.
         scenarios: names of the scenarios, in the order in which missions learn.
-        asked: what the identity does not say.
         context: under which a store keeps rewards of such missions.
         scored: condition -> goal -> option, where runs of fixed options are scored for the store.
 
@@ -142,7 +123,6 @@ class Evaluation(ABC):
     memory: Memory | None = None
     mission: MissionConfig
     scenarios: list[str]
-    asked: Asked
     context: str
     scored: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 

@@ -68,7 +68,6 @@ MISTAKES = [
     ("report none", "none: cannot be read"),
     ("look picture none none.png --time 1", "none: cannot be read"),
     ("look export none --output none.mcap", "none: cannot be read"),
-    ("gather none", "none: cannot be read"),
 ]
 
 

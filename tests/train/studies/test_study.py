@@ -17,10 +17,9 @@ from tests.train.commands import run
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.memory import StoreRequest
 from train.request import Request
-from train.running.bits import WorkerBits
 from train.running.commands import FINISHED, INTERRUPTED
 from train.running.needs import Machine
-from train.running.run_folder import WORKERS, RunFolder, read_manifest
+from train.running.run_folder import RunFolder, read_manifest
 from train.studies.config import StudyConfig
 from train.studies.study import run_study
 
@@ -63,23 +62,6 @@ def test_one_command_at_a_time_writes_a_study(configs, tmp_path, whole):
     held = RunFolder(folder, {"identity": read_manifest(folder)["identity"]}, resume=True)
     with held.alone(), pytest.raises(ConfigurationError, match="another command writes these results now"):
         studied(request_of(configs, folder, resume=True), synthetic)
-
-
-def test_a_study_keeps_which_cpus_took_part(configs, tmp_path, whole):
-    folder = tmp_path / "elsewhere"
-    shutil.copytree(whole, folder)
-    RunFolder(folder, {"identity": read_manifest(folder)["identity"]}, resume=True).note(WORKERS, {"a": "one CPU"})
-
-    def resumed(*, mixed):
-        bits = WorkerBits(mixed=mixed)
-        bits.add({"b": "other CPU"})
-        return studied(request_of(configs, folder, resume=True, bits=bits), synthetic)
-
-    with pytest.raises(ConfigurationError, match=r"missions end differently than on .*; --any-bits takes them"):
-        resumed(mixed=False)
-    assert read_manifest(folder)[WORKERS] == {"a": "one CPU"}
-    assert resumed(mixed=True) == FINISHED
-    assert read_manifest(folder)[WORKERS] == {"a": "one CPU", "b": "other CPU"}
 
 
 class Stopping(SyntheticTask):
