@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, Self
@@ -134,11 +133,6 @@ class Evaluation(ABC):
     def learns_in_turn(self) -> bool:
         """Whether missions run one after the other, and each chooses its options by the results of the earlier ones."""
         return self.memory is not None and self.memory.learns and not self.scored
-
-    @cached_property
-    def keys(self) -> list[RunKey]:
-        """Scenario and condition of all runs that are known before the first, condition by condition."""
-        return sorted((key for task in self.tasks({}) for key in task.keys), key=lambda key: key[1])
 
     def identify(self, identity: Mapping[str, Any], **beside: object) -> None:
         """Make the manifest of an identity, with further entries `beside` it."""

@@ -64,10 +64,11 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
     memory, folder, request = evaluation.memory, results.folder, evaluation.request
     if folder.learned:
         evaluation.mission = evaluation.mission.beginning_with(folder.learned)
+    total = _count(evaluation.tasks({}))  # known before the first run
     try:
-        _run_missing(evaluation, results)
+        _run_missing(evaluation, results, total)
     except (KeyboardInterrupt, WorkerLost) as end:
-        kept = f": {len(results.runs)} of {max(len(evaluation.keys), len(results.runs))} runs are kept"
+        kept = f": {len(results.runs)} of {max(total, len(results.runs))} runs are kept"
         return request.ended(end, folder.path, kept)
     finally:
         results.close()
@@ -87,17 +88,16 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
     return FINISHED
 
 
-def _run_missing(evaluation: Evaluation, results: Results) -> None:
+def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
     """Do the runs that are not done, and those of a search that follow from their results."""
     settings, tasks = evaluation.request.record, evaluation.tasks(results.runs)
     if tasks and not compiled_before():
         compile_first(tasks[0])
     if settings is not None:
-        directory = (evaluation.request.output or results.folder.path).resolve()  # workers may have another
-        settings = replace(settings, directory=directory / settings.directory)
+        directory = results.folder.path.resolve() / settings.directory  # workers may have another
+        settings = replace(settings, directory=directory)
     in_turn, left = evaluation.learns_in_turn, _count(tasks)
-    total, most = len(evaluation.keys), 0.0
-    done = max(total - left, 0)
+    done, most = max(total - left, 0), 0.0
     bar = progress("missions", total, done, results.folder.path)
     costs: dict[str, list[float]] = {}
     with bar as update, evaluation.request.engine.rounds() as each_done:

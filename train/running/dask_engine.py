@@ -129,6 +129,7 @@ def job_cluster(scheduler: str, jobs: int) -> Any:  # noqa: ANN401
     here, so that one line says why it is refused: later refusals would only be in Dask's own log.
     """
     import dask_jobqueue
+    from distributed.core import Status
 
     kind = getattr(dask_jobqueue, CLUSTERS[scheduler])
     submit = kind.job_cls.submit_command
@@ -139,6 +140,8 @@ def job_cluster(scheduler: str, jobs: int) -> Any:  # noqa: ANN401
     try:
         cluster.sync(cluster._correct_state)
     except (RuntimeError, ValueError) as error:
+        for job in cluster.workers.values():
+            job.status = Status.failed  # closing expects that, where nothing was submitted
         cluster.close()
         raise ValueError(str(error).rpartition("stderr:\n")[2].strip() or error) from error
     cluster.adapt(minimum_jobs=1, maximum_jobs=jobs)

@@ -18,8 +18,11 @@ import pytest
 import yaml
 
 from tests.paths import ROOT
+from tests.train import fake_mission
+from tests.train.commands import told
 from tests.train.records import record
 from tests.train.waiting import until
+from train.evaluation import pipeline, trial_task
 from train.running import pulse
 from train.running.engine import WorkerLost
 from train.running.processes import Processes
@@ -210,6 +213,22 @@ def whole(tmp_path_factory) -> list[dict[str, str]]:
     folder = tmp_path_factory.mktemp("whole")
     assert started(folder, "whole").wait(600) == 0
     return rows(folder / "whole")
+
+
+def test_an_interruption_keeps_the_runs_that_are_done_and_resume_does_the_rest(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)
+    words = ("evaluate", "--scenarios", 3, "--workers", 1, "--output", tmp_path / "r")
+
+    def interrupted(mission, start, *more):
+        if start.id == "2":
+            raise KeyboardInterrupt
+        return fake_mission.run_mission(mission, start, *more)
+
+    for run, code, kept, resume in ((interrupted, 130, 2, ()), (fake_mission.run_mission, 0, 6, ("--resume",))):
+        monkeypatch.setattr(trial_task, "run_mission", run)
+        ended, _, err = told(capsys, *words, *resume)
+        assert (ended, len(rows(tmp_path / "r"))) == (code, kept)
+        assert ("2 of 6 runs are kept; to go on:\n  clean-swarm evaluate" in err) is (code == 130)
 
 
 @LINUX
