@@ -19,7 +19,7 @@ from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
 from selforg.plugins import PluginError, import_named
-from train.cli import evaluate, knowledge, listing, look, machine, play, repeat, study, train
+from train.cli import evaluate, knowledge, listing, look, play, repeat, study, train, warm
 from train.cli.options import error_console, print_error
 from train.running.commands import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -51,7 +51,7 @@ def _interruptions_reported() -> Iterator[None]:
         raise typer.Exit(INTERRUPTED) from None
 
 
-PANELS = ("run", "look", "learn", "study", "machine")
+PANELS = ("run", "look", "learn", "study")
 """Groups of commands in the help, in this order."""
 
 
@@ -79,6 +79,7 @@ COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
         "evaluate": (evaluate.evaluate_command, "an experiment, or strategies on a family (1 to 60 min)"),
         "list": (listing.list_command, "what there is: kinds, and the names of one kind (seconds)"),
         "play": (play.play_command, "a mission in the browser, changed by hand (starts in seconds)"),
+        "warm": (warm.warm_command, "compile everything, once (1 min)"),
     },
     "look": {
         "explain": (repeat.explain_command, "what a robot decided at a time, and why (seconds)"),
@@ -89,7 +90,6 @@ COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     },
     "learn": {},
     "study": {"tune": (study.tune_command, "parameters and scores of options, by missions (10 to 60 min)")},
-    "machine": {"gather": (machine.gather_command, "the shares of an evaluation into one (seconds)")},
 }
 """Panel -> command -> its function, and what it is for with its usual time."""
 GROUPS: dict[str, tuple[str, dict[str, Any]]] = {
@@ -106,10 +106,6 @@ GROUPS: dict[str, tuple[str, dict[str, Any]]] = {
             "claims": study.claims_command,
         },
     ),
-    "machine": (
-        "warm, slurm: compile all, print a job array (1 min)",
-        {"warm": machine.warm_command},
-    ),
 }
 """Group, in the panel of its name -> what it is for, and its commands."""
 for _panel, _commands in COMMANDS.items():
@@ -121,7 +117,6 @@ for _name, (_summary, _below) in GROUPS.items():
         groups[_name].command(_own)(_command)
     app.add_typer(groups[_name], name=_name, short_help=_summary, rich_help_panel=_name)
 groups["learn"].add_typer(knowledge.app, name="knowledge")
-groups["machine"].command("slurm", context_settings=machine.PASSED_ON)(machine.slurm_command)
 app.add_typer(
     train.app,
     name="train",
@@ -134,10 +129,8 @@ def run_app() -> None:
     """Run the command line and exit with its code."""
     for name in THREAD_LIMITS:  # runs are parallel in processes, which inherit this limit
         os.environ.setdefault(name, "1")
-    # --trust and --import may stand anywhere; in the command of a job array they stay where they are
-    array = sys.argv[1:3] == ["machine", "slurm"]
-    words, plugins = (sys.argv[1:], []) if array else _imports(sys.argv[1:])
-    words = sorted(words, key=lambda word: word != TRUST and not array)
+    words, plugins = _imports(sys.argv[1:])  # these options may stand anywhere
+    words = sorted(words, key=lambda word: word != TRUST)
     try:
         given = [*words, *(value for name, value in os.environ.items() if name.startswith("CLEAN_SWARM_"))]
         with permitting(permission_of(given, trusted=words[:1] == [TRUST])):

@@ -30,7 +30,7 @@ from train.cli.options import (
 MOST_WORLD_SEEDS = 100
 
 
-@asking("scenarios", "seed", "knowledge", "goal", "store", "learn", "record", "minds", "share", *REPORTING)
+@asking("scenarios", "seed", "knowledge", "goal", "store", "learn", "record", "minds", *REPORTING)
 def evaluate_command(
     experiment: Annotated[str, typer.Argument(help="Name of an experiment, or path to its YAML file.")] = "table1",
     starts: Annotated[Path | None, typer.Option(help="JSON file of start configurations to run on.")] = None,

@@ -46,9 +46,6 @@ RunStore = Annotated[
         metavar="URL",
     ),
 ]
-AnyBits = Annotated[
-    bool, typer.Option("--any-bits", help="Take machines on which missions end differently, and note them.")
-]
 EveryTable = Annotated[bool, typer.Option("--all", help="Print all tables; table.md has them anyway.")]
 PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
 """Endings of figures."""
@@ -90,27 +87,17 @@ SHARED: dict[str, tuple[Any, Any]] = {
         Annotated[bool, typer.Option("--minds", help="Record what the robots' networks decide, too.")],
         False,
     ),
-    "share": (
-        Annotated[
-            str | None,
-            typer.Option(
-                help="Do the I-th of N parts of the runs, beside the other parts in --output; `gather` merges them.",
-                metavar="I/N",
-            ),
-        ],
-        None,
-    ),
     "on": (
         Annotated[
             str | None,
             typer.Option(
-                help="Run missions on the workers of a Dask scheduler, or of JOBS jobs of SLURM (extra `cluster`).",
-                metavar="tcp://HOST:PORT|slurm:JOBS",
+                help="Run missions on the workers of a Dask scheduler, or in JOBS jobs of slurm, pbs, lsf or sge "
+                "(extra `cluster`).",
+                metavar="tcp://HOST:PORT|SCHEDULER:JOBS",
             ),
         ],
         None,
     ),
-    "any_bits": (AnyBits, False),
     "force": (
         Annotated[
             bool,
@@ -125,7 +112,7 @@ SHARED: dict[str, tuple[Any, Any]] = {
     "configs": (Configs, None),
 }
 """Options that commands share: name -> type and help, default."""
-KEEPING = ("output", "resume", "workers", "on", "any_bits", "force", "configs")
+KEEPING = ("output", "resume", "workers", "on", "force", "configs")
 """Options of all commands that do missions and keep results."""
 REPORTING = (*KEEPING, "every_table", "figure")
 """Options of those that report on them."""
@@ -154,14 +141,13 @@ class GivenOptions:
         from clean_swarm_env.learning.warm_up import usable_cpus
         from clean_swarm_env.recording.recorder import RecordSettings  # these import Numba
         from train.memory import StoreRequest
-        from train.request import Request, RunShare, without_secrets
-        from train.running.bits import WorkerBits
+        from train.request import Request, without_secrets
         from train.running.needs import Machine
         from train.running.run_folder import RECORDINGS
 
         value = self.values.get
         learns = value("learn", value("store") is not None)
-        record, share = value("record") or value("minds"), value("share")
+        record = value("record") or value("minds")
         workers = value("workers") or (usable_cpus() if "workers" in self.values else 1)
         settings = {
             **{name: value(name) for name in ("scenarios", "knowledge", "goal", "output")},
@@ -170,10 +156,8 @@ class GivenOptions:
             "store": StoreRequest(value("store"), learns),
             "resume": value("resume", False),
             **{name: value(name) for name in ("every_table", "figure") if name in self.values},
-            "share": RunShare.of_text(share) if share is not None else None,
             "record": RecordSettings(Path(RECORDINGS), value("minds", False)) if record else None,
             "machine": Machine(workers, value("force", False), value("on"), value("threads", 1)),
-            "bits": WorkerBits(mixed=value("any_bits", False)),
             "words": ("clean-swarm", *map(without_secrets, sys.argv[1:])),
         }
         return Request(name, **{**settings, **more})
@@ -183,11 +167,8 @@ class GivenOptions:
         value = self.values.get
         check_whole({f"--{name}": (value(name), *bounds) for name, bounds in BOUNDS.items()})
         check_figure("--figure", value("figure"))
-        if value("share") is not None and value("output") is None:
-            raise ConfigurationError("--share: expected --output, the directory of all shares")
-        for name in ("share", "on"):
-            if value("learn") and value(name) is not None:
-                raise ConfigurationError(f"--{name}: expected no --learn, where missions learn in turn")
+        if value("learn") and value("on") is not None:
+            raise ConfigurationError("--on: expected no --learn, where missions learn in turn")
 
 
 def asking(*names: str, **defaults: object) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -77,7 +77,7 @@ Names = Annotated[
 ]
 
 
-@asking("scenarios", "seed", "knowledge", "share", *REPORTING)
+@asking("scenarios", "seed", "knowledge", *REPORTING)
 def score_command(
     names: Names,
     store: Annotated[

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, Self
@@ -17,7 +16,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import validated
-from selector.documents.fields import Closed, Flag
 from selector.strategies.strategy import DecisionStrategy
 from train.evaluation.entrants import Entrant
 from train.evaluation.trial_task import variants_of
@@ -27,26 +25,8 @@ from train.request import Request
 from train.running.run_folder import LEARNED_BEFORE, MANIFEST, Json, fingerprints, versions
 from train.running.runs import Job, RunKey, RunRecord, under
 
-OWN_STARTS = "own starts"
 DIGEST = " sha256:"
 """What follows a member that names a file in the manifest."""
-
-
-class Asked(Closed):
-    """What the identity of results does not say of the evaluation; the manifest has it beside."""
-
-    scenarios: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 1
-    """Scenarios of a family."""
-    worlds: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
-    """World seeds of each."""
-    scoring: Flag = False
-    """Whether the strategies or conditions are fixed options, each of which is scored."""
-    starts: str = OWN_STARTS
-    """Where the start configurations of an experiment come from, in two words or by a path."""
-    starts_from: str = ""
-    """The same in a sentence."""
-    measured: Mapping[str, Mapping[str, Mapping[str, float | None]]] = Field(default={})
-    """Figures measured on them elsewhere: scenario -> name of a condition -> figure -> value."""
 
 
 class Identity(BaseModel):
@@ -109,8 +89,8 @@ class Identity(BaseModel):
 
 Choosers = Mapping[str, DecisionStrategy]
 """Goal -> strategy with one row, which chooses one option for the whole team and mission."""
-Done = Mapping[RunKey, RunRecord | None]
-"""Runs that need not be done: their records, or None for those that others do."""
+Done = Mapping[RunKey, RunRecord]
+"""Runs that need not be done."""
 
 
 class Evaluation(ABC):
@@ -128,7 +108,6 @@ class Evaluation(ABC):
         memory: the knowledge store of this evaluation, if any.
         mission: the mission; before the runs begin it gets what was learned of its options.
         scenarios: names of the scenarios, in the order in which missions learn.
-        asked: what the identity does not say.
         context: under which a store keeps rewards of such missions.
         scored: condition -> goal -> option, where runs of fixed options are scored for the store.
 
@@ -140,7 +119,6 @@ class Evaluation(ABC):
     memory: Memory | None = None
     mission: MissionConfig
     scenarios: list[str]
-    asked: Asked
     context: str
     scored: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 
@@ -152,11 +130,6 @@ class Evaluation(ABC):
     def learns_in_turn(self) -> bool:
         """Whether missions run one after the other, and each chooses its options by the results of the earlier ones."""
         return self.memory is not None and self.memory.learns and not self.scored
-
-    @cached_property
-    def keys(self) -> list[RunKey]:
-        """Scenario and condition of all runs that are known before the first, condition by condition."""
-        return sorted((key for task in self.tasks({}) for key in task.keys), key=lambda key: key[1])
 
     def identify(self, identity: Mapping[str, Any], **beside: object) -> None:
         """Make the manifest of an identity, with further entries `beside` it."""

@@ -4,6 +4,7 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from selector.strategies.streams import row_keys
 from selforg.network.planning.planner import check_planner
 from selforg.registry import unknown
 from train.analysis.report import report_of, summary_of, verdict_of
-from train.evaluation.base import OWN_STARTS, Asked, Choosers, Done, Evaluation
+from train.evaluation.base import Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT
 from train.evaluation.trial_task import TrialTask, experiment_tasks, identities
 from train.reports.experiment_tables import all_tables
@@ -32,28 +33,40 @@ from train.request import Request
 from train.running.needs import check_needs, needs_of
 from train.running.runs import RunRecord, RunTask, forcing
 
+OWN_STARTS = "own starts"
+
+
+class Starts(NamedTuple):
+    """Where the start configurations of an experiment come from."""
+
+    told: str
+    """In words, for the report."""
+    source: str = OWN_STARTS
+    """In two words or by a path."""
+    stem: str = ""
+    """End of the name of the default directory."""
+    measured: Mapping[str, Mapping[str, Mapping[str, float | None]]] = {}
+    """Figures measured on them elsewhere: scenario -> name of a condition -> figure -> value."""
+
 
 class ExperimentEvaluation(Evaluation):
     """The conditions of an experiment on its start configurations, on random ones, or on those of a file."""
 
-    def __init__(
-        self, request: Request, experiment: ExperimentConfig | None = None, asked: Asked | None = None
-    ) -> None:
+    def __init__(self, request: Request) -> None:
         super().__init__(request)
         directories = self.directories
-        chosen = with_conditions(experiment or load_experiment(request.name, directories), request.conditions)
+        chosen = with_conditions(load_experiment(request.name, directories), request.conditions)
         self.scored = {}
         if request.scoring:
             chosen, self.scored = by_option(chosen, directories)
-        self.experiment, found, told = with_starts(chosen, request)
-        self.asked = asked or found
-        self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}{told}"
+        self.experiment, self.starts = with_starts(chosen, request)
+        self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}{self.starts.stem}"
         check_mission(self.experiment, directories, request.name)
         store = replace(request.store, url=request.store.url or self.experiment.mission.store or None)
         self.mission = self.experiment.mission.model_copy(update={"store": ""})
         self.scenarios = [start.id for start in self.experiment.starts]
         self.context = mission_context(chosen.mission.name)
-        source = f"experiment {chosen.name}, seed {request.seed}, {self.asked.starts}"
+        source = f"experiment {chosen.name}, seed {request.seed}, {self.starts.source}"
         self.memory = store.memory(knowledge_of(self.mission, directories), self.context, source)
         with within(shown(request.starts) if request.starts is not None else request.name):
             tasks = self._tasks()
@@ -120,9 +133,9 @@ class ExperimentEvaluation(Evaluation):
         from train.reports.figures import draw_experiment  # waits: the runs need no Matplotlib
 
         report = report_of(
-            self.experiment, self.seed, records, self.asked.measured, own_starts=self.asked.starts == OWN_STARTS
+            self.experiment, self.seed, records, self.starts.measured, own_starts=self.starts.source == OWN_STARTS
         )
-        about = f"{self.experiment.description}\nSeed {self.seed}; {self.asked.starts_from}."
+        about = f"{self.experiment.description}\nSeed {self.seed}; {self.starts.told}."
         tables, summary = all_tables(report), summary_of(report)
         return Publication(self.experiment.name, about, verdict_of(report), tables, summary, draw_experiment(report))
 
@@ -145,27 +158,25 @@ def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> Expe
     return experiment.model_copy(update={"conditions": conditions})
 
 
-def with_starts(experiment: ExperimentConfig, request: Request) -> tuple[ExperimentConfig, Asked, str]:
-    """Return an experiment with the starts that are asked for, where they come from, and the end of the stem."""
+def with_starts(experiment: ExperimentConfig, request: Request) -> tuple[ExperimentConfig, Starts]:
+    """Return an experiment with the starts that are asked for, and where they come from."""
     if request.starts is not None:
         if request.scenarios is not None:
             raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
         given, path = load_starts(request.starts), str(request.starts)
         with within(shown(request.starts)):
             mission = given.world_of(experiment.mission)
-        asked = Asked(scoring=request.scoring, starts=path, starts_from=path, measured=dict(given.measured))
         changes = {"mission": mission, "starts": given.starts}
-        return experiment.model_copy(update=changes), asked, f"-{request.starts.stem}"
+        return experiment.model_copy(update=changes), Starts(path, path, f"-{request.starts.stem}", given.measured)
     if request.scenarios is None and experiment.starts:
-        asked = Asked(scoring=request.scoring, starts_from="the experiment's own start configurations")
-        return experiment, asked, ""
+        return experiment, Starts("the experiment's own start configurations")
     count = request.scenarios or experiment.scenarios
     with within(request.name):
         check_needs(experiment.mission, count * len(experiment.conditions), request.machine)
         drawn = tuple(random_start(experiment.mission, request.seed, index) for index in range(count))
     told = f"{count} random start configurations of seed {request.seed}"
-    asked = Asked(scoring=request.scoring, starts="random starts", starts_from=told)
-    return experiment.model_copy(update={"starts": drawn}), asked, f"-{count}-scenarios"
+    changes = {"starts": drawn}
+    return experiment.model_copy(update=changes), Starts(told, "random starts", f"-{count}-scenarios")
 
 
 def by_option(

@@ -22,7 +22,7 @@ from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.robustness_report import RobustnessReport, durations_over
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FIXED, decider_named
-from train.evaluation.base import Asked, Choosers, Done, Evaluation
+from train.evaluation.base import Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
 from train.reports.family_tables import family_tables, robustness_tables
@@ -86,7 +86,6 @@ class FamilyEvaluation(Evaluation):
             self.choosers()  # a strategy that cannot choose for a whole mission is an error
         source = f"family {self.family.name}, {self.goal}, seed {request.seed}"
         known = knowledge_of(self.mission, request.directories)
-        self.asked = Asked(scenarios=len(indices), worlds=request.worlds, scoring=request.scoring)
         self.context = mission_context(self.family.name)
         self.memory = store.memory(known, self.context, source)
         identity = {

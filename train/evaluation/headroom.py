@@ -240,7 +240,7 @@ class HeadroomEvaluation(FamilyEvaluation):
         if tasks:
             raise Lacking(tasks)
         found = [[done[name, condition] for name in names] for condition in conditions]
-        return np.array([[record.result.excess_s for record in row if record is not None] for row in found])
+        return np.array([[record.result.excess_s for record in row] for row in found])
 
     def _rule_tasks(self, names: Sequence[str], condition: str, rules: Ints, done: Done) -> list[TrialTask]:
         """Return the tasks of the scenarios `names` (K,) that are not done, on which teams follow `rules` (K, S)."""

@@ -31,17 +31,15 @@ from train.deciders.named import FIXED
 from train.evaluation.base import Evaluation
 from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.family import FamilyEvaluation
-from train.evaluation.gathering import gathered
 from train.memory import Memory
 from train.reports.knowledge_tables import learned_scores
 from train.reports.text_table import TerminalTable, publish
 from train.request import Request
-from train.running.bits import noted_bits, own_bits
 from train.running.commands import FINISHED, progress
 from train.running.engine import WorkerLost, compile_first
 from train.running.finished_runs import Results
-from train.running.run_folder import ASKED, CHOSEN_OPTIONS, LEARNED_BEFORE, default_directory
-from train.running.runs import Job, RunKey, RunRecord
+from train.running.run_folder import CHOSEN_OPTIONS, default_directory
+from train.running.runs import Job, RunRecord
 
 NO_CONTEXT = np.zeros((1, 0))
 """Context of the one row of a strategy that chooses for a whole mission."""
@@ -52,41 +50,28 @@ def evaluate(evaluation: Evaluation, console: Console) -> int:
 
     The standard error shows the progress, `console` the tables.
     """
-    request, share, known = evaluation.request, evaluation.request.share, list[RunRecord]()
+    request = evaluation.request
     root = request.output or default_directory(evaluation.stem, resume=request.resume)
     if evaluation.memory is not None and not request.resume:
         evaluation.memory.check_new()
-    for remark in () if share is not None and share.gathers else evaluation.remarks():
+    for remark in evaluation.remarks():
         Console(stderr=True, highlight=False, soft_wrap=True).print(remark, markup=False)
-    manifest = {**evaluation.manifest, ASKED: evaluation.asked.model_dump()}
-    if share is not None and share.gathers:
-        known, learned = gathered(evaluation, root, share.count)
-        manifest |= {LEARNED_BEFORE: learned} if LEARNED_BEFORE in manifest else {}
-    for place in () if share is None else share.folders(root):
-        request.bits.add(noted_bits(place))
-    if share is not None and not share.gathers:
-        request.bits.add(own_bits())
-        root = share.folder(root)
-    with request.results(root, manifest, evaluation.growing) as folder:
-        return _evaluated(evaluation, Results(folder, evaluation.mistake, known), console)
+    with request.results(root, evaluation.manifest, evaluation.growing) as folder:
+        return _evaluated(evaluation, Results(folder, evaluation.mistake), console)
 
 
 def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> int:
     memory, folder, request = evaluation.memory, results.folder, evaluation.request
     if folder.learned:
         evaluation.mission = evaluation.mission.beginning_with(folder.learned)
-    wanted = evaluation.keys if request.share is None else request.share.part(evaluation.keys)
+    total = _count(evaluation.tasks({}))  # known before the first run
     try:
-        _run_missing(evaluation, results, wanted)
+        _run_missing(evaluation, results, total)
     except (KeyboardInterrupt, WorkerLost) as end:
-        kept = f": {len(results.runs)} of {max(len(wanted), len(results.runs))} runs are kept"
+        kept = f": {len(results.runs)} of {max(total, len(results.runs))} runs are kept"
         return request.ended(end, folder.path, kept)
     finally:
         results.close()
-    if request.share is not None and not request.share.gathers:
-        done = f"share {request.share} is done; `clean-swarm gather {request.output}` merges all shares"
-        console.print(done, soft_wrap=True, highlight=False)
-        return FINISHED
     publication = evaluation.publication(results.records)
     if folder.learned:
         known = knowledge_of(evaluation.mission, evaluation.directories)
@@ -103,21 +88,16 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
     return FINISHED
 
 
-def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunKey]) -> None:
-    """Do the runs that are wanted and not done, and those of a search that follow from their results."""
-    settings, others = evaluation.request.record, dict.fromkeys(set(evaluation.keys) - set(wanted))
-
-    def missing() -> Sequence[Job]:
-        return evaluation.tasks({**others, **results.runs})
-
-    tasks = missing()
+def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
+    """Do the runs that are not done, and those of a search that follow from their results."""
+    settings, tasks = evaluation.request.record, evaluation.tasks(results.runs)
     if tasks and not compiled_before():
         compile_first(tasks[0])
     if settings is not None:
-        directory = (evaluation.request.output or results.folder.path).resolve()  # workers may have another
-        settings = replace(settings, directory=directory / settings.directory)
+        directory = results.folder.path.resolve() / settings.directory  # workers may have another
+        settings = replace(settings, directory=directory)
     in_turn, left = evaluation.learns_in_turn, _count(tasks)
-    done, total, most = max(len(wanted) - left, 0), len(wanted), 0.0
+    done, most = max(total - left, 0), 0.0
     bar = progress("missions", total, done, results.folder.path)
     costs: dict[str, list[float]] = {}
     with bar as update, evaluation.request.engine.rounds() as each_done:
@@ -131,7 +111,7 @@ def _run_missing(evaluation: Evaluation, results: Results, wanted: Sequence[RunK
                     costs.setdefault(record.condition, []).append(record.result.cost_s)
                     best = min(costs, key=lambda name: fmean(costs[name]))
                     update(advance=1, more=f"lowest mean cost {fmean(costs[best]):,.0f} s: {best}")
-            done, tasks, in_turn = done + left, missing(), False
+            done, tasks, in_turn = done + left, evaluation.tasks(results.runs), False
             left = _count(tasks)
 
 

@@ -47,8 +47,7 @@ PAGE = """<!DOCTYPE html>
 MARKDOWN: Final = MarkdownIt("zero").enable(["heading", "table", "blockquote", "backticks"])
 """Reads Markdown; all else that it may hold, such as HTML, is text."""
 NOT_CHECKED = (
-    "The manifest of the directory. Whether the runs are of this configuration is not checked here; "
-    "clean-swarm gather and --resume check it."
+    "The manifest of the directory. Whether the runs are of this configuration is not checked here; --resume checks it."
 )
 EXPLAINED = (
     "Dots: missions. Grey lines join those of one scenario. Boxes: the middle half of the missions. Diamonds: means, "

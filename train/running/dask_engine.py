@@ -1,12 +1,15 @@
-"""The engine of a Dask cluster: its workers do tasks, and its scheduler gives the tasks of dead workers to others."""
+"""The engine of a Dask cluster: its workers do tasks, and its scheduler gives the tasks of dead workers to others.
+
+Dask is the only way beyond one machine, and dask-jobqueue the only way to schedulers of jobs.
+"""
 
 from __future__ import annotations
 
 import os
 import pickle
+import platform
 import re
 import shutil
-import subprocess
 import sys
 import threading
 from collections.abc import Generator, Iterator, Sequence
@@ -21,12 +24,14 @@ from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.plain import short
 from selector.documents.trust import current_permission, permitting
 from selforg.plugins import import_named, named_plugins
-from train.running.bits import WorkerBits, own_bits
+from train.running.bits import own_bits
 from train.running.engine import Round, WorkerLost
 from train.running.runs import RunRecord, Work
 
-PLACE = re.compile(r"(tcp://.+:\d+)|slurm:([1-9]\d{0,3})")
-"""Address of a scheduler, or a number of jobs."""
+CLUSTERS = {"slurm": "SLURMCluster", "pbs": "PBSCluster", "lsf": "LSFCluster", "sge": "SGECluster"}
+"""Scheduler of jobs -> the class of dask-jobqueue that speaks to it."""
+PLACE = re.compile(rf"tcp://.+:\d+|({'|'.join(CLUSTERS)}):([1-9]\d{{0,3}})")
+"""Address of a scheduler of Dask, or a scheduler of jobs with their number."""
 PACKAGES = {"distributed": "distributed", "dask_jobqueue": "dask-jobqueue"}
 PATIENCE = 10.0
 """Time in which a scheduler has to answer [s]."""
@@ -42,20 +47,22 @@ class DaskEngine:
     """Workers of the Dask scheduler at `tcp://HOST:PORT`, or of up to N jobs that are started for `slurm:N`.
 
     A task comes back as a whole. The scheduler gives the task of a dead worker to another, three times as it is set.
+    A worker on which missions end differently than here is refused at its first task.
 
     Raises:
         ConfigurationError: no such place, or a missing package.
 
     """
 
-    def __init__(self, place: str, bits: WorkerBits) -> None:
+    def __init__(self, place: str) -> None:
         found = PLACE.fullmatch(place)
         if found is None:
-            raise ConfigurationError(f"--on: expected tcp://HOST:PORT or slurm:JOBS, got {short(place)}")
+            known = ", ".join(f"{name}:JOBS" for name in CLUSTERS)
+            raise ConfigurationError(f"--on: expected tcp://HOST:PORT, {known}, got {short(place)}")
         for module, package in PACKAGES.items():
             if find_spec(module) is None:
                 raise ConfigurationError(f"--on needs {package}, which is not installed: pip install '.[cluster]'")
-        self._place, self._jobs, self._bits = place, int(found[2] or 0), bits
+        self._place, self._scheduler, self._jobs = place, found[1], int(found[2] or 0)
 
     @contextmanager
     def rounds(self) -> Iterator[Round]:
@@ -66,9 +73,9 @@ class DaskEngine:
         from distributed import Client
 
         try:
-            cluster = slurm_cluster(self._jobs) if self._jobs else None
+            cluster = job_cluster(self._scheduler, self._jobs) if self._scheduler else None
             client = Client(cluster or self._place, timeout=PATIENCE)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RuntimeError) as error:
             raise ConfigurationError(f"{self._place}: {' '.join(str(error).split())}") from error
         try:
             if cluster is None and not client.scheduler_info()["workers"]:
@@ -88,9 +95,8 @@ class DaskEngine:
             return call("train.running.dask_engine", "do_task", directory, pickled)
 
         work = partial(client.submit, remote, os.getcwd(), pure=False)
-        given = {
-            work(pickle.dumps((named_plugins(), current_permission(), pickle.dumps(task)))): task for task in tasks
-        }
+        here = (own_bits(), named_plugins(), current_permission())
+        given = {work(pickle.dumps((*here, pickle.dumps(task)))): task for task in tasks}
         try:
             for future in as_completed(given):
                 yield from self._runs(future, given[future])
@@ -102,7 +108,7 @@ class DaskEngine:
         from distributed import KilledWorker
 
         try:
-            cpus, runs = future.result()
+            done: list[RunRecord] = future.result()
         except KilledWorker as error:
             raise WorkerLost(task, int(error.allowed_failures) + 1) from error
         except ModuleNotFoundError as error:
@@ -113,39 +119,50 @@ class DaskEngine:
                 raise
             kept = "finished runs are kept, and --resume continues"
             raise ConfigurationError(f"{self._place}: the scheduler is gone; {kept}") from error
-        self._bits.add(cpus)
-        done: list[RunRecord] = runs
         return done
 
 
-def slurm_cluster(jobs: int) -> Any:  # noqa: ANN401
-    """Return a scheduler in this process and up to `jobs` jobs of SLURM, as many as there are tasks.
+def job_cluster(scheduler: str, jobs: int) -> Any:  # noqa: ANN401
+    """Return a scheduler of Dask in this process and up to `jobs` jobs with a worker each, as many as there are tasks.
 
-    What a job asks for stands in the file of dask-jobqueue: ~/.config/dask/jobqueue.yaml.
+    What a job asks for stands in the file of dask-jobqueue, ~/.config/dask/jobqueue.yaml. The first job is submitted
+    here, so that one line says why it is refused: later refusals would only be in Dask's own log.
     """
-    from dask_jobqueue import SLURMCluster
+    import dask_jobqueue
+    from distributed.core import Status
 
-    if shutil.which("sbatch") is None:
-        raise ValueError("expected the command sbatch of SLURM on this machine")
-    cluster = SLURMCluster()
-    tested = subprocess.run(["sbatch", "--test-only"], input=cluster.job_script(), text=True, capture_output=True)
-    if tested.returncode != 0:
+    kind = getattr(dask_jobqueue, CLUSTERS[scheduler])
+    submit = kind.job_cls.submit_command
+    if shutil.which(submit) is None:
+        raise ValueError(f"expected the command {submit} of {scheduler.upper()} on this machine")
+    cluster = kind()
+    cluster.worker_spec.update(cluster.new_worker_spec())
+    try:
+        cluster.sync(cluster._correct_state)
+    except (RuntimeError, ValueError) as error:
+        for job in cluster.workers.values():
+            job.status = Status.failed  # closing expects that, where nothing was submitted
         cluster.close()
-        raise ValueError(tested.stderr)
+        raise ValueError(str(error).rpartition("stderr:\n")[2].strip() or error) from error
     cluster.adapt(minimum_jobs=1, maximum_jobs=jobs)
     return cluster
 
 
-def do_task(directory: str, pickled: bytes) -> tuple[dict[str, str], list[RunRecord]]:
-    """Do a task in a worker, in the directory and with the permission of the command.
+def do_task(directory: str, pickled: bytes) -> list[RunRecord]:
+    """Return the runs of a task that a worker does, in the directory and with the permission of the command.
 
-    Return the fingerprint of the worker, and the runs.
+    Raises:
+        ConfigurationError: the worker has other files, or missions end differently on it.
+
     """
     if not Path(directory).is_dir():
         raise ConfigurationError(f"{directory}: not on a worker; expected the file system of the command")
     os.chdir(directory)
-    plugins, permission, task_pickled = pickle.loads(pickled)
+    bits, plugins, permission, task_pickled = pickle.loads(pickled)
     with _one_task, permitting(permission):
+        if own_bits() != bits:
+            expected = "expected the sources and the versions of packages of this command"
+            raise ConfigurationError(f"missions end differently on the worker {platform.node()} than here; {expected}")
         import_named(plugins)  # before the task, whose classes they may have
         task: Work = pickle.loads(task_pickled)
-        return own_bits(), list(task.each())
+        return list(task.each())

@@ -29,7 +29,6 @@ class Results:
     Args:
         folder: the directory.
         mistake: returns why a run that is read is not of this evaluation, empty if it is.
-        known: runs that are known from elsewhere, and are kept, too.
         journal: name of the file.
 
     Attributes:
@@ -45,12 +44,11 @@ class Results:
         self,
         folder: RunFolder,
         mistake: Callable[[RunRecord], str] = lambda record: "",
-        known: Sequence[RunRecord] = (),
         journal: str = JOURNAL,
     ) -> None:
         self.folder, self._journal = folder, journal
         kept = runs_of(folder.path / journal, mistake)
-        self.runs: dict[RunKey, RunRecord] = {record.key: record for record in (*known, *kept)}
+        self.runs: dict[RunKey, RunRecord] = {record.key: record for record in kept}
         self.folder.write(journal, "".join(map(_line, self.records)))
 
     @property

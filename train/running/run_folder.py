@@ -36,12 +36,6 @@ LEARNED_BEFORE = "learned"
 """Key of the manifest for the knowledge at the beginning."""
 COMMAND = "command"
 """Key of the manifest for the command as it was typed."""
-ASKED = "asked"
-"""Key of the manifest for what the identity does not say of the runs that were asked for."""
-WORKERS = "workers"
-"""Key of the manifest for the CPUs that took part elsewhere, or in shares."""
-SHARE_FOLDERS = "shares"
-"""Directory below a run folder in which commands keep the run folders of their shares."""
 CHOSEN_OPTIONS = "choices.jsonl"
 """File with the options that served each mission of an evaluation that learned."""
 PACKAGES = ("numpy", "numba", "pymunk", "scipy", "pydantic")
@@ -82,7 +76,7 @@ class RunFolder:
             raise DocumentError(f"{path}: expected a directory for the results, got a file")
         if path.exists():
             remove_parts(path)
-        if path.exists() and any(entry.name not in (SHARE_FOLDERS, RECORDINGS) for entry in path.iterdir()):
+        if path.exists() and any(entry.name != RECORDINGS for entry in path.iterdir()):
             held = self._claimed(identity, growing, resume=resume)
             self.learned, words = held.get(LEARNED_BEFORE, {}), held.get(COMMAND, [])
             self.words = list(map(str, words)) if isinstance(words, list) else []
@@ -107,12 +101,6 @@ class RunFolder:
             yield
         finally:
             os.close(number)
-
-    def note(self, key: str, value: Json) -> None:
-        """Keep a value in the manifest beside the identity, unless it is empty, or the directory was discarded."""
-        content = read_manifest(self.path) if value and self.path.exists() else {key: value}
-        if content.get(key) != value:
-            self.write(MANIFEST, json.dumps({**content, key: value}, indent=2) + "\n")
 
     def discard(self) -> None:
         """Remove the directory if it holds nothing but the manifest."""

@@ -1,4 +1,4 @@
-"""The help of all commands: few lines in five groups; and the command as it was typed, in the manifest."""
+"""The help of all commands: few lines in four groups; and the command as it was typed, in the manifest."""
 
 import json
 import re
@@ -8,17 +8,16 @@ import pytest
 from tests.train.commands import told
 from train.cli.app import PANELS
 
-KNOWN = ["evaluate", "train", "run", "play", "replay", "explain", "record", "video", "report", "tune", "gather", "list"]
+KNOWN = ["evaluate", "train", "run", "play", "replay", "explain", "record", "video", "report", "tune", "warm", "list"]
 """Commands that users know by these names."""
 GROUPS = {
     "look": {"picture", "draw"},
     "learn": {"knowledge"},
     "study": {"score", "headroom", "claims"},
-    "machine": {"warm", "slurm"},
 }
 
 
-def test_the_help_has_five_groups_of_at_most_eighteen_commands_each_with_its_time(capsys):
+def test_the_help_has_four_groups_of_at_most_eighteen_commands_each_with_its_time(capsys):
     out = told(capsys, "--help")[1]
     panels = re.split(rf"^({'|'.join(PANELS)}):$", out, flags=re.MULTILINE)[1:]
     assert tuple(panels[::2]) == PANELS

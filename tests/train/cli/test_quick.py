@@ -66,7 +66,6 @@ MISTAKES = [
     ("video none none.webp", "none: cannot be read"),
     ("report none", "none: cannot be read"),
     ("look picture none none.png --time 1", "none: cannot be read"),
-    ("gather none", "none: cannot be read"),
 ]
 
 

@@ -1,19 +1,38 @@
-"""A Dask cluster on loopback, for tests."""
+"""A Dask cluster on loopback for tests, and evaluations of fake missions that may run on it."""
 
 import json
 import os
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from tests.paths import ROOT
+from tests.train.waiting import until
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": "0.3"}
 QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+
+
+def evaluate(folder: Path, *words: str, **more: str) -> subprocess.Popen[str]:
+    """Start an evaluation of fake missions; `more` are variables of its environment."""
+    command = [sys.executable, "-m", "tests.train.fake_mission", "evaluate", "--scenarios", "20", *words]
+    pipes = {**QUIET, "stderr": subprocess.PIPE, "env": {**ENVIRONMENT, **more}}
+    return subprocess.Popen(command, cwd=folder, text=True, **pipes)
+
+
+def results(directory: Path) -> tuple[list[str], bytes, bytes]:
+    """Return what the results of equal runs have in common: the rows without their wall time, summary and tables."""
+    rows = [line.rpartition(",")[0] for line in (directory / "runs.csv").read_text().splitlines()]
+    return rows, (directory / "summary.json").read_bytes(), (directory / "table.md").read_bytes()
+
+
+def journal(directory: Path) -> int:
+    """Return the number of finished runs."""
+    path = directory / "runs.jsonl"
+    return path.read_text().count("\n") if path.exists() else 0
 
 
 @dataclass
@@ -23,14 +42,6 @@ class Cluster:
     address: str
     scheduler: subprocess.Popen[bytes]
     nannies: list[subprocess.Popen[bytes]]
-
-
-def until(what: Callable[[], object]) -> None:
-    """Wait until something is so."""
-    end = time.monotonic() + 180.0
-    while not what():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 @contextmanager

@@ -1,36 +1,46 @@
-"""Fingerprints of what CPUs make of missions: equal in any process, and one that differs is refused and not noted."""
+"""Fingerprints of how missions end: equal in any process, and a worker whose missions end differently does no task."""
 
-import json
+import pickle
 import subprocess
 import sys
 
 import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
+from selector.documents.trust import current_permission
 from tests.paths import ROOT
-from train.running.bits import WorkerBits, noted_bits, own_bits
+from tests.train.running.test_processes import Some
+from train.running import dask_engine
+from train.running.bits import course_digest, own_bits
 
 
+def sent(bits: str) -> bytes:
+    """Return a task as a command whose missions end with these bits sends it."""
+    return pickle.dumps((bits, (), current_permission(), pickle.dumps(Some("a"))))
+
+
+def test_a_fingerprint_is_of_how_missions_end():
+    first = own_bits()
+    own_bits.cache_clear()
+    assert own_bits() == first
+    assert course_digest("crowded") != course_digest("table1")
+
+
+@pytest.mark.long
 def test_another_process_has_the_same_fingerprint():
-    code = "from train.running.bits import own_bits; print(*own_bits())"
+    code = "from train.running.bits import own_bits; print(own_bits())"
     printed = subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    assert printed.split() == list(own_bits())
+    assert printed.split() == [own_bits()]
 
 
-def test_a_machine_that_differs_is_refused_and_not_noted():
-    bits = WorkerBits()
-    bits.add({"a": "one CPU"})
-    bits.add({"a": "one more of this kind"})
-    with pytest.raises(ConfigurationError, match=r"^other CPU: missions end differently than on one more of"):
-        bits.add({"b": "other CPU"})
-    assert list(bits.cpus) == ["a"]
-    mixed = WorkerBits(mixed=True)
-    mixed.add({"a": "one CPU"})
-    mixed.add({"b": "other CPU"})
-    assert list(mixed.cpus) == ["a", "b"]
-
-
-def test_damaged_notes_are_one_line(tmp_path):
-    (tmp_path / "manifest.json").write_text(json.dumps({"identity": {}, "workers": [1]}))
-    with pytest.raises(ConfigurationError, match=r"manifest.json: workers: expected fingerprints with CPUs, got \[1\]"):
-        noted_bits(tmp_path)
+def test_a_worker_does_the_tasks_of_commands_with_its_bits_and_refuses_others_in_one_line(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(dask_engine, "own_bits", lambda: "0123")
+    assert [run.key for run in dask_engine.do_task(str(tmp_path), sent("0123"))] == list(Some("a").keys)
+    for directory, bits, expected in (
+        (tmp_path, "4567", "missions end differently on the worker .* than here; expected the sources and"),
+        (tmp_path / "none", "0123", r"none: not on a worker; expected the file system of the command"),
+    ):
+        with pytest.raises(ConfigurationError, match=expected) as refused:
+            dask_engine.do_task(str(directory), sent(bits))
+        assert "\n" not in str(refused.value)

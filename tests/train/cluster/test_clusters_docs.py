@@ -1,47 +1,30 @@
-"""What docs/clusters.md shows works: warm, shares, gather, and the printed job array."""
+"""What docs/clusters.md shows works: `warm`, the places of `--on`, and the settings of Dask and of its jobs."""
 
-import os
 import re
-import shlex
-import subprocess
 
 import pytest
 import yaml
 
 from tests.paths import ROOT
-from tests.train.commands import run
+from tests.train.commands import told
+from train.cli import warm
+from train.running.dask_engine import CLUSTERS, PLACE
 
 PAGE = (ROOT / "docs" / "clusters.md").read_text(encoding="utf-8")
 
 
-def commands(name: str) -> list[list[str]]:
-    """Return the words of each command in a marked block."""
-    [block] = re.findall(rf"<!-- ci: {name} -->\n```sh\n(.*?)```", PAGE, flags=re.DOTALL)
-    return [shlex.split(line)[1:] for line in block.replace("\\\n", "").splitlines()]
+def test_the_page_names_every_scheduler_and_only_places_that_there_are():
+    assert all(f"`{name}:JOBS`" in PAGE or f"--on {name}:JOBS`" in PAGE for name in CLUSTERS)
+    shown = re.findall(r"--on (\S+:\d+)$", PAGE, flags=re.MULTILINE)
+    assert len(shown) >= 2
+    assert all(PLACE.fullmatch(place) for place in shown)
 
 
-def test_shares_and_the_job_array_give_equal_results(monkeypatch, tmp_path, capsys):
-    monkeypatch.chdir(tmp_path)
-    for words in commands("shares"):
-        assert run(*words) == 0, capsys.readouterr().err
-    capsys.readouterr()
-    [[*words, redirection, script]] = commands("script")
-    assert redirection == ">"
-    assert run(*words) == 0
-    (tmp_path / script).write_text(capsys.readouterr().out)
-    for number in "123":
-        given = {**os.environ, "PYTHONPATH": str(ROOT), "SLURM_ARRAY_TASK_ID": number}
-        subprocess.run(["sh", script], check=True, env=given, capture_output=True)
-    assert run("gather", "results/array") == 0
-    for name in ("summary.json", "table.md"):
-        shared, array = (tmp_path / "results" / folder / name for folder in ("shared", "array"))
-        assert shared.read_bytes() == array.read_bytes()
-
-
+@pytest.mark.extra
 def test_dask_knows_the_settings():
     dask = pytest.importorskip("dask", reason="Dask is not installed (extra `cluster`)")
     pytest.importorskip("distributed")
-    [text] = re.findall(r"```yaml\n(distributed:\n.*?)```", PAGE, flags=re.DOTALL)
+    pytest.importorskip("dask_jobqueue")
 
     def check(given: dict[str, object], known: dict[str, object]) -> None:
         assert given.keys() <= known.keys()
@@ -49,10 +32,27 @@ def test_dask_knows_the_settings():
             if isinstance(value, dict) and name != "pre-spawn-environ":  # any variables
                 check(value, known[name])
 
-    check(yaml.safe_load(text), dask.config.config)
+    found = re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL)
+    assert len(found) == 2
+    for text in found:
+        check(yaml.safe_load(text), dask.config.config)
 
 
-def test_warm_compiles_and_says_where(capsys):
-    assert "clean-swarm machine warm " in PAGE
-    assert run("machine", "warm") == 0
-    assert re.fullmatch(r"compiled code: \d+ MB in \S+, [\d.]+ CPU s\n", capsys.readouterr().out)
+@pytest.mark.parametrize("compiled", [pytest.param(True, marks=pytest.mark.long), False])
+def test_warm_compiles_and_says_where(compiled, capsys, monkeypatch):
+    done = []
+    if not compiled:
+        monkeypatch.setattr(warm, "_compile_everything", lambda: done.append(True))
+    assert "clean-swarm warm  " in PAGE
+    code, out, err = told(capsys, "warm")
+    assert (code, done) == (0, [] if compiled else [True]), err
+    assert re.fullmatch(r"compiled code: \d+ MB in \S+, [\d.]+ CPU s\n", out)
+
+
+def test_warm_without_a_directory_for_the_code_is_one_line(capsys, monkeypatch):
+    monkeypatch.setattr("selforg.compiler.cache.cache_directory", lambda: None)
+    assert told(capsys, "warm") == (
+        2,
+        "",
+        "error: warm: no directory can be written or has room; NUMBA_CACHE_DIR names another one\n",
+    )

@@ -24,19 +24,9 @@ def _rows(directory):
 
 
 def test_the_columns_are_those_of_the_issue():
-    assert (
-        *("experiment", "scenario", "seed", "condition", "completed", "duration_s", "collision_samples_per_s"),
-        *(
-            "collision_events_per_s",
-            "garbage_done",
-            "robots",
-            "ticks",
-            "items_per_min",
-            "cost_s",
-            "unavoidable_s",
-            "wall_s",
-        ),
-    ) == RUN_COLUMNS
+    identity, figures = "experiment scenario seed condition", "completed duration_s collision_samples_per_s"
+    further = "collision_events_per_s garbage_done robots ticks items_per_min cost_s unavoidable_s wall_s"
+    assert " ".join(RUN_COLUMNS) == f"{identity} {figures} {further}"
 
 
 def test_every_finished_run_is_on_the_disk_at_once(tmp_path):
@@ -84,14 +74,8 @@ def test_a_broken_journal_is_an_error(tmp_path):
 
 
 def test_scenarios_sort_by_their_numbers():
-    assert sorted(["10", "9", "case-10", "case-9", "b", "a1b"], key=natural_order) == [
-        "9",
-        "10",
-        "a1b",
-        "b",
-        "case-9",
-        "case-10",
-    ]
+    names = ["10", "9", "case-10", "case-9", "b", "a1b"]
+    assert sorted(names, key=natural_order) == ["9", "10", "a1b", "b", "case-9", "case-10"]
 
 
 def test_a_text_that_begins_like_a_formula_is_quoted_and_numbers_stay_numbers(tmp_path):

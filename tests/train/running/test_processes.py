@@ -1,4 +1,4 @@
-"""Worker processes: each run comes back when it is done, and a kill or Ctrl-C costs none that is."""
+"""Worker processes: each run comes back when it is done, and a kill in any phase or Ctrl-C costs none that is."""
 
 import csv
 import multiprocessing
@@ -7,8 +7,10 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,11 +18,17 @@ import pytest
 import yaml
 
 from tests.paths import ROOT
+from tests.train import fake_mission
+from tests.train.commands import told
 from tests.train.records import record
+from tests.train.waiting import until
+from train.evaluation import pipeline, trial_task
+from train.running import pulse
 from train.running.engine import WorkerLost
 from train.running.processes import Processes
 from train.running.runs import RunKey, RunRecord
 
+LINUX = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 FAMILY = {
     "name": "uneven",
     "description": "Missions of very different lengths.",
@@ -33,7 +41,7 @@ SCENARIOS = 6
 
 @dataclass(frozen=True)
 class Some:
-    """A task of three runs; before the third it may end its process (`times` at most), fail or wait."""
+    """A task of three runs, each of which tells ten seconds; before the third it may die (`times`), fail or wait."""
 
     name: str
     then: str = ""
@@ -59,58 +67,129 @@ class Some:
                 raise ValueError("no third run")
             if number == 2 and self.then == "wait":
                 time.sleep(600.0)
+            if multiprocessing.parent_process() is not None:
+                pulse.TELL_EVERY = -1.0  # at once
+            pulse.tell(10.0)
             yield record(str(number), self.name)
 
 
-def each_done(tasks, engine):
-    with engine.rounds() as done:
+def keys(runs) -> list[RunKey]:
+    return sorted(run.key for run in runs)
+
+
+def all_of(names: str) -> list[RunKey]:
+    return [(str(number), name) for number in range(3) for name in names]
+
+
+def tasks_of(names: str) -> list[Some]:
+    return [Some(name) for name in names]
+
+
+def each_done(tasks, workers: int) -> Iterator[RunRecord]:
+    with Processes(workers).rounds() as done:
         yield from done(tasks)
 
 
-def keys(runs) -> set[tuple[str, str]]:
-    return {run.key for run in runs}
+def test_all_runs_come_back_and_tell_how_far_they_are_also_where_workers_die(tmp_path, monkeypatch):
+    monkeypatch.setattr(pulse, "TELL_EVERY", -1.0)
+    tasks, heard = [Some("a", "die", tmp_path / "log", times=2), Some("b")], []
+    with pulse.listening(heard.append):
+        assert keys(each_done(tasks, 2)) == all_of("ab")
+    assert (tmp_path / "log").read_text().split() == ["0", "1", "2", "2", "2"]
+    assert heard == [10.0] * 6
 
 
-def test_all_runs_of_all_tasks_come_back():
-    tasks = [Some(str(number)) for number in range(5)]
-    expected = {(str(number), task.name) for task in tasks for number in range(3)}
-    for workers in (1, 2, 8):
-        found = list(each_done(tasks, Processes(workers)))
-        assert len(found) == 15
-        assert keys(found) == expected
+@pytest.mark.parametrize(("workers", "names"), [(1, "abcde"), (2, "a")])
+def test_a_single_worker_or_task_needs_no_other_process(workers, names, monkeypatch):
+    monkeypatch.setattr(multiprocessing, "get_context", lambda _: pytest.fail("started"))
+    assert keys(each_done(tasks_of(names), workers)) == all_of(names)
+    with pytest.raises(ValueError, match="no third run"):
+        list(each_done([Some("a", "fail")], workers))
 
 
-@pytest.mark.parametrize("times", [1, 2])
-def test_what_a_task_lacks_is_run_again_when_its_worker_dies(tmp_path, times):
-    tasks = [Some("a", "die", tmp_path / "log", times), Some("b")]
-    found = list(each_done(tasks, Processes(2)))
-    assert sorted(run.key for run in found) == [(str(number), name) for number in range(3) for name in "ab"]
-    assert (tmp_path / "log").read_text().split() == ["0", "1", *["2"] * (times + 1)]
+@pytest.mark.long
+@pytest.mark.parametrize("workers", [2, 8])
+def test_any_number_of_processes_does_all(workers):
+    assert keys(each_done(tasks_of("abcde"), workers)) == all_of("abcde")
 
 
+@pytest.mark.long
 def test_a_task_that_loses_three_workers_is_named_and_costs_no_run_that_was_done(tmp_path):
     found = []
     with pytest.raises(WorkerLost, match="scenario 2, condition a: its worker died 3 times"):
-        found.extend(each_done([Some("a", "die", tmp_path / "log", 9), Some("b", "wait")], Processes(2)))
-    assert {("0", "a"), ("1", "a")} <= keys(found) <= {("0", "a"), ("1", "a"), ("0", "b"), ("1", "b")}
+        found.extend(each_done([Some("a", "die", tmp_path / "log", times=9), Some("b", "wait")], 2))
+    assert {("0", "a"), ("1", "a")} <= set(keys(found)) <= {("0", "a"), ("1", "a"), ("0", "b"), ("1", "b")}
     assert (tmp_path / "log").read_text().count("2") == 3
 
 
-def test_workers_that_die_between_rounds_are_replaced(tmp_path):
-    with Processes(2).rounds() as done:
-        first = list(done([Some("a"), Some("b")]))
+@pytest.mark.long
+def test_an_error_in_a_task_is_raised_and_ends_the_others():
+    with no_hang(240), pytest.raises(ValueError, match="no third run"):
+        list(each_done([Some("a", "fail"), Some("b", "wait")], 2))
+
+
+# Workers that die in any phase
+
+
+@contextmanager
+def no_hang(seconds: int) -> Iterator[None]:
+    """Fail after that number of seconds."""
+
+    def fail(*_: object) -> None:
+        raise TimeoutError(f"nothing for {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, fail)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def workers_of(process: int) -> list[int]:
+    """Return the worker processes of a process."""
+    with suppress(OSError):
+        threads = Path(f"/proc/{process}/task").iterdir()
+        found = [child for one in threads for child in (one / "children").read_text().split()]
+        return [int(child) for child in found if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()]
+    return []
+
+
+def kill_first(count: int) -> None:
+    """Kill this number of workers of this process as soon as they are there."""
+    killed: set[int] = set()
+    while len(killed) < count:
+        for worker in [one for one in workers_of(os.getpid()) if one not in killed][: count - len(killed)]:
+            os.kill(worker, signal.SIGKILL)
+            killed.add(worker)
+
+
+@LINUX
+@pytest.mark.long
+@pytest.mark.parametrize("count", [1, 2])
+def test_workers_that_die_at_their_imports_are_replaced(count):
+    killing = threading.Thread(target=kill_first, args=(count,), daemon=True)
+    with no_hang(240), Processes(2).rounds() as done:
+        killing.start()
+        assert keys(done(tasks_of("abc"))) == all_of("abc")
+        assert not killing.is_alive()
+
+
+@LINUX
+@pytest.mark.long
+def test_workers_that_die_between_rounds_are_replaced():
+    with no_hang(240), Processes(2).rounds() as done:
+        for _ in range(2):
+            assert keys(done(tasks_of("abc"))) == all_of("abc")
+            kill_first(1)
         for worker in multiprocessing.active_children():
             worker.kill()
             worker.join()
-        second = list(done([Some("c"), Some("d")]))
-    assert len(first) == len(second) == 6
+        assert keys(done(tasks_of("abc"))) == all_of("abc")
 
 
-def test_an_error_in_a_task_is_raised_and_ends_the_others():
-    began = time.monotonic()
-    with pytest.raises(ValueError, match="no third run"):
-        list(each_done([Some("a", "fail"), Some("b", "wait")], Processes(2)))
-    assert time.monotonic() - began < 60.0
+# Commands
 
 
 def rows(directory: Path) -> list[dict[str, str]]:
@@ -118,37 +197,62 @@ def rows(directory: Path) -> list[dict[str, str]]:
         return [{k: v for k, v in row.items() if k != "wall_s"} for row in csv.DictReader(file)]
 
 
-def command(folder: Path, output: str) -> list[str]:
+def started(folder: Path, output: str) -> subprocess.Popen[str]:
+    """Start an evaluation of the family by two workers."""
     (folder / "uneven.yaml").write_text(yaml.safe_dump(FAMILY))
-    words = ["evaluate", "--family", str(folder / "uneven.yaml"), "--scenarios", str(SCENARIOS), "--workers", "2"]
-    words += ["--strategy", "fixed:RepulsionGradient", "--strategy", "Random", "--output", str(folder / output)]
-    return [sys.executable, "-m", "clean_swarm_env", *words]
+    words = ["evaluate", "--family", "uneven.yaml", "--scenarios", str(SCENARIOS), "--workers", "2"]
+    words += ["--strategy", "fixed:RepulsionGradient", "--strategy", "Random", "--output", output]
+    given = {"cwd": folder, "env": {**os.environ, "PYTHONPATH": str(ROOT)}, "stdout": subprocess.DEVNULL}
+    command = [sys.executable, "-m", "clean_swarm_env", *words]
+    return subprocess.Popen(command, start_new_session=True, stderr=subprocess.PIPE, text=True, **given)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-@pytest.mark.parametrize("what", ["kill", "Ctrl-C"])
-def test_no_finished_mission_of_a_family_is_lost(tmp_path, what):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "env": environment}
-    process = subprocess.Popen(command(tmp_path, "cut"), start_new_session=True, **pipes)
-    journal, end = tmp_path / "cut" / "runs.jsonl", time.monotonic() + 120.0
-    while not journal.exists() or journal.read_text().count("\n") < 2:
-        assert process.poll() is None
-        assert time.monotonic() < end, "no run finished"
-        time.sleep(0.01)
-    if what == "kill":
-        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-        workers = [child for child in children if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text()]
-        os.kill(int(workers[0]), signal.SIGKILL)
-    else:
-        os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
-    if what == "kill":
-        assert process.returncode == 0, err
-        subprocess.run(command(tmp_path, "whole"), check=True, capture_output=True, env=environment)
-        assert rows(tmp_path / "cut") == rows(tmp_path / "whole")
-        assert len(rows(tmp_path / "whole")) == 3 * SCENARIOS
-        return
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> list[dict[str, str]]:
+    """The rows of a command that nobody disturbs."""
+    folder = tmp_path_factory.mktemp("whole")
+    assert started(folder, "whole").wait(600) == 0
+    return rows(folder / "whole")
+
+
+def test_an_interruption_keeps_the_runs_that_are_done_and_resume_does_the_rest(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)
+    words = ("evaluate", "--scenarios", 3, "--workers", 1, "--output", tmp_path / "r")
+
+    def interrupted(mission, start, *more):
+        if start.id == "2":
+            raise KeyboardInterrupt
+        return fake_mission.run_mission(mission, start, *more)
+
+    for run, code, kept, resume in ((interrupted, 130, 2, ()), (fake_mission.run_mission, 0, 6, ("--resume",))):
+        monkeypatch.setattr(trial_task, "run_mission", run)
+        ended, _, err = told(capsys, *words, *resume)
+        assert (ended, len(rows(tmp_path / "r"))) == (code, kept)
+        assert ("2 of 6 runs are kept; to go on:\n  clean-swarm evaluate" in err) is (code == 130)
+
+
+@LINUX
+@pytest.mark.long
+@pytest.mark.parametrize("phase", ["imports", "missions"])
+def test_a_command_whose_worker_dies_ends_with_all_missions(tmp_path, phase, whole):
+    process, journal = started(tmp_path, "cut"), tmp_path / "cut" / "runs.jsonl"
+    shown = {"imports": lambda: True, "missions": lambda: journal.exists() and journal.read_text().count("\n") >= 2}
+    until(lambda: process.poll() is not None or (workers_of(process.pid) and shown[phase]()))
+    os.kill(workers_of(process.pid)[0], signal.SIGKILL)
+    _, err = process.communicate(timeout=600)
+    assert process.returncode == 0, err
+    assert "Traceback" not in err
+    assert rows(tmp_path / "cut") == whole
+    assert len(whole) == 3 * SCENARIOS
+
+
+@LINUX
+@pytest.mark.long
+def test_ctrl_c_costs_no_finished_mission_of_a_family(tmp_path):
+    process, journal = started(tmp_path, "cut"), tmp_path / "cut" / "runs.jsonl"
+    until(lambda: process.poll() is not None or (journal.exists() and journal.read_text().count("\n") >= 2))
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=600)
     assert process.returncode == 130
     kept = rows(tmp_path / "cut")
     of_condition = [sum(row["condition"] == name for row in kept) for name in {row["condition"] for row in kept}]

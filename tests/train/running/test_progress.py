@@ -2,31 +2,30 @@
 
 import io
 import re
-from dataclasses import dataclass, replace
-from time import sleep
+import threading
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 from rich.console import Console
 
-from tests.train.records import record
+from tests.train.waiting import until
 from train.evaluation.family import FamilyEvaluation
 from train.request import Request
 from train.running import commands, pulse
-from train.running.processes import Processes
 
 
-def test_a_log_gets_a_line_now_and_then(tmp_path, monkeypatch):
-    monkeypatch.setattr(commands, "LOG_EVERY", 0.05)
+def test_a_log_gets_a_line_now_and_then_until_the_bar_ends(tmp_path, monkeypatch):
+    monkeypatch.setattr(commands, "LOG_EVERY", 0.01)
+    log, before = tmp_path / commands.LOG, threading.active_count()
     with commands.progress("missions", 10, 2, tmp_path) as update:
-        sleep(0.12)
+        until(log.exists)
         update(advance=4, more="best so far ORCA, 54 s")
-        sleep(0.2)
-    lines = (tmp_path / commands.LOG).read_text().splitlines()
-    assert re.fullmatch(r"\d\d:\d\d:\d\d, 2 of 10 missions, time left: not known yet", lines[0])
-    assert re.fullmatch(r"\d\d:\d\d:\d\d, 6 of 10 missions, 0:00:00 left, best so far ORCA, 54 s", lines[-1])
-    sleep(0.1)
-    assert (tmp_path / commands.LOG).read_text().splitlines() == lines  # it ends with the bar
+        until(lambda: "ORCA" in log.read_text())
+    until(lambda: threading.active_count() == before)
+    first, *_, last = log.read_text().splitlines()
+    assert re.fullmatch(r"\d\d:\d\d:\d\d, 2 of 10 missions, time left: not known yet", first)
+    assert re.fullmatch(r"\d\d:\d\d:\d\d, 6 of 10 missions, \d:\d\d:\d\d left, best so far ORCA, 54 s", last)
 
 
 def test_a_narrow_terminal_shows_what_is_counted_whole_and_the_cost_before_the_name(monkeypatch):
@@ -40,24 +39,27 @@ def test_a_narrow_terminal_shows_what_is_counted_whole_and_the_cost_before_the_n
     assert len(last) <= 80
 
 
-def time_left(completed, total, elapsed, **fields):
+MOST = {"most": 30 * 600.0, "ran": 1800.0}
+
+
+@pytest.mark.parametrize(
+    ("completed", "total", "elapsed", "fields", "expected"),
+    [
+        (30.0, 90.0, 10.0, {"begun": 20}, "0:01:00 left"),  # what this command did
+        (95.0, 90.0, 10.0, {"begun": 20}, "0:00:00 left"),  # a training ends with a whole round
+        (0.0, 1.0, 10.0, {"most": -1.0, "ran": 1.0}, "time left: not known yet"),  # a time that is refused later
+        (0.0, 1.0, 10.0, {"most": float("nan"), "ran": 1.0}, "time left: not known yet"),
+        (0, 30, 4.0, MOST, "at most 0:00:36 left"),  # the simulated seconds, before there are results
+        (0, 30, 40.0, MOST | {"ran": 10.0}, "time left: not known yet"),  # a mechanism is compiled
+        (1, 30, 4.0, MOST, "at most 0:00:36 left"),  # one result is too few
+        (6, 30, 4.0, MOST, "0:00:16 left"),
+        (0, 30, 24.0, MOST | {"first": 20.0}, "at most 0:00:36 left"),  # workers started
+    ],
+)
+def test_the_time_left(completed, total, elapsed, fields, expected):
     fields = {"begun": 0, "most": 0.0, "ran": 0.0, "first": 0.0, **fields}
-    return commands.time_left(SimpleNamespace(completed=completed, total=total, elapsed=elapsed, fields=fields))
-
-
-def test_the_time_left_counts_what_this_command_did():
-    assert time_left(30.0, 90.0, 10.0, begun=20) == "0:01:00 left"
-    assert time_left(95.0, 90.0, 10.0, begun=20) == "0:00:00 left"  # a training ends with a whole round
-    for most in (-1.0, float("nan")):  # a time that is refused later
-        assert time_left(0.0, 1.0, 10.0, most=most, ran=1.0) == "time left: not known yet"
-
-
-def test_before_there_are_results_the_simulated_seconds_bound_the_time_left():
-    assert time_left(0, 30, 4.0, most=30 * 600.0, ran=1800.0) == "at most 0:00:36 left"
-    assert time_left(0, 30, 40.0, most=30 * 600.0, ran=10.0) == "time left: not known yet"  # a mechanism is compiled
-    assert time_left(1, 30, 4.0, most=30 * 600.0, ran=1800.0) == "at most 0:00:36 left"  # one result is too few
-    assert time_left(6, 30, 4.0, most=30 * 600.0, ran=1800.0) == "0:00:16 left"
-    assert time_left(0, 30, 24.0, most=30 * 600.0, ran=1800.0, first=20.0) == "at most 0:00:36 left"  # workers started
+    task = SimpleNamespace(completed=completed, total=total, elapsed=elapsed, fields=fields)
+    assert commands.time_left(task) == expected
 
 
 def test_missions_of_a_batch_tell_how_far_they_are_long_before_the_first_has_ended(monkeypatch):
@@ -72,34 +74,6 @@ def test_missions_of_a_batch_tell_how_far_they_are_long_before_the_first_has_end
             at_first.append(sum(heard))
     assert at_first[0] >= 2 * 19.0
     assert sum(heard) == pytest.approx(2 * 20.0)
-
-
-@dataclass(frozen=True)
-class Telling:
-    """A task whose one run tells ten seconds, one by one."""
-
-    name: str
-
-    @property
-    def keys(self):
-        return (("1", self.name),)
-
-    def each(self):
-        pulse.TELL_EVERY = 0.0
-        for _ in range(10):
-            pulse.tell(1.0)
-        yield record("1", self.name)
-
-
-def test_workers_tell_their_command_how_far_they_are():
-    heard = []
-    with pulse.listening(heard.append), Processes(2).rounds() as done:
-        found = list(done([Telling("a"), Telling("b")]))
-        pulse.TELL_EVERY = 0.0
-        pulse.tell(0.0)  # what has been gathered since
-        pulse.TELL_EVERY = 0.5
-    assert len(found) == 2
-    assert sum(heard) == 20.0
 
 
 def test_what_a_listener_hears_is_gathered(monkeypatch):

@@ -23,14 +23,6 @@ def test_a_directory_with_other_files_is_refused(tmp_path, name, resume):
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [(name, "{}")]
 
 
-def test_results_are_not_overwritten_without_resume(tmp_path):
-    RunFolder(tmp_path, MANIFEST, resume=False)
-    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
-    with pytest.raises(ConfigurationError, match="has these results already; give --resume"):
-        RunFolder(tmp_path, MANIFEST, resume=False)
-    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
-
-
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
@@ -89,13 +81,23 @@ def test_entries_that_may_grow_are_all_kept(tmp_path):
     assert contents(tmp_path) == before
 
 
-def test_a_training_claims_its_directory_in_the_same_way(tmp_path):
-    RunFolder(tmp_path, {"identity": {"seed": 1, "directories": ("a",)}}, resume=False)
-    RunFolder(tmp_path, {"identity": {"seed": 1, "directories": ("a",)}}, resume=True)
+def test_results_are_continued_by_resume_only_and_tuples_are_lists(tmp_path):
+    manifest = {"identity": {"seed": 1, "directories": ("a",)}}
+    RunFolder(tmp_path, manifest, resume=False)
+    before = contents(tmp_path)
+    RunFolder(tmp_path, manifest, resume=True)
     with pytest.raises(ConfigurationError, match="has these results already; give --resume"):
-        RunFolder(tmp_path, {"identity": {"seed": 1, "directories": ("a",)}}, resume=False)
-    with pytest.raises(ConfigurationError, match="has other results: seed: expected 2, got 1"):
-        RunFolder(tmp_path, {"identity": {"seed": 2, "directories": ("a",)}}, resume=True)
+        RunFolder(tmp_path, manifest, resume=False)
+    assert contents(tmp_path) == before
+
+
+def test_one_command_at_a_time_has_a_directory(tmp_path):
+    first, second = (RunFolder(tmp_path, MANIFEST, resume=resume) for resume in (False, True))
+    refused = pytest.raises(ConfigurationError, match="another command writes these results now")
+    with first.alone(), refused, second.alone():
+        pass
+    with second.alone():
+        pass
 
 
 def test_default_directories_are_numbered_and_resumed_last(tmp_path, monkeypatch):

@@ -1,5 +1,6 @@
 """Compiling before the runs: once, said on the standard error, and not again."""
 
+import fcntl
 import os
 import subprocess
 import sys
@@ -15,10 +16,11 @@ from clean_swarm_env.learning import warm_up
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
+from selforg.compiler.decorators import KERNELS
 from selforg.gradients.store import tables
 from tests.train import fake_mission
 from train.evaluation import pipeline
-from train.evaluation.base import Asked, Evaluation
+from train.evaluation.base import Evaluation
 from train.reports.text_table import Grid, Publication
 from train.request import Request
 from train.running.engine import compile_first
@@ -60,7 +62,7 @@ def test_the_beginning_of_a_run_compiles_and_says_so(task, limits, capsys):
 class OneRun(Evaluation):
     """One run."""
 
-    stem, manifest, asked = "one", {"identity": {"one": 1}}, Asked()
+    stem, manifest = "one", {"identity": {"one": 1}}
 
     def __init__(self, task, **settings):
         super().__init__(Request("one", **settings))
@@ -91,14 +93,9 @@ def test_an_evaluation_compiles_in_one_process_before_the_workers_start(
     assert pipeline.evaluate(evaluation, pipeline.Console()) == pipeline.FINISHED
     assert limits == expected
     assert (LINE in capsys.readouterr().err) is not compiled
-
-
-def test_nothing_is_compiled_for_an_evaluation_that_is_done(task, limits, monkeypatch, tmp_path):
-    pipeline.evaluate(OneRun(task, output=tmp_path / "r", resume=True), pipeline.Console())
-    limits.clear()
-    monkeypatch.setattr(pipeline, "compiled_before", lambda: False)
-    pipeline.evaluate(OneRun(task, output=tmp_path / "r", resume=True), pipeline.Console())
-    assert limits == []
+    again = OneRun(task, output=tmp_path / "r", resume=True)
+    assert pipeline.evaluate(again, pipeline.Console()) == pipeline.FINISHED
+    assert limits == expected, "nothing is compiled for an evaluation that is done"
 
 
 def test_compiled_code_is_looked_for_in_the_folder_of_todays_sources(monkeypatch, tmp_path):
@@ -122,13 +119,11 @@ def test_a_mission_shorter_than_the_warm_up_keeps_its_limit(task):
     assert short.beginning().first.mission.time_limit == 20.0
 
 
-@pytest.mark.parametrize(("module", "kernel"), [(tables, "rebuild")])
-def test_the_warm_up_calls_kernels_that_no_first_second_needs(task, module, kernel, monkeypatch):
-    called = []
-    compiled = getattr(module, kernel)
-    monkeypatch.setattr(module, kernel, lambda *given: called.append(kernel) or compiled(*given))
+def test_the_warm_up_calls_a_kernel_that_no_first_second_needs(task, monkeypatch):
+    called, compiled = [], tables.rebuild
+    monkeypatch.setattr(tables, "rebuild", lambda *given: called.append(given) or compiled(*given))
     replace(task, run_mission=run_mission).beginning().run()
-    assert kernel in called
+    assert called
 
 
 def test_python_says_it_too_once_in_a_process_and_can_be_silenced(monkeypatch, capsys):
@@ -141,6 +136,7 @@ def test_python_says_it_too_once_in_a_process_and_can_be_silenced(monkeypatch, c
         assert capsys.readouterr().err == said
 
 
+LISTED_LINES = warm_up.FIRST_KERNELS.read_text(encoding="utf-8").splitlines()
 LISTED = """
 import clean_swarm_env.learning.batch as batch
 from clean_swarm_env.learning.warm_up import run_through
@@ -150,12 +146,18 @@ print(*compiled_lines(), sep="\\n")
 """
 
 
+def test_the_list_names_kernels_that_are_there_and_those_of_every_mission_last():
+    names = [line.partition(" ")[0] for line in LISTED_LINES]
+    assert set(names) <= KERNELS.keys()
+    last = [name.startswith("clean_swarm_env.tasks.cleaning.cargo.") for name in names]
+    assert last == sorted(last)
+    assert any(last)
+
+
+@pytest.mark.long
 def test_the_list_has_the_kernels_that_the_first_mission_calls():
     told = subprocess.check_output([sys.executable, "-c", LISTED], text=True).splitlines()
-    listed = warm_up.FIRST_KERNELS.read_text(encoding="utf-8").splitlines()
-    assert sorted(told) == sorted(listed), "python -m benchmarks.first_start --list makes it again"
-    last = [line for line in listed if line.startswith("clean_swarm_env.tasks.cleaning.cargo.")]
-    assert listed[-len(last) :] == last, "what says that all is compiled comes last"
+    assert sorted(told) == sorted(LISTED_LINES), "python -m benchmarks.first_start --list makes it again"
 
 
 @pytest.fixture
@@ -173,12 +175,10 @@ def compiled(monkeypatch):
 
 
 def test_each_kernel_is_taken_by_one_process_and_one_that_fails_stops_nobody(compiled, tmp_path):
-    listed = warm_up.FIRST_KERNELS.read_text(encoding="utf-8").splitlines()
     (tmp_path / "3").touch()
-    warm_up.compile_share(str(tmp_path))
-    assert compiled == [line for number, line in enumerate(listed) if number != 3]
-    warm_up.compile_share(str(tmp_path))
-    assert len(compiled) == len(listed) - 1
+    for _ in range(2):
+        warm_up.compile_share(str(tmp_path))
+        assert compiled == [line for number, line in enumerate(LISTED_LINES) if number != 3]
 
 
 def test_a_helper_whose_parent_has_gone_ends(compiled, tmp_path):
@@ -200,7 +200,7 @@ def test_helpers_that_die_or_hang_hold_nothing_up(helper, compiled, monkeypatch)
     began = time.monotonic()
     warm_up.compile_listed()
     assert time.monotonic() - began < 30.0
-    assert len(compiled) == len(warm_up.FIRST_KERNELS.read_text(encoding="utf-8").splitlines())
+    assert len(compiled) == len(LISTED_LINES)
 
 
 def test_helpers_end_with_an_interruption(monkeypatch):
@@ -208,11 +208,6 @@ def test_helpers_end_with_an_interruption(monkeypatch):
         raise KeyboardInterrupt
 
     started = []
-
-    def start(*words, **more):
-        started.append(subprocess.Popen(*words, **more))
-        return started[-1]
-
     monkeypatch.setattr(warm_up, "usable_cpus", lambda: 2)
     monkeypatch.setattr(warm_up, "HELPER", "import time\ntime.sleep(60)")
     monkeypatch.setattr(warm_up, "compile_share", interrupted)
@@ -242,6 +237,16 @@ def test_a_system_that_allows_no_more_processes_leaves_all_to_the_work(compiled,
     assert compiled == []
 
 
+def test_others_wait_for_the_one_that_compiles(monkeypatch, tmp_path):
+    monkeypatch.setattr(warm_up, "cache_directory", lambda: tmp_path)
+    held, again = warm_up.one_process(), warm_up.one_process()
+    with held, again, (tmp_path / "compiling.lock").open() as lock, pytest.raises(BlockingIOError):
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # as another process does
+    with (tmp_path / "compiling.lock").open() as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+@pytest.mark.long
 def test_other_processes_wait_for_the_one_that_compiles(tmp_path):
     code = (
         "import time\nfrom clean_swarm_env.learning.warm_up import one_process\n"

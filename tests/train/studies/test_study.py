@@ -15,10 +15,8 @@ from selector.store import KnowledgeStore
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.memory import StoreRequest
 from train.request import Request
-from train.running.bits import WorkerBits
 from train.running.commands import FINISHED, INTERRUPTED
 from train.running.needs import Machine
-from train.running.run_folder import WORKERS, RunFolder, read_manifest
 from train.studies.config import StudyConfig
 from train.studies.study import run_study
 
@@ -56,23 +54,6 @@ def test_four_workers_come_to_the_same(configs, tmp_path, whole):
     request = request_of(configs, tmp_path / "four", machine=Machine(4))
     assert studied(request, synthetic) == FINISHED
     assert contents(tmp_path / "four") == contents(whole)
-
-
-def test_a_study_keeps_which_cpus_took_part(configs, tmp_path, whole):
-    folder = tmp_path / "elsewhere"
-    shutil.copytree(whole, folder)
-    RunFolder(folder, {"identity": read_manifest(folder)["identity"]}, resume=True).note(WORKERS, {"a": "one CPU"})
-
-    def resumed(*, mixed):
-        bits = WorkerBits(mixed=mixed)
-        bits.add({"b": "other CPU"})
-        return studied(request_of(configs, folder, resume=True, bits=bits), synthetic)
-
-    with pytest.raises(ConfigurationError, match=r"missions end differently than on .*; --any-bits takes them"):
-        resumed(mixed=False)
-    assert read_manifest(folder)[WORKERS] == {"a": "one CPU"}
-    assert resumed(mixed=True) == FINISHED
-    assert read_manifest(folder)[WORKERS] == {"a": "one CPU", "b": "other CPU"}
 
 
 class Stopping(SyntheticTask):
