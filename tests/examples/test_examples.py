@@ -1,10 +1,12 @@
 """Each example runs where its framework is installed, and its model is compared by `clean-swarm evaluate`."""
 
+import ast
 import os
 import signal
 import subprocess
 import sys
 import urllib.request
+from importlib import import_module
 from importlib.util import find_spec
 
 import pytest
@@ -16,6 +18,7 @@ from tests.paths import ROOT
 pytestmark = pytest.mark.example
 ALONE = {"robot_policy.py", "own_task.py"}
 """Examples without a framework, which other tests try."""
+OURS = ("selforg", "selector", "clean_swarm_env", "train")
 FILES = sorted(path.name for path in (ROOT / "examples").glob("*.py"))
 
 
@@ -29,6 +32,8 @@ def run(directory, *arguments):
     return done.stdout
 
 
+@pytest.mark.long
+@pytest.mark.extra
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: " ".join(example.command.split()[:2]))
 def test_an_example_runs_and_its_model_is_evaluated(example, tmp_path):
     for package in (example.needs, "torch"):
@@ -48,6 +53,17 @@ def test_every_example_has_a_run():
     assert sorted({example.command.split()[0] for example in EXAMPLES} | ALONE) == FILES
 
 
+@pytest.mark.parametrize("name", FILES)
+def test_an_example_imports_what_there_is(name):
+    for node in ast.walk(ast.parse((ROOT / "examples" / name).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and str(node.module).startswith(OURS):
+            if node.module == "clean_swarm_env.sb3":
+                pytest.importorskip("stable_baselines3", reason="needs the extra 'train'")
+            module = import_module(node.module)
+            for alias in node.names:
+                assert hasattr(module, alias.name) or find_spec(f"{node.module}.{alias.name}"), alias.name
+
+
 def test_the_head_of_an_example_installs_the_versions_that_ran():
     for name in sorted({*FILES} - ALONE):
         head = (ROOT / "examples" / name).read_text(encoding="utf-8").split('"""')[1]
@@ -57,6 +73,8 @@ def test_the_head_of_an_example_installs_the_versions_that_ran():
         assert any(versions <= {*packages} for _, *packages in ENVIRONMENTS.values()), (name, versions)
 
 
+@pytest.mark.long
+@pytest.mark.extra
 @pytest.mark.filterwarnings("ignore")
 def test_supersuit_trains_by_copies_in_two_processes():
     """As PettingZoo's tutorial of Stable-Baselines3 does: copies by cloudpickle, robots as environments."""
@@ -71,6 +89,8 @@ def test_supersuit_trains_by_copies_in_two_processes():
         envs.close()
 
 
+@pytest.mark.long
+@pytest.mark.extra
 @pytest.mark.filterwarnings("ignore")
 def test_the_notebook_runs(tmp_path):
     nbclient = pytest.importorskip("nbclient", reason="needs nbclient: make examples")
@@ -103,6 +123,8 @@ def with_plugin(tmp_path):
     return python
 
 
+@pytest.mark.long
+@pytest.mark.extra
 def test_a_plugin_works_as_a_wheel_in_a_fresh_environment(with_plugin, tmp_path):
     lines = blocks("docs/own_plugins.md", "sh")[0].commands()[1:]
     start = [with_plugin, "-m", "clean_swarm_env"]
