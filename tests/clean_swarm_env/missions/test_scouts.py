@@ -9,6 +9,7 @@ from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selforg.network import state as st
 from tests.clean_swarm_env.courses import difference, snapshot
+from tests.paths import ROOT
 
 TRANSPORT = ("MoveToRecycling", "Recycle", "MoveToDump", "Dump")
 MISSION = load_mission("scouts")
@@ -38,7 +39,8 @@ def durations(config, seeds):
     return lasted
 
 
-def test_both_models_do_their_part():
+def test_the_mission_has_fewer_than_forty_lines_and_both_models_do_their_part():
+    assert len((ROOT / "configs/missions/scouts.yaml").read_text().splitlines()) < 40
     batch = begun()
     task, most, found = batch.worlds.task, 0, False
     for _ in range(150):

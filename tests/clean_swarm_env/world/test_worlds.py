@@ -219,7 +219,7 @@ def test_compiled_and_plain_python_take_the_same_course():
     np.testing.assert_allclose(_switched("NUMBA_DISABLE_JIT", "mission()"), compiled, atol=1e-9)
 
 
-@pytest.mark.long
+@pytest.mark.skipif("CLEAN_SWARM_LONG" not in os.environ, reason="compiles every kernel again: make long")
 def test_without_records_by_address_robots_that_touch_take_the_same_course():
     """Records are named tuples then, references are counted, and Chipmunk is called from Python."""
     steps = course(worlds_at_start(CROWD, [5], 0), 0, 40)

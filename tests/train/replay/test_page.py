@@ -419,6 +419,20 @@ def test_numbers_of_robots_stand_apart(opened):
     assert told > 300
 
 
+def test_a_picture_of_a_hundred_robots_takes_8_ms_at_most(watched, tmp_path):
+    """The median of 60 pictures with all layers, the least of five tries, because the machine may be busy."""
+    changes = {"world": {"width": 35.0, "height": 35.0}, "robots": {"count": 100}, "time_limit": 12.0}
+    mission = MissionConfig.model_validate(with_changes(load_mission("table1").model_dump(), changes))
+    run = MissionRun(mission, random_start(mission, 3, 0), 3, {})
+    record_mission(run, RecordSettings(tmp_path, minds=True, name="many"), {})
+    write_page([RecordedMission(tmp_path / "many.swarm")], tmp_path / "many.html")
+    page, _, _ = watched(viewport={"width": 1366, "height": 768})
+    page.goto((tmp_path / "many.html").as_uri() + "#t=5&robot=7")
+    page.wait_for_selector("body[data-ready]")
+    page.evaluate("document.querySelectorAll('[data-layer]:not(:disabled)').forEach((box) => { box.checked = true; })")
+    assert min(page.evaluate("replay.page.measure(60)") for _ in range(5)) <= 8.0
+
+
 def test_worlds_side_by_side_are_on_one_line_and_fit(watched, results):
     for width, height in ((1366, 768), (1440, 1100), (390, 844)):
         page, said, _ = watched(viewport={"width": width, "height": height})
