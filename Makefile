@@ -3,12 +3,7 @@ BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
 	benchmarks.costs benchmarks.walls benchmarks.threads benchmarks.switching benchmarks.document benchmarks.required
 
-UNCOMPILED := tests/selforg/mechanisms tests/selforg/gradients tests/selforg/components \
-	$(addprefix tests/selforg/,test_elementary.py test_grid.py test_randomness.py test_space.py) \
-	$(addprefix tests/selforg/network/,test_contract.py test_network.py test_reference.py) \
-	tests/clean_swarm_env/world/test_reception.py
-
-.PHONY: check lint test quick durations docs uncompiled golden examples newest long soak mutants learning bench dist
+.PHONY: check lint test quick durations docs golden examples newest long soak mutants learning bench dist
 
 check: lint test  ## all that CI asks for
 
@@ -29,9 +24,6 @@ durations:  ## CPU and wall seconds of each test file of the gate into tests/dur
 
 docs:  ## the site, build/site/html/index.html, from docs/ and the code; warnings are errors, no network is needed
 	NUMBA_DISABLE_JIT=1 $(BIN)python -W ignore::RuntimeWarning -m docs.site.build
-
-uncompiled:  ## some tests with kernels as plain functions
-	NUMBA_DISABLE_JIT=1 $(BIN)python -m pytest -n 2 --dist loadfile $(UNCOMPILED)
 
 golden:  ## numbers of the original implementation, as the tests compare them: which agree, and what is set aside
 	$(BIN)python -m tests.golden

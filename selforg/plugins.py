@@ -75,7 +75,7 @@ def is_named(place: str) -> bool:
 
 def module_of(place: str) -> ModuleType:
     """Return a module, also one in the working directory, or that of a file; it is executed once in a process."""
-    with told_in_a_line(place):
+    with errors_in_a_line(place):
         if place.endswith(".py"):
             return _module_of_file(place)
         if os.getcwd() not in sys.path:
@@ -92,7 +92,7 @@ def load() -> None:
                 for place in named_plugins():
                     module_of(place)
                 for entry in installed():
-                    with told_in_a_line(entry.module):
+                    with errors_in_a_line(entry.module):
                         entry.load()
             except PluginError as error:
                 _loaded[0] = error
@@ -131,7 +131,7 @@ def is_own(cls: Any) -> bool:  # noqa: ANN401
 
 
 @contextmanager
-def told_in_a_line(place: str) -> Iterator[None]:
+def errors_in_a_line(place: str) -> Iterator[None]:
     """Let whatever goes wrong in a plug-in become one line with its place in the files of the plug-in."""
     try:
         yield
@@ -153,7 +153,7 @@ def contract(owner: object, part: str, *inputs: Any) -> Iterator[None]:  # noqa:
     import numpy as np  # finding names and files takes no numbers
 
     before = [array.copy() for array in inputs]
-    with told_in_a_line(_named(owner).__module__):
+    with errors_in_a_line(_named(owner).__module__):
         yield
     if not all(map(np.array_equal, inputs, before)):
         raise broken(owner, part, "expected to change no array that it reads, got a change")

@@ -1,4 +1,4 @@
-"""Measures the structure of the code: `python -m tests.house [CHECKOUT] [-v]` prints the figures, -v what they count.
+"""Looks at the structure of the code: circles of imports, sizes of folders, names and signatures.
 
 Circles count every import, inside functions and under TYPE_CHECKING too. A name counts as defined twice if two packages
 define it at the top of a module; which of those mean the same is for the reader to say (`SAME_MEANING`).
@@ -7,10 +7,10 @@ define it at the top of a module; which of those mean the same is for the reader
 from __future__ import annotations
 
 import ast
-import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 from tests.paths import ROOT
@@ -29,7 +29,7 @@ RETIRED = {
     "restore": "nothing: what follows from the rest is declared as derived, see selforg.arrays",
     "steered": "driven: a learner drives, a mechanism steers",
 }
-"""Names of functions, methods and fields that had too many meanings: what to say instead."""
+"""Words that had too many meanings in names of functions, methods and fields: what to say instead."""
 
 
 @cache
@@ -61,33 +61,13 @@ def imports(root: Path = ROOT) -> dict[str, set[str]]:
     return graph
 
 
-def circles(root: Path = ROOT) -> list[list[str]]:
-    """Return the groups of modules that import each other, directly or not."""
-    graph, number, low = imports(root), {}, {}
-    stack: list[str] = []
-    found: list[list[str]] = []
-
-    def visit(name: str) -> None:
-        number[name] = low[name] = len(number)
-        stack.append(name)
-        for other in sorted(graph[name]):
-            if other not in number:
-                visit(other)
-                low[name] = min(low[name], low[other])
-            elif other in stack:
-                low[name] = min(low[name], number[other])
-        if low[name] == number[name]:
-            group = [stack.pop()]
-            while group[-1] != name:
-                group.append(stack.pop())
-            if len(group) > 1:
-                found.append(sorted(group))
-
-    sys.setrecursionlimit(10_000)
-    for name in sorted(graph):
-        if name not in number:
-            visit(name)
-    return found
+def circle(root: Path = ROOT) -> list[str]:
+    """Return modules that import each other, directly or not; none if there is no circle."""
+    try:
+        TopologicalSorter(imports(root)).prepare()
+    except CycleError as error:
+        return sorted(set(error.args[1]))
+    return []
 
 
 def modules_in_folders(root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> Counter[str]:
@@ -107,8 +87,8 @@ def definitions(tree: ast.Module) -> Iterator[str]:
             yield node.target.id
 
 
-def names_defined_twice(root: Path = ROOT, *, across_packages: bool = False) -> dict[str, list[str]]:
-    """Return the public names that more than one module (or package) defines, with those modules."""
+def names_defined_twice(root: Path = ROOT) -> dict[str, list[str]]:
+    """Return the public names that more than one package defines, with the modules that do."""
     where: dict[str, set[str]] = defaultdict(set)
     for module, tree in sources(root).items():
         for name in definitions(tree):
@@ -117,12 +97,12 @@ def names_defined_twice(root: Path = ROOT, *, across_packages: bool = False) -> 
     return {
         name: sorted(modules)
         for name, modules in sorted(where.items())
-        if len({m.partition(".")[0] if across_packages else m for m in modules}) > 1
+        if len({module.partition(".")[0] for module in modules}) > 1
     }
 
 
 def retired_names(root: Path = ROOT) -> dict[str, str]:
-    """Return the functions, methods and fields with a name that no longer is one, and what to say instead."""
+    """Return the functions, methods and fields with a retired word in their name, and what to say instead."""
     found = []
     for module, tree in sources(root).items():
         found += [(module, owner, function.name) for function, owner in functions(tree)]
@@ -130,7 +110,10 @@ def retired_names(root: Path = ROOT) -> dict[str, str]:
             fields = (node.target for node in cls.body if isinstance(node, ast.AnnAssign))
             found += [(module, cls.name, field.id) for field in fields if isinstance(field, ast.Name)]
     return {
-        ".".join(filter(None, names)): RETIRED[word] for names in found if (word := names[-1].lstrip("_")) in RETIRED
+        ".".join(filter(None, names)): RETIRED[word]
+        for names in found
+        for word in names[-1].split("_")
+        if word in RETIRED
     }
 
 
@@ -165,55 +148,3 @@ def functions(node: ast.AST, owner: str | None = None) -> Iterator[tuple[ast.Fun
             child.name if isinstance(child, ast.ClassDef) else None if isinstance(child, ast.FunctionDef) else owner
         )
         yield from functions(child, inside)
-
-
-def lines(root: Path = ROOT) -> int:
-    """Return how many lines of code there are, neither blank nor comment nor docstring."""
-    total = 0
-    for package in PACKAGES:
-        for path in (root / package).rglob("*.py"):
-            text = path.read_text(encoding="utf-8")
-            prose = set()
-            for node in ast.walk(ast.parse(text)):
-                if (
-                    isinstance(node, ast.Expr)
-                    and isinstance(node.value, ast.Constant)
-                    and isinstance(node.value.value, str)
-                ):
-                    prose |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
-            rows = enumerate(text.splitlines(), 1)
-            total += sum(
-                1 for number, row in rows if row.strip() and not row.strip().startswith("#") and number not in prose
-            )
-    return total
-
-
-def skips(root: Path = ROOT) -> int:
-    """Return how often the formatter is switched off."""
-    files = (path for package in PACKAGES for path in (root / package).rglob("*.py"))
-    return sum(path.read_text(encoding="utf-8").count("# fmt: skip") for path in files)
-
-
-def main() -> None:
-    """Print the figures of a checkout."""
-    given = [word for word in sys.argv[1:] if word != "-v"]
-    root = Path(given[0]).resolve() if given else ROOT
-    folders, signatures = modules_in_folders(root), long_signatures(root)
-    twice = names_defined_twice(root)
-    print(f"modules: {sum(folders.values())}; most in a folder: {folders.most_common(3)}")
-    print(f"circles: {len(circles(root))} of {sorted(map(len, circles(root)), reverse=True)} modules")
-    print(f"names defined in several modules: {len(twice)}, in several packages: "
-          f"{len(names_defined_twice(root, across_packages=True))}")  # fmt: skip
-    print(f"functions with too many arguments: {len(signatures)}; longest: {signatures[:3]}")
-    print(f"'fmt: skip': {skips(root)}; lines of code: {lines(root)}")
-    if "-v" in sys.argv:
-        for name, modules in twice.items():
-            print(f"  {name}: {', '.join(modules)}")
-        for group in circles(root):
-            print("  circle:", ", ".join(group))
-        for name, count in signatures:
-            print(f"  {name}: {count}")
-
-
-if __name__ == "__main__":
-    main()

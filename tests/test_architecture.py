@@ -2,7 +2,6 @@
 
 import ast
 import re
-import shutil
 import subprocess
 import sys
 from importlib.metadata import distributions
@@ -10,23 +9,21 @@ from pathlib import Path
 
 import pytest
 
+from tests.pages import blocks
 from tests.paths import ROOT
 
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs")
-BORDERS = {
-    "pymunk": {"clean_swarm_env/physics/contact_space.py"},
-    "numba": {  # the compiler's own folder, and what calls C from compiled code
-        "selforg/compiler/ahead.py",
-        "selforg/compiler/intrinsics.py",
-        "selforg/compiler/cache.py",
-        "selforg/compiler/decorators.py",
-        "selforg/compiler/parts.py",
-        "selforg/compiler/records.py",
-        "selforg/compiler/switches.py",
-        "clean_swarm_env/physics/chipmunk_calls.py",
-    },
+OF_NUMBA = {
+    "selforg/compiler/ahead.py",
+    "selforg/compiler/intrinsics.py",
+    "selforg/compiler/cache.py",
+    "selforg/compiler/decorators.py",
+    "selforg/compiler/parts.py",
+    "selforg/compiler/records.py",
+    "selforg/compiler/switches.py",
+    "clean_swarm_env/physics/chipmunk_calls.py",
 }
-"""Libraries and the only files that may import them."""
+"""The only files that may import Numba: the compiler's own folder, and what calls C from compiled code."""
 
 
 def _modules_imported(path: Path) -> set[str]:
@@ -40,32 +37,17 @@ def _modules_imported(path: Path) -> set[str]:
     return found
 
 
-def _sources(*packages: str) -> list[Path]:
-    return sorted(path for package in packages for path in (ROOT / package).rglob("*.py"))
+def _importing() -> dict[str, set[str]]:
+    """Return what each file of the packages imports."""
+    files = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
+    return {path.relative_to(ROOT).as_posix(): _modules_imported(path) for path in files}
 
 
-def test_the_sources_are_found():
-    assert len(_sources(*PACKAGES)) > 30
-
-
-@pytest.mark.parametrize("path", _sources("selforg"), ids=lambda path: path.name)
-def test_selforg_imports_numpy_numba_and_the_standard_library_only(path):
-    assert _modules_imported(path) <= {"selforg", "numpy", "numba"} | sys.stdlib_module_names
-
-
-@pytest.mark.parametrize("library", BORDERS)
-def test_libraries_behind_a_border_are_imported_there_alone(library):
-    users = {path.relative_to(ROOT).as_posix() for path in _sources(*PACKAGES) if library in _modules_imported(path)}
-    assert users == BORDERS[library]
-
-
-@pytest.mark.skipif(
-    shutil.which("lint-imports", path=str(Path(sys.executable).parent)) is None, reason="no import-linter"
-)
-def test_imports_keep_their_contracts():
-    command = [str(Path(sys.executable).parent / "lint-imports"), "--no-cache"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout
+def test_numba_is_imported_behind_its_border_alone_and_selforg_needs_nothing_else_but_numpy():
+    found = _importing()
+    assert {file for file, names in found.items() if "numba" in names} == OF_NUMBA
+    others = set().union(*(names for file, names in found.items() if file.startswith("selforg/")))
+    assert others <= {"selforg", "numpy", "numba"} | sys.stdlib_module_names
 
 
 NAMED = re.compile(r"^(?:\| ?\d* ?\| (`\w+`) \| `([^`]+)` \||\d+\. `([^`]+)`: (.*(?:\n   .*)*))", re.MULTILINE)
@@ -118,8 +100,7 @@ def test_what_runs_missions_needs_no_extra_and_draws_nothing():
 
 @pytest.mark.parametrize(("marker", "words"), [("run", "clean-swarm evaluate"), ("test", "'.[dev]'")])
 def test_the_readme_has_one_line_for_each_set_up(marker, words):
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    (line,) = re.findall(rf"<!-- ci: {marker} -->\n```sh\n(.*)\n```\n", text)
+    ((line,),) = [block.text.splitlines() for block in blocks("README.md", "sh", marker)]
     assert words in line
     assert line.startswith("python3 -m venv .venv && ")
 

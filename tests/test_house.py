@@ -32,7 +32,7 @@ LOOKING = ("clean_swarm_env.drawing", "clean_swarm_env.tasks.measures")
 
 
 def test_no_modules_import_each_other_in_a_circle():
-    assert house.circles() == []
+    assert house.circle() == []
 
 
 def test_a_folder_holds_no_more_modules_than_can_be_overlooked():
@@ -41,19 +41,15 @@ def test_a_folder_holds_no_more_modules_than_can_be_overlooked():
 
 
 def test_a_public_name_has_one_meaning_across_the_packages():
-    assert house.names_defined_twice(across_packages=True) == {}
+    assert house.names_defined_twice() == {}
 
 
-def test_no_function_or_field_has_a_name_that_meant_too_much():
+def test_no_name_of_a_function_or_field_has_a_word_that_meant_too_much():
     assert house.retired_names() == {}
 
 
 def test_signatures_are_short():
     assert house.long_signatures() == []
-
-
-def test_the_formatter_is_hardly_ever_switched_off():
-    assert house.skips() <= 20
 
 
 def test_a_course_takes_no_functions_whose_bits_differ_between_cpus():
@@ -86,16 +82,16 @@ def test_hidden_circles_are_found(tmp_path, text, found):
         text.replace("import b", "import selforg.b").replace("from pkg import selforg.b", "from selforg import b")
     )
     (package / "b.py").write_text("import selforg.a\n")
-    assert house.circles(tmp_path) == ([[f"selforg.{name}" for name in found]] if found else [])
+    assert house.circle(tmp_path) == [f"selforg.{name}" for name in found]
 
 
 def test_retired_names_are_found(tmp_path):
     package = tmp_path / "selforg"
     package.mkdir()
     (package / "a.py").write_text(
-        "class A:\n    told: int\n    tolds: int\n    def _begin(self): ...\ndef begin_a(): ...\n"
+        "class A:\n    told: int\n    tolds: int\n    def _begin(self): ...\ndef a_begin(): ...\ndef beginning(): ...\n"
     )
-    assert list(house.retired_names(tmp_path)) == ["selforg.a.A._begin", "selforg.a.A.told"]
+    assert set(house.retired_names(tmp_path)) == {"selforg.a.A._begin", "selforg.a.A.told", "selforg.a.a_begin"}
 
 
 def test_long_signatures_are_found(tmp_path):

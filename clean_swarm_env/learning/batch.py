@@ -150,7 +150,7 @@ class Batch:
         one whose seed is drawn from the system. `starts` (W,) take the place of random starts.
         """
         self.finished = ()
-        self.progress.begin_period()
+        self.progress.reset_period()
         return self.reset_worlds(np.arange(self.worlds.worlds), seeds, starts)
 
     def reset_worlds(
@@ -272,7 +272,7 @@ class Batch:
         self.choices.apply(self.worlds, actions, self.phases)
         self.finished = ()
         progress = self.progress
-        progress.begin_period()
+        progress.reset_period()
         self.rewards.start_period()
         for _ in range(self._ticks_per_step):
             entered = self.worlds.tick()

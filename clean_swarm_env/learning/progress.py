@@ -179,7 +179,7 @@ class MissionProgress:
         if self.outcome[world] == RUNNING:
             self.outcome[world] = TIME_OVER
 
-    def begin_period(self) -> None:
+    def reset_period(self) -> None:
         """Set the counts of the period to zero."""
         for counts in (self.events, self.ticks, self.dumped, self.cost, self.price, self.bumps):
             counts.fill(0)

@@ -32,7 +32,7 @@ from clean_swarm_env.physics.motion import (
     RobotMotion,
     wrapped_angle,
 )
-from clean_swarm_env.physics.tick import begin_tick, land_and_go_on
+from clean_swarm_env.physics.tick import land_and_go_on, start_tick
 from selforg.arrays import KEPT, READ, Flags, Floats
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
@@ -176,7 +176,7 @@ class Physics:
         """
         motion, drives, counts, walls = self._motion, drive.packed, counter.packed, self.walls.words
         words = drives.words, motion.words, counts.words, walls, FUNCTIONS.words
-        if not begin_tick(now, substeps, commands.words, *words):
+        if not start_tick(now, substeps, commands.words, *words):
             return
         for world in np.flatnonzero(motion.record.left).tolist():
             left, space = int(motion.record.left[world]), ContactSpace(world, motion, self.walls)

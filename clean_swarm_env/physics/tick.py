@@ -52,7 +52,7 @@ def go_on(
 
 
 @long_kernel
-def begin_tick(
+def start_tick(
     now: float,
     substeps: int,
     commands: Words[Commanded],

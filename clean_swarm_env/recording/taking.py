@@ -109,7 +109,7 @@ class WaitingFrames:
         for prepare in self._prepare:
             prepare()
         if BY_ADDRESS:
-            take_numbers(self._table, self._due, self._stages, self.at, self._last, self.steps, self._bits)
+            record_numbers(self._table, self._due, self._stages, self.at, self._last, self.steps, self._bits)
         else:
             self._record()
         for world in self._new:
@@ -145,7 +145,7 @@ class WaitingFrames:
         return PackedFrames(self.at - begin, list(map(tuple, sizes.tolist())), content[:used].tobytes())
 
     def _record(self) -> None:
-        """Do what `take_numbers` does."""
+        """Do what `record_numbers` does."""
         going = (self._stages == GOING)[:, np.newaxis]
         for begin, channel, values in (self._sources[k] for k in self._due):
             own = slice(begin, begin + channel.columns)
@@ -166,7 +166,7 @@ def _source(begin: int, channel: Channel, values: AnyArray) -> list[int]:
 
 
 @lean_kernel
-def take_numbers(
+def record_numbers(
     table: Ints, due: Ints, stages: Ints, at: int, last: WholeNumbers, steps: WholeNumbers, bits: WholeNumbers
 ) -> None:
     """Bring `last` (W, K) up to date from the sources in the rows `due` of a table; note what changed as frame `at`.

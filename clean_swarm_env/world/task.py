@@ -228,8 +228,8 @@ class Task(ShownTask, ABC, Generic[S, T]):
     def renew(self, rows: Ints) -> None:
         """Forget what happened to the robots in `rows` (K,), which begin anew."""
 
-    def begin_tick(self) -> Ints | None:
-        """Begin a control period; return the rows (K,) that decide in it, None for all."""
+    def start_tick(self) -> Ints | None:
+        """Start a control period; return the rows (K,) that decide in it, None for all."""
         return self.world.team.at_work
 
     def sense(self) -> None:

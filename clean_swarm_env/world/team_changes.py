@@ -77,7 +77,7 @@ class Team:
         poses.silence(rows[:count], False)
         self.joined[world] = count
         self.working[rows] = np.arange(floor.robots) < count
-        self._begin_anew(rows)
+        self._renew(rows)
 
     def add(self, world: int, place: Place) -> int:
         """Add the next robot of a world at `place` (x [m], y [m], heading [rad]); return its row.
@@ -94,7 +94,7 @@ class Team:
         self._minds.poses.silence([row], False)
         self.joined[world] += 1
         self.working[row] = True
-        self._begin_anew(np.array([row]))
+        self._renew(np.array([row]))
         return row
 
     def next_row(self, world: int) -> int:
@@ -149,9 +149,9 @@ class Team:
 
     def _stop_working(self, rows: Ints) -> None:
         self.working[rows] = False
-        self._begin_anew(rows)
+        self._renew(rows)
 
-    def _begin_anew(self, rows: Ints) -> None:
+    def _renew(self, rows: Ints) -> None:
         """Stop the drives of `rows` (K,), make them as new, and clear their networks and knowledge.
 
         Rows that do not work receive no more pheromones: over days their contents would fill the memory.

@@ -190,7 +190,7 @@ class Worlds:
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
         floor, minds, task, now = self.floor, self.minds, self.task, self._clock.now
-        able = task.begin_tick()
+        able = task.start_tick()
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
         minds.receive(now)
         if self.world.led:

@@ -6,7 +6,6 @@ and the options alone on the same missions. This takes some minutes.
 
 import csv
 import json
-import re
 import subprocess
 import sys
 import tempfile
@@ -24,8 +23,8 @@ from matplotlib.ticker import MultipleLocator
 from docs.figures.update_results import CLEAN_SWARM
 from selector.documents.reading import read_value
 from selector.knowledge import Knowledge, knowledge_from
+from tests.pages import blocks
 
-PAGE = Path(__file__).parents[1] / "scores.md"
 FILE, GOAL = Path(__file__).parents[1] / "pictures" / "scores.png", "AvoidCollision"
 MISSIONS, JOINS = 30, 15  # missions of the first process, and after which of them the second one begins
 COSTS = [60, 100, 200, 400, 600]  # [s] marked on the axis
@@ -41,11 +40,11 @@ def command(directory: Path, words: str) -> None:
 
 def write_files(directory: Path) -> Knowledge:
     """Write the YAML files of the page and return the expert knowledge among them."""
-    blocks = re.findall(r"`(my/\S+)`:\n\n```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
-    for name, text in blocks:
+    files = {block.file: block.text for block in blocks("docs/scores.md") if block.file}
+    for name, text in files.items():
         (directory / name).parent.mkdir(parents=True, exist_ok=True)
         (directory / name).write_text(text, encoding="utf-8")
-    return knowledge_from(read_value(dict(blocks)["my/knowledge/wrong.yaml"]))
+    return knowledge_from(read_value(files["my/knowledge/wrong.yaml"]))
 
 
 def choices(run: Path) -> list[tuple[str, float, float]]:

@@ -1,6 +1,6 @@
 """Takes the results of README and pages from docs/figures.json: `python -m docs.figures.numbers`, which writes them.
 
-    python -m docs.figures.numbers --check            # says what differs, writes nothing; `make docs` does so, too
+    python -m docs.figures.numbers --check            # says what differs, writes nothing
     python -m docs.figures.numbers --take exploring/rule [--command "clean-swarm study ..." --inputs FILE...]
     python -m docs.figures.numbers --keep exploring/rule --because "only a description changed"
 

@@ -102,7 +102,7 @@ class Coordinator:
             content.forget(rows)
         self._stale[rows] = 0
         self.parent.hold(rows, self.index, self.held[rows])
-        self._take_turns(rows)
+        self._let_compete(rows)
         self._group()
 
     def bind(self, rows: Ints, option: int) -> None:
@@ -119,7 +119,7 @@ class Coordinator:
         """
         if self._some_always:
             options = np.where(self.always[rows] >= 0, self.always[rows], options)
-        changed = take_up(
+        changed = apply_options(
             rows, options, self.held, self._stale, self._new, self._new_counts, self._members, self._counts
         )
         if changed < 0:
@@ -127,13 +127,13 @@ class Coordinator:
         if not changed:
             return
         self.parent.hold(rows, self.index, options, self._all_columns)
-        self._take_turns(rows)
+        self._let_compete(rows)
         for k, count in enumerate(self._new_counts.tolist()):
             if count and self.contents[k].remembers:
                 self.contents[k].forget(self._new[k, :count])
         self._list_in_use()
 
-    def _take_turns(self, rows: Ints) -> None:
+    def _let_compete(self, rows: Ints) -> None:
         """Let the coordinator compete with the other behaviours of `rows` (K,) unless what they hold only steers."""
         if self._some_beside:
             competes = self.beside[self.held[rows]] == 0
@@ -170,7 +170,7 @@ class Coordinator:
         for k, count in self._in_use:
             content, rows = self.contents[k], self._members[k, :count]
             network, outer = content.network, self.parent.state.marks
-            number, stale = take_turns(rows, outer, self._turn_of[k], network.state.marks, self._stale, self._turns)
+            number, stale = list_turns(rows, outer, self._turn_of[k], network.state.marks, self._stale, self._turns)
             if not number:
                 continue
             if stale:
@@ -222,7 +222,7 @@ def group(held: Ints, members: Ints, counts: Ints) -> None:
 
 
 @lean_kernel
-def take_up(
+def apply_options(
     rows: Ints, options: Ints, held: Ints, stale: Ints, new: Ints, new_counts: Ints, members: Ints, counts: Ints
 ) -> int:
     """Give `options` (K,) to `rows` (K,); list in `new` (O, R) and `new_counts` (O,) the rows of each new option.
@@ -248,7 +248,7 @@ def take_up(
 
 
 @lean_kernel
-def take_turns(
+def list_turns(
     rows: Ints, outer_marks: Ints, behaviours: Ints, inner_marks: Ints, stale: Ints, turns: Ints
 ) -> tuple[int, int]:
     """List in `turns` (2, R) those of `rows` (K,) that act, and those of them that are `stale` (R,).

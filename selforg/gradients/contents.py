@@ -19,7 +19,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.rows import Codes
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.linking import link, take_slot
+from selforg.gradients.store.linking import claim_slot, link
 from selforg.gradients.store.records import Store, open_store
 from selforg.gradients.store.storing import clear_space
 from selforg.gradients.store.tables import Tables
@@ -174,7 +174,7 @@ def place_slots(
     s = open_store(store)
     within, sweep = 0, 0
     for index in range(near.shape[0]):
-        slot = take_slot(store)
+        slot = claim_slot(store)
         for column in range(c.NEAR_COLUMNS):
             s.near[slot, column] = near[index, column]
         for column in range(c.FAR_COLUMNS):

@@ -63,7 +63,7 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
         self.buffer = buffer
         self.poses = buffer.poses
         self.channels = tuple(channels)
-        self._see_bits = (SEE_MOVING if moving else 0) | (SEE_STATIC if static else 0)
+        self._sight_bits = (SEE_MOVING if moving else 0) | (SEE_STATIC if static else 0)
 
     example: ClassVar[Mapping[str, Any]] = {}
     """Keyword arguments with which the contract tests build the class."""

@@ -45,7 +45,7 @@ class Flocking(NeighbourMechanism):
     alone = True
     boid_columns = BOID_COLUMNS
     least_poses = 2
-    see_bits = c.SEE_MOVING | c.SKIP_OWN | c.SEE_HISTORY
+    sight_bits = c.SEE_MOVING | c.SKIP_OWN | c.SEE_HISTORY
 
     def __init__(
         self,

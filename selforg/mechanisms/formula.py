@@ -137,7 +137,7 @@ class FormulaMechanism(MovementMechanism):
                     random=self.random,
                     chooses=self.chooses,
                     walls=self.walls,
-                    see_bits=self._see_bits,
+                    sight_bits=self._sight_bits,
                     view_distance=self.view_distance,
                     min_speed=self.min_speed,
                     max_speed=self.max_speed,
@@ -188,13 +188,13 @@ def sum_of(formula: Formula) -> Combination:
 class NeighbourMechanism(FormulaMechanism):
     """Base class of mechanisms that look at the moving gradients of the neighbours, by default those of the poses."""
 
-    see_bits: ClassVar[int] = c.SEE_MOVING | c.SKIP_OWN
+    sight_bits: ClassVar[int] = c.SEE_MOVING | c.SKIP_OWN
 
     def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
         poses = buffer if isinstance(buffer, OwnPoses) else buffer.poses
         options["channels"] = tuple(options.get("channels", ())) or (poses.channel,)
         super().__init__(buffer, **options)
-        self._see_bits = self.see_bits
+        self._sight_bits = self.sight_bits
 
     def weigh(self, now: float, rows: Ints, wishes: Floats, causes: Causes) -> None:
         """Note all others by the lengths of their contributions to a sum; a mechanism that is no sum has no causes."""

@@ -48,7 +48,7 @@ class Rule(NamedTuple):
     random: int
     chooses: int
     walls: int
-    see_bits: int  # SEE_ bits
+    sight_bits: int  # SEE_ bits
     view_distance: float  # [m]
     min_speed: float  # [m/s]
     max_speed: float  # [m/s]
@@ -106,7 +106,7 @@ def move_rows(
             own = own_of(row, m.view_distance, poses)
             if looks:
                 margins = margins_of(own.goal_radius, rule)
-                found = gather(look_all_around(row, now, m.see_bits, margins, 0, sight, poses), sight, poses, store)
+                found = gather(look_all_around(row, now, m.sight_bits, margins, 0, sight, poses), sight, poses, store)
             if found > room:
                 return index
             if ahead:
@@ -155,7 +155,7 @@ def look_for_one(row: int, now: float, rule: Words[Rule], poses: Words[Poses]) -
         m.view_distance if m.wakes[1] else -np.inf,
         m.view_distance if m.wakes[2] else -np.inf,
     )
-    return Look(row, 0, 1, now, m.see_bits, margins, own[row, 0, c.X], own[row, 0, c.Y], own[row, 0, c.Z])
+    return Look(row, 0, 1, now, m.sight_bits, margins, own[row, 0, c.X], own[row, 0, c.Y], own[row, 0, c.Z])
 
 
 @part

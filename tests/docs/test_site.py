@@ -12,6 +12,8 @@ from docs.site.measured import rows_about
 from docs.site.stage import ROOT, Stage, site_path
 from train.cli.listing import LINES, names_of
 
+pytestmark = pytest.mark.extra
+
 
 @pytest.fixture(scope="module")
 def stage(tmp_path_factory):

@@ -1,21 +1,24 @@
 """Each example runs where its framework is installed, and its model is compared by `clean-swarm evaluate`."""
 
+import ast
 import os
-import re
 import signal
 import subprocess
 import sys
 import urllib.request
+from importlib import import_module
 from importlib.util import find_spec
 
 import pytest
 
 from tests.examples.frameworks import ENVIRONMENTS, EXAMPLES
+from tests.pages import blocks
 from tests.paths import ROOT
 
 pytestmark = pytest.mark.example
 ALONE = {"robot_policy.py", "own_task.py"}
 """Examples without a framework, which other tests try."""
+OURS = ("selforg", "selector", "clean_swarm_env", "train")
 FILES = sorted(path.name for path in (ROOT / "examples").glob("*.py"))
 
 
@@ -48,6 +51,17 @@ def test_an_example_runs_and_its_model_is_evaluated(example, tmp_path):
 
 def test_every_example_has_a_run():
     assert sorted({example.command.split()[0] for example in EXAMPLES} | ALONE) == FILES
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_an_example_imports_what_there_is(name):
+    for node in ast.walk(ast.parse((ROOT / "examples" / name).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and str(node.module).startswith(OURS):
+            if node.module == "clean_swarm_env.sb3":
+                pytest.importorskip("stable_baselines3", reason="needs the extra 'train'")
+            module = import_module(node.module)
+            for alias in node.names:
+                assert hasattr(module, alias.name) or find_spec(f"{node.module}.{alias.name}"), alias.name
 
 
 def test_the_head_of_an_example_installs_the_versions_that_ran():
@@ -112,23 +126,22 @@ def with_plugin(tmp_path):
 @pytest.mark.long
 @pytest.mark.extra
 def test_a_plugin_works_as_a_wheel_in_a_fresh_environment(with_plugin, tmp_path):
-    page = (ROOT / "docs" / "own_plugins.md").read_text(encoding="utf-8")
-    lines = re.findall(r"```sh\n(.*?)```", page, flags=re.DOTALL)[0].splitlines()[1:]
+    lines = blocks("docs/own_plugins.md", "sh")[0].commands()[1:]
     start = [with_plugin, "-m", "clean_swarm_env"]
     own = os.environ | {"OMP_NUM_THREADS": "1"}
     own.pop("PYTHONPATH", None)
     said = ["Pushed ", "KeepApart", "Second", ""]
     (tmp_path / "my" / "training").mkdir(parents=True)
-    (tmp_path / "my" / "training" / "parting.yaml").write_text(page.split("```yaml\n")[1].split("```")[0])
+    (tmp_path / "my" / "training" / "parting.yaml").write_text(blocks("docs/own_plugins.md", "yaml")[0].text)
     if find_spec("stable_baselines3"):
-        lines[-1:-1] = ["clean-swarm train ppo --config parting --configs my"]
+        lines[-1:-1] = [["clean-swarm", "train", "ppo", "--config", "parting", "--configs", "my"]]
         said[-1:-1] = ["parting"]
     for line, expected in zip(lines[:-1], said[:-1], strict=True):
-        words = line.replace("--scenarios 10", "--scenarios 2").split()[1:]
+        words = ["2" if word == "10" else word for word in line[1:]]
         done = subprocess.run([*start, *words], cwd=tmp_path, env=own, capture_output=True, text=True, timeout=1800)
         assert done.returncode == 0, done.stderr
         assert expected in done.stdout
-    assert lines[-1] == "clean-swarm play KeepApart"
+    assert lines[-1] == ["clean-swarm", "play", "KeepApart"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     with subprocess.Popen([*start, "play", "KeepApart", "--no-browser"], cwd=tmp_path, env=own, **pipes) as playing:
         address = playing.stdout.readline().strip()

@@ -18,7 +18,7 @@ FORGOTTEN = 0.37
 
 
 @compiled_term("avoidance", "avoidance_length", "avoiding")
-def see_avoidance(around: Around, row: int, out: Floats) -> None:
+def write_avoidance(around: Around, row: int, out: Floats) -> None:
     """Length of the avoidance vector by the reach of a pose, and whether the robot avoids others just now."""
     if around.avoidance >= 0:
         out[0] = min(around.readings[row, around.avoidance] / around.reach, 1.0)
@@ -27,21 +27,21 @@ def see_avoidance(around: Around, row: int, out: Floats) -> None:
 
 
 @compiled_term("movement", "speed", "turn_rate")
-def see_movement(around: Around, row: int, out: Floats) -> None:
+def write_movement(around: Around, row: int, out: Floats) -> None:
     """Speed and turn rate of the drive, by the largest ones."""
     out[0] = min(around.speed[row] / around.max_speed[row], 1.0)
     out[1] = min(max(around.turn_rate[row] / around.max_turn_rate[row], -1.0), 1.0)
 
 
 @compiled_term("time", "time_left")
-def see_time(around: Around, row: int, out: Floats) -> None:
+def write_time(around: Around, row: int, out: Floats) -> None:
     """Share of the time limit that is left."""
     world = row // around.robots
     out[0] = max(1.0 - around.ticks[world] / around.limits[world], 0.0)
 
 
 @compiled_term("idle", "idle")
-def see_idle(around: Around, row: int, out: Floats) -> None:
+def write_idle(around: Around, row: int, out: Floats) -> None:
     """Time since the robot last picked, recycled or dumped something, by `patience`."""
     out[0] = min(around.idle[row] / around.patience, 1.0)
 

@@ -15,7 +15,7 @@ from selforg.mechanisms.steering.base import OTHER_COSINE, OTHER_SINE, OTHER_VX,
 
 
 @compiled_term("neighbour", "neighbour_distance", "neighbour_ahead", "neighbour_left")
-def see_neighbour(around: Around, row: int, out: Floats) -> None:
+def write_neighbour(around: Around, row: int, out: Floats) -> None:
     """The way to the nearest other robot that was heard, by the largest neighbour range."""
     out[0] = 1.0
     if around.neighbour[row] >= 0:
@@ -24,7 +24,7 @@ def see_neighbour(around: Around, row: int, out: Floats) -> None:
 
 
 @compiled_term("encounter", "neighbour_heading_ahead", "neighbour_heading_left", "neighbour_closing")
-def see_encounter(around: Around, row: int, out: Floats) -> None:
+def write_encounter(around: Around, row: int, out: Floats) -> None:
     """The nearest robot heard: its heading in the robot's frame, how fast it comes closer, by twice the top speed."""
     if around.neighbour[row] < 0:
         return

@@ -21,7 +21,7 @@ from selforg.space import nearest_image
 @compiled_term(
     "true_neighbour", "true_neighbours", "true_neighbour_distance", "true_neighbour_ahead", "true_neighbour_left"
 )
-def see_true_neighbour(around: Around, row: int, out: Floats) -> None:
+def write_true_neighbour(around: Around, row: int, out: Floats) -> None:
     """The share of the other robots within the largest neighbour range, and the way to the nearest by that range."""
     last = around.ranges.shape[0] - 1
     out[1] = 1.0
@@ -33,7 +33,7 @@ def see_true_neighbour(around: Around, row: int, out: Floats) -> None:
 @compiled_term(
     "true_encounter", "true_encounter_ahead", "true_encounter_left", "true_encounter_closing", "true_encounter_carries"
 )
-def see_true_encounter(around: Around, row: int, out: Floats) -> None:
+def write_true_encounter(around: Around, row: int, out: Floats) -> None:
     """The nearest neighbour: its heading in the robot's frame, how fast it comes closer by twice the largest speed,
     whether it carries something.
     """  # noqa: D205
@@ -66,19 +66,19 @@ class TrueCrowdTerm(CrowdTerm):
 
 
 @compiled_term("true_carriers", "true_carriers")
-def see_true_carriers(around: Around, row: int, out: Floats) -> None:
+def write_true_carriers(around: Around, row: int, out: Floats) -> None:
     """Robots with cargo within the largest neighbour range, by `full_crowd`."""
     out[0] = min(around.true_carriers[row] / around.full_crowd, 1.0)
 
 
 @compiled_term("true_density", "true_density")
-def see_true_density(around: Around, row: int, out: Floats) -> None:
+def write_true_density(around: Around, row: int, out: Floats) -> None:
     """Share of the torus within 1 m of the robots, if they were far apart."""
     out[0] = min(around.team[row // around.robots] * around.area, 1.0)
 
 
 @compiled_term("true_done", "true_done")
-def see_true_done(around: Around, row: int, out: Floats) -> None:
+def write_true_done(around: Around, row: int, out: Floats) -> None:
     """Share of the items dumped of those that arrived."""
     world = row // around.robots
     out[0] = around.done[world] / max(around.arrived[world], 1)

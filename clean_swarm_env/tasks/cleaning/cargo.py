@@ -203,7 +203,7 @@ def handle_cargo(floor: Written[FloorRecord], minds: Words[MindsRecord], walls: 
 
 
 @lean_kernel
-def begin_commands(floor: Words[FloorRecord], minds: Words[MindsRecord], commands: Words[Commanded]) -> None:
+def reset_commands(floor: Words[FloorRecord], minds: Words[MindsRecord], commands: Words[Commanded]) -> None:
     """Clear the last commands, command the ways to the nearest stations, and list the rows in which each mover runs."""
     f, m, given = open_floor(floor), open_minds(minds), open_commanded(commands)
     per_world = f.robots.shape[0] // f.stations.shape[0]

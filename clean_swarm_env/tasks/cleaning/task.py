@@ -17,10 +17,10 @@ from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.physics.rays import Bodies
 from clean_swarm_env.tasks.cleaning.agenda import Agendas
 from clean_swarm_env.tasks.cleaning.cargo import (
-    begin_commands,
     handle_cargo_as_decided,
     handle_cargo_in_reach,
     read_sensors,
+    reset_commands,
 )
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
@@ -131,7 +131,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         """Mend the robots in `rows` (K,)."""
         self.consequences.reset(rows)
 
-    def begin_tick(self) -> Ints | None:
+    def start_tick(self) -> Ints | None:
         """Apply the events that are due; return the rows (K,) that decide, None for all."""
         self.agendas.apply_due()
         return self.consequences.start_tick(self.world.team.at_work)
@@ -154,7 +154,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
 
     def command(self, commands: Commands) -> None:
         """Command the ways to the nearest stations, and the vectors of mechanisms that run by themselves."""
-        begin_commands(self.site.packed.words, self.movers.packed.words, commands.packed.words)
+        reset_commands(self.site.packed.words, self.movers.packed.words, commands.packed.words)
         self.movers.move(self.world.now, commands)
         if self.rounds is not None:
             self.rounds.lead(commands)

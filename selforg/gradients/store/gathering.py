@@ -53,7 +53,7 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Written[
     """
     s, channels = open_store(store), open_sight(sight).channels
     found = look.first
-    if look.see_bits & c.SEE_MOVING and channels[0] == 1:
+    if look.sight_bits & c.SEE_MOVING and channels[0] == 1:
         found = gather_poses(look, sight, poses, store)
     if s.counters[c.COUNTER_USED] == 0:
         return found
@@ -63,7 +63,7 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Written[
         first = first_layer(int(channels[index]), space, store)
         for level in range(c.LEVELS):
             members = s.layers[first + level, c.LAYER_COUNT]
-            looked_at = look.see_bits & (c.SEE_MOVING if level == c.MOVING else c.SEE_STATIC)
+            looked_at = look.sight_bits & (c.SEE_MOVING if level == c.MOVING else c.SEE_STATIC)
             if members == 0 or found >= look.limit or looked_at == 0:
                 continue
             cells = -1
@@ -136,8 +136,8 @@ def gather_layer(
     """
     s = open_store(store)
     moving = layer % c.LEVELS == c.MOVING
-    newest_only = moving and look.see_bits & c.SEE_HISTORY == 0
-    skipped = look.row if moving and look.see_bits & c.SKIP_OWN else -1  # rows are sources from 0 up
+    newest_only = moving and look.sight_bits & c.SEE_HISTORY == 0
+    skipped = look.row if moving and look.sight_bits & c.SKIP_OWN else -1  # rows are sources from 0 up
     visited, number, slot, cell = 0, max(cells, 0 if cells == 0 else 1), -1, 0
     # a caller that needs few pairs must not evaporate other gradients
     together = MOST_CANDIDATES if look.limit > len(open_sight(sight).pairs) else 1
@@ -226,7 +226,7 @@ def index_poses(poses: Words[Poses]) -> None:
 def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> int:
     """Gather the shared poses of the other rows of the team: the newest, or all that are remembered."""
     p, window, pairs = open_poses(poses), open_store(store).window, open_sight(sight).pairs
-    row, history = look.row, look.see_bits & c.SEE_HISTORY
+    row, history = look.row, look.sight_bits & c.SEE_HISTORY
     team = int(p.teams[row])
     begin, end = int(p.first[team]), int(p.first[team + 1])
     ex, ey, ez = p.extent[0], p.extent[1], p.extent[2]

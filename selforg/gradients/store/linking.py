@@ -102,7 +102,7 @@ def unlink(slot: int, store: Written[Store]) -> None:
 
 
 @part
-def take_slot(store: Written[Store]) -> int:
+def claim_slot(store: Written[Store]) -> int:
     """Return a free slot; the caller has made sure that there is one."""
     s = open_store(store)
     slot = int(s.counters[c.COUNTER_FREE])

@@ -94,7 +94,7 @@ class Look(NamedTuple):
     first: int  # pair from which on what the row sees is written
     limit: int  # number of pairs at which looking ends; one more than there is room for: all are counted
     now: float  # [s]
-    see_bits: int  # what is looked at: SEE_STATIC, SEE_MOVING, ...
+    sight_bits: int  # what is looked at: SEE_STATIC, SEE_MOVING, ...
     margins: Margins
     x: float  # where the row is [m]
     y: float

@@ -6,7 +6,16 @@ from selforg.compiler.records import Words, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.aggregation import aggregate
 from selforg.gradients.store.evaporation import evaporate_whole_seconds, evaporated_away, start_evaporation, still_there
-from selforg.gradients.store.linking import first_layer, free_slot, insert, level_for, link, remove, space_of, take_slot
+from selforg.gradients.store.linking import (
+    claim_slot,
+    first_layer,
+    free_slot,
+    insert,
+    level_for,
+    link,
+    remove,
+    space_of,
+)
 from selforg.gradients.store.records import Poses, Store, open_poses, open_store
 from selforg.grid import bucket_of
 
@@ -54,7 +63,7 @@ def store_one(message: Floats, tag: Ints, now: float, store: Written[Store]) -> 
     if s.whole_seconds:
         evaporate_space(int(tag[c.TAG_SPACE]), now, store)
     s.counters[c.COUNTER_SERIAL] += 1
-    slot = take_slot(store)
+    slot = claim_slot(store)
     for column in range(c.MESSAGE_FAR):
         s.near[slot, column] = message[column]
     for column in range(c.FAR_COLUMNS):
@@ -71,7 +80,7 @@ def store_one(message: Floats, tag: Ints, now: float, store: Written[Store]) -> 
         kept = aggregate(slot, first, int(s.rules[tag[c.TAG_CHANNEL]]), now, store)
         if kept:
             if s.counters[c.COUNTER_FREE] != free:
-                slot = take_place(slot, store)
+                slot = reuse_place(slot, store)
             layer = first + level_for(slot, store)
             insert(slot, layer, store)
             sweep(layer, now, store)
@@ -82,14 +91,14 @@ def store_one(message: Floats, tag: Ints, now: float, store: Written[Store]) -> 
 
 
 @part
-def take_place(slot: int, store: Written[Store]) -> int:
+def reuse_place(slot: int, store: Written[Store]) -> int:
     """Move the gradient in `slot`, which is not linked yet, to the slot that was freed last, and return that.
 
     The gradient that it replaces lay there. So neighbours in space stay neighbours in memory, which walks read faster
     (docs/decisions/0113-places-in-memory.md).
     """
     s = open_store(store)
-    place = take_slot(store)
+    place = claim_slot(store)
     for column in range(c.NEAR_COLUMNS):
         s.near[place, column] = s.near[slot, column]
     for column in range(c.FAR_COLUMNS):

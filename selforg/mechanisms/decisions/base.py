@@ -112,7 +112,7 @@ class DecisionRule(NamedTuple):
     """A decision rule, what rows have decided so far, and room for what they decide now."""
 
     alone: int  # 1: a row without a pose decides too
-    see_bits: int  # SEE_ bits
+    sight_bits: int  # SEE_ bits
     view_distance: float  # [m]
     threshold: float  # of a quorum: number of neighbours
     key: int  # code of the payload entry that is compared
@@ -161,7 +161,7 @@ class NeighbourDecision(DecisionMechanism):
         options["channels"] = (channel,)
         options["static"] = False
         super().__init__(buffer, value=value, state=state, carried=carried, **options)
-        self._see_bits = c.SEE_MOVING | c.SKIP_OWN
+        self._sight_bits = c.SEE_MOVING | c.SKIP_OWN
         self._key = buffer.keys.code(key)
         self._room = PairRoom(buffer, 64)
 
@@ -172,7 +172,7 @@ class NeighbourDecision(DecisionMechanism):
         return DECISION_RULE.pack(
             DecisionRule(
                 alone=self.alone,
-                see_bits=self._see_bits,
+                sight_bits=self._sight_bits,
                 view_distance=self.view_distance,
                 threshold=self.threshold,
                 key=self._key,
@@ -213,7 +213,7 @@ def decide_rows(
         sees = known[row, c.ROW_POSES] > 0
         d.decided[row] = sees or d.alone > 0
         if sees:
-            found = gather(look_all_around(row, now, d.see_bits, margins, 0, sight, poses), sight, poses, store)
+            found = gather(look_all_around(row, now, d.sight_bits, margins, 0, sight, poses), sight, poses, store)
         if found > len(pairs):
             return index
         decided(row, found, sight, deciding, store)

@@ -33,7 +33,7 @@ from selforg.network.state import RowStates, open_states
 @inlined
 def activate_row(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Compute the activations of `row`, every term from the old ones."""
-    begin_terms(row, model, states, scratch)
+    reset_terms(row, model, states, scratch)
     weigh_goals(row, model, states, scratch)
     flow_from_goals(row, model, states, scratch)
     flow_between(row, model, states, scratch)
@@ -62,7 +62,7 @@ def hindering(effect: float, wish: float, uniform: int) -> float:
 
 
 @inlined
-def begin_terms(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
+def reset_terms(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
     """Set the term of the situation, clear the others, and sum the old activations of operational behaviours.
 
     A sum of 0 counts as 1.

@@ -38,7 +38,7 @@ def monitor_plan(row: int, model: Words[PackedModel], states: Written[RowStates]
 
     Call it before the marks of behaviours that ended themselves are cleared.
     """
-    expected = see_changes(row, model, states)
+    expected = note_changes(row, model, states)
     s = open_states(states)
     in_order = pass_steps(row, model, states)
     if s.plan_marks[row, st.PLAN_ALARM] == 1 or not expected or not in_order or not s.plan_marks[row, st.PLAN_KNOWN]:
@@ -74,7 +74,7 @@ def pass_steps(row: int, model: Words[PackedModel], states: Written[RowStates]) 
 
 
 @inlined
-def see_changes(row: int, model: Words[PackedModel], states: Written[RowStates]) -> bool:
+def note_changes(row: int, model: Words[PackedModel], states: Written[RowStates]) -> bool:
     """Note what changed since the last step; return whether all of it was expected."""
     s = open_states(states)
     seen = s.plan_readings

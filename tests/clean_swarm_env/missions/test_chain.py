@@ -127,7 +127,7 @@ def test_who_has_put_cargo_down_picks_it_again_after_the_time_and_is_paid_for_it
     worlds = one_robot((1.0, 10.0))
     progress = MissionProgress(worlds)
     progress.reset(0)
-    progress.begin_period()
+    progress.reset_period()
     while not worlds.task.garbage.blind[0]:
         progress.note(worlds.tick())
     worlds.drive(np.zeros((1, 2)))  # it stays beside the item

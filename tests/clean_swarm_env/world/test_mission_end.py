@@ -1,7 +1,5 @@
 """The cost of a mission cannot be gamed: finished ones are cheapest, each item pays, standing still never does."""
 
-import re
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,10 +9,8 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks.cleaning.cost import cost_terms, mission_cost, unavoidable_cost
-from clean_swarm_env.tasks.cleaning.settings import ConsequencesConfig
 from clean_swarm_env.world.mission import run_mission
 from tests.clean_swarm_env.courses import long_course, mission
-from tests.paths import ROOT
 from train.deciders.named import decider_named
 from train.running.trials import run_trials
 
@@ -102,25 +98,3 @@ def test_an_item_is_worth_the_mean_time_between_arrivals_where_garbage_keeps_com
     change = {"at": 300.0, "do": "respawn", "rate": 9.0}
     changing = mission(garbage={"count": 2, "respawn": 3.0}, time_limit=LIMIT, events=[change])
     assert cost_terms(changing).worth == pytest.approx(LIMIT / (2 + 5 * 3.0 + 5 * 9.0))
-
-
-PAGE = (ROOT / "docs" / "cost.md").read_text(encoding="utf-8")
-
-
-def test_the_page_about_costs_has_the_settings_and_its_examples_run(capsys):
-    exec(re.search(r"```python\n(.*?)```", PAGE, flags=re.DOTALL).group(1), {})
-    assert capsys.readouterr().out == "1662 s for all items, 1800 s for all but one\n"
-    told = dict(re.findall(r"^\| `(\w+)` \| (\w[\w.]*)", PAGE, flags=re.MULTILINE))
-    coded = {name: field.default for name, field in ConsequencesConfig.model_fields.items()}
-    flags = [name for name, default in coded.items() if isinstance(default, bool)]
-    assert {told[name] for name in flags} == {"false"}
-    assert {name: float(text) for name, text in told.items() if name not in flags} == {
-        n: d for n, d in coded.items() if n not in flags
-    }
-
-
-def test_the_family_on_the_page_loads(tmp_path):
-    (tmp_path / "families").mkdir()
-    text = re.search(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL).group(1)
-    (tmp_path / "families" / "crowded-careful.yaml").write_text(text)
-    assert load_family("crowded-careful", (tmp_path,)).mission.task.consequences.drop

@@ -35,6 +35,8 @@ TRIED = {
 }
 
 
+@pytest.mark.long
+@pytest.mark.extra
 def test_the_tables_come_from_races_trainings_and_evaluations_which_are_kept(tmp_path):
     pytest.importorskip("torch")
     training = str(written(tmp_path, "ppo", validation={"scenarios": 1}))
@@ -85,6 +87,24 @@ def trained(folder, **scores):
     (folder / runs.CPU_TIMES).write_text(json.dumps(dict.fromkeys(scores, 60.0)))
 
 
+def test_who_is_clearly_worse_goes_and_the_best_validation_goes_on(tmp_path, monkeypatch):
+    trained(tmp_path, **{"one-1": 0.5, "one-2": 0.25})
+    made = [tmp_path / name / "policy" for name in ("one-1", "one-2")]
+    assert runs.preferred(made) == made[1]
+    own = np.arange(10.0, 18.0)[None, :, None].repeat(2, axis=0)  # (trainings, scenarios, runs)
+    noise = np.sin(np.arange(8.0))[None, :, None]
+    found = {
+        "one": own,
+        "worse": 1.5 * own[:1] + noise,
+        "alike": own[:1] + 4.0 * noise,
+        "better": 0.5 * own[:1] + noise,
+    }
+    monkeypatch.setattr(runs, "family_runs", lambda folder: folder)
+    monkeypatch.setattr(runs, "excesses_of", lambda folder: found)
+    assert runs.clearly_worse(tmp_path, "one") == {"worse"}
+
+
+@pytest.mark.long
 def test_a_screening_drops_who_is_clearly_worse_and_only_the_training_of_the_best_validation_goes_on(tmp_path):
     trained(tmp_path, **{"one-1": 0.5, "one-2": 0.25})
     learners = {"one": {"training": "one", "seeds": (1, 2)}}
@@ -106,7 +126,8 @@ def test_a_screening_drops_who_is_clearly_worse_and_only_the_training_of_the_bes
     assert "| `random` | 37.5 | 37.5 | 25.0 | 50.0 |" in tables["trainings"]
 
 
-def test_a_variant_counts_if_fresh_scenarios_show_it_to_be_better(tmp_path):
+@pytest.mark.long
+def test_numbers_are_raced_among_the_options_that_ship(tmp_path):
     tried = {"AvoidCollision": {"ORCA": {"distance": (0.9,)}}}
     sizes = {"searched": 2, "finalists": 2, "seed": 1, "confirmed": 2, "fresh": 2}
     numbers = Numbers(**sizes, held={"AvoidCollision": "ORCA"}, tried=tried, families=("random",))
@@ -116,6 +137,9 @@ def test_a_variant_counts_if_fresh_scenarios_show_it_to_be_better(tmp_path):
     library = {option.name for option in load_knowledge("avoidance").options("AvoidCollision")}
     assert won.known in library
     assert won.best in {*library, "ORCA-distance0.9"}
+
+
+def test_a_variant_counts_if_fresh_scenarios_show_it_to_be_better():
     known = np.arange(10.0, 30.0)
     better, alike = Ratio.of(0.8 * known + np.sin(known), known), Ratio.of(known + 5.0 * np.sin(known), known)
     assert Won("ORCA", "ORCA-distance0.9", better).option == "ORCA-distance0.9"

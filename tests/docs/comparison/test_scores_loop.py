@@ -84,6 +84,7 @@ def taken(directory):
     return [one["options"][GOAL] for one in lines]
 
 
+@pytest.mark.long
 def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms, tmp_path):
     file, call = rooms
     manifest = LoopManifest(**{**SMALL, "families": {"rooms": {"goal": GOAL, "file": str(file)}}})
@@ -103,6 +104,7 @@ def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms,
             assert excess[0, :, 0].tolist() == own.missions.paid(found)[row].tolist()
 
 
+@pytest.mark.long
 def test_max_score_takes_what_the_store_says_at_the_beginning_of_each_command(rooms, tmp_path):
     file, call = rooms
     options = [

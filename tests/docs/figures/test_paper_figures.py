@@ -7,9 +7,10 @@ import pytest
 from matplotlib.colors import to_rgba
 
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING
-from docs.figures import draw_paper, draw_trajectories
+from docs.figures import draw_paper, draw_scores, draw_trajectories
 from docs.figures.draw_patterns import FRAMES, depth, direct, draw_patterns, placed_blocks
 from selforg.mechanisms.purposes import PATTERNS
+from tests.pages import text_of
 
 DIAGRAMS = {
     "patterns": draw_patterns,
@@ -74,3 +75,8 @@ def test_fig_5_colours_ways_by_cargo(monkeypatch):
         count = int((carried == load).sum())
         across = count - drawn[to_rgba(colour)] if count else 0  # steps across a seam are left out
         assert 0 <= across <= 0.05 * carried.size
+
+
+def test_the_figure_of_scores_runs_what_its_page_shows(tmp_path):
+    assert "AvoidCollision" in draw_scores.write_files(tmp_path).goals
+    assert f"clean-swarm {draw_scores.LEARN} --scenarios 30 --output first" in text_of("docs/scores.md")

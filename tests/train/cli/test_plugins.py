@@ -2,19 +2,15 @@
 
 import json
 import os
-import re
 import shutil
 import subprocess
 import sys
 import zipfile
 
 import pytest
-import yaml
 
-from clean_swarm_env.learning.reward import RewardConfig
 from selforg.plugins import NAMED
 from tests.paths import ROOT
-from train.learning.config import TrainingConfig
 
 TEMPLATE = ROOT / "examples" / "plugin"
 
@@ -355,16 +351,6 @@ def test_a_strategy_that_breaks_its_contract_is_one_line_from_a_worker_too(insta
     assert done.returncode == 2
     assert said in done.stderr.splitlines()[-1]
     assert "Traceback" not in done.stderr
-
-
-def test_the_page_of_plugins_runs(installed):
-    page = (ROOT / "docs" / "own_plugins.md").read_text(encoding="utf-8")
-    for number, example in enumerate(re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)):
-        (installed.parent / f"example_{number}.py").write_text(example)
-        done = run(installed, start=(f"example_{number}.py",))
-        assert done.returncode == 0, done.stderr
-    (shown,) = re.findall(r"```yaml\n(.*?)```", page, flags=re.DOTALL)
-    assert TrainingConfig.model_validate(yaml.safe_load(shown)).reward == RewardConfig()
 
 
 def test_a_plugin_that_broke_half_way_is_the_same_line_at_every_lookup(tmp_path):

@@ -1,7 +1,5 @@
 """Missions by state machines: one state is a fixed option, and the rule made by hand is a machine, bit for bit."""
 
-import re
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,7 @@ from clean_swarm_env.learning.batch import Batch
 from selector.documents.yaml_values import yaml_value
 from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.problem import Problem
-from tests.paths import ROOT
+from tests.pages import blocks
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.machines import MachineDecider, RuleDecider
 from train.deciders.named import decider_named
@@ -18,9 +16,6 @@ from train.running.trials import run_trials
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.zeros(3), ("near", "far"))
 ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient}\n"
-
-
-GUIDE = (ROOT / "docs" / "machines.md").read_text(encoding="utf-8")
 
 
 def machine(**states):
@@ -52,8 +47,8 @@ def test_the_rule_has_another_course_than_its_first_option():
 
 
 def test_the_guide_shows_a_machine_for_the_options_that_ship():
-    (text,) = re.findall(r"```yaml\n(.*?)```", GUIDE, re.DOTALL)
-    shown = StateMachine.model_validate(yaml_value(text, "guide"))
+    (block,) = blocks("docs/machines.md", "yaml")
+    shown = StateMachine.model_validate(yaml_value(block.text, "guide"))
     batch = Batch(load_family("crowded").scenario(0, 0, "test").mission)
     shown.check_fits(DecidedGoal(batch).problem, "docs/machines.md")
     assert len(shown.ways) == 3

@@ -1,7 +1,6 @@
 """Strategies under disturbances, by the command line: figures, going on, repeated runs, mistakes."""
 
 import json
-import re
 
 import pytest
 import scipy.stats
@@ -10,7 +9,6 @@ import yaml
 from clean_swarm_env.config.load import load_robustness
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import DocumentError
-from tests.paths import ROOT
 from tests.train.commands import run
 from tests.train.records import record
 from train.analysis.family_report import FamilyRuns
@@ -123,13 +121,6 @@ def test_mistakes_are_one_line_before_anything_runs(tmp_path, changes, message):
     with pytest.raises(DocumentError, match=rf"small\.yaml: .*{message}") as error:
         load_robustness(str(written(tmp_path / "small.yaml", **changes)))
     assert len(str(error.value).splitlines()) == 1
-
-
-def test_the_example_of_the_page_is_an_experiment(tmp_path):
-    page = (ROOT / "docs" / "robustness.md").read_text(encoding="utf-8")
-    (example,) = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
-    (tmp_path / "mine.yaml").write_text(example)
-    assert list(load_robustness(str(tmp_path / "mine.yaml")).disturbed) == ["none", "messages lost 0.5"]
 
 
 def test_options_that_have_no_meaning_here_are_refused(tmp_path, capsys):
