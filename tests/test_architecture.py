@@ -102,7 +102,7 @@ def test_help_is_quick_because_heavy_libraries_wait():
 
 
 OF_EXTRAS = (
-    *("sqlalchemy", "pg8000", "optuna", "ribs", "unified_planning", "onnxruntime", "cv2", "dask", "minari"),
+    *("optuna", "ribs", "unified_planning", "onnxruntime", "cv2", "dask", "minari"),
     *("pygame", "pyarrow", "mcap", "torch", "stable_baselines3"),
 )
 """What `pip install .` does not bring."""

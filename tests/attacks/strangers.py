@@ -1,12 +1,10 @@
-"""Hostile files, one of each kind: they ask for code that writes a file `sang`, and for a database that is counted."""
+"""Hostile files, one of each kind: they ask for code that writes a file `sang`."""
 
 import base64
 import hashlib
 import json
 import pickle
 import shutil
-import socket
-import threading
 import zipfile
 from pathlib import Path
 
@@ -39,44 +37,18 @@ class Song:
         return Path.touch, (self.path,)
 
 
-class Listener:
-    """A port of this machine that counts who connects."""
-
-    def __init__(self) -> None:
-        self.count, self._socket = 0, socket.create_server(("127.0.0.1", 0))
-        self.url = f"postgresql://user:secret@127.0.0.1:{self._socket.getsockname()[1]}/kept"
-        threading.Thread(target=self._listen, daemon=True).start()
-
-    def _listen(self) -> None:
-        while True:
-            try:
-                connection, _ = self._socket.accept()
-            except OSError:
-                return
-            self.count += 1
-            connection.close()
-
-    def close(self) -> None:
-        self._socket.shutdown(socket.SHUT_RDWR)
-        self._socket.close()
-
-
-def hostile_files(folder: Path, url: str) -> list[Path]:
+def hostile_files(folder: Path) -> list[Path]:
     """Write them into a folder, which is also a directory of configurations; return those to open."""
     (folder / "canary.py").write_text(CANARY)
     _models(folder)
-    far = {"base": "table1", "store": url}
     documents = {
         "experiments/own.yaml": {"mission": "table1", "conditions": [{"name": "a", "strategy": OWN}]},
-        "experiments/far.yaml": {"mission": far, "conditions": [{"name": "a"}]},
         "experiments/many.yaml": {
             "mission": "table1",
             "strategies": ["canary:Own", "policy:evil.zip"],
             "scenarios": 1,
             "disturbances": [{"kind": "lost", "level": "1", "mission": {"delivery": {"loss": 1.0}}}],
         },
-        "families/far.yaml": {"mission": far, "robots": [1, 1], "items": [1, 1]},
-        "missions/far.yaml": {"store": url},
         "training/own.yaml": {
             "tasks": [{"family": "table1"}],
             "observation": {"terms": [{"name": "canary:Term"}]},
@@ -84,17 +56,15 @@ def hostile_files(folder: Path, url: str) -> list[Path]:
             "decisions": 10,
             "bandit": {"strategy": OWN},
         },
-        "studies/far.yaml": {"family": "far", "space": {"AvoidCollision": {"Off": {"score": {"low": 0, "high": 1}}}}},
     }
     for name, content in documents.items():
         path = folder / name
         path.parent.mkdir(exist_ok=True)
-        told = {} if path.parent.name == "missions" else {"description": "strange"}
-        path.write_text(yaml.safe_dump({"name": path.stem, **told, **content}))
+        path.write_text(yaml.safe_dump({"name": path.stem, "description": "strange", **content}))
     arrays, description = load_arrays(TRAINED / "strategies" / "rules.safetensors")
     save_arrays(folder / "own.safetensors", arrays, description | {"strategy": "canary:Own"})
     found = [folder / name for name in documents]
-    return [*found, folder / "own.safetensors", _play(folder), *_results(folder, url)]
+    return [*found, folder / "own.safetensors", _play(folder), *_results(folder)]
 
 
 def _models(folder: Path) -> None:
@@ -122,8 +92,8 @@ def _play(folder: Path) -> Path:
     return folder / "own.swarm"
 
 
-def _results(folder: Path, url: str) -> list[Path]:
-    beside = {"versions": versions(), "command": ["clean-swarm", "evaluate", "--store", url]}
+def _results(folder: Path) -> list[Path]:
+    beside = {"versions": versions(), "command": ["clean-swarm", "evaluate"]}
     experiment = load_experiment("table1").model_dump(mode="json")
     conditions = [{"name": "a", "strategy": OWN}]
     members = ("canary:Own", "policy:evil.zip", "velocity:evil.pt")
@@ -133,7 +103,6 @@ def _results(folder: Path, url: str) -> list[Path]:
     held = {member: [f"{member} sha256:{digest}"] for member, digest in zip(members, digests, strict=True)}
     identities = {
         "own": {"experiment": "x", "configuration": experiment | {"conditions": conditions}},
-        "far": {"experiment": "x", "configuration": experiment | {"mission": {"store": url}}},
         "model": {"family": family, "goal": "AvoidCollision", "strategies": held},
     }
     found = []

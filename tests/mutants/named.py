@@ -111,16 +111,16 @@ MUTANTS = (
     ),
     Mutant(
         "transactions that write",
-        "selector/store/connection.py",
-        '"BEGIN IMMEDIATE" if writes else "BEGIN"',
-        '"BEGIN"',
+        "selector/store/knowledge_store.py",
+        'connection.execute(f"BEGIN {kind}")',
+        'connection.execute("BEGIN")',
         ("tests/selector/store/test_processes.py",),
     ),
     Mutant(
         "one transaction for an update",
-        "selector/store/connection.py",
-        "        connection.exec_driver_sql(",
-        "        return\n        connection.exec_driver_sql(",
+        "selector/store/knowledge_store.py",
+        '            connection.execute(f"BEGIN {kind}")\n',
+        "",
         ("tests/selector/store/test_processes.py",),
     ),
     Mutant(

@@ -80,7 +80,7 @@ def held_evaluation(request: Request, folder: Path) -> Evaluation:
     path, manifest = folder / MANIFEST, read_manifest(folder)
     asked = validated(Asked, manifest.get(ASKED, {}), f"{path}: {ASKED}")
     words = manifest.get(COMMAND)
-    store = StoreRequest(request.store.url, learn=True) if request.store.url and asked.scoring else NO_STORE
+    store = StoreRequest(request.store.path, learn=True) if request.store.path and asked.scoring else NO_STORE
     identity = Identity.of(manifest, folder)
     known = replace(
         request,

@@ -23,19 +23,15 @@ def empty_directory(monkeypatch, tmp_path):
     monkeypatch.setenv(stores.VARIABLE, "user.sqlite")
 
 
-def test_the_program_prints_what_the_page_says(capsys):
-    exec(blocks("python")[0], {})
+def test_the_program_prints_what_the_page_says_and_the_commands_run_in_their_order(monkeypatch, capsys):
+    exec(blocks("python")[0].replace("knowledge.sqlite", "user.sqlite"), {})
     (said,) = re.findall(r"It prints `(.*?)`", PAGE)
     assert capsys.readouterr().out == f"{said}\n"
-
-
-def test_the_commands_run_in_their_order(monkeypatch, capsys):
-    exec(blocks("python")[0].replace("knowledge.sqlite", "other.sqlite"), {})
     commands = [shlex.split(line, comments=True) for line in blocks("sh")[0].splitlines()]
-    assert len(commands) == 7
+    assert len(commands) == 6
     for words in commands:
         monkeypatch.setattr(sys, "argv", words)
         with pytest.raises(SystemExit) as ended:
             cli.main()
         assert ended.value.code in (0, None), (words, capsys.readouterr().err)
-    assert capsys.readouterr().out.endswith("user.sqlite: forgot 0 entries, 0 expert options\n")
+    assert capsys.readouterr().out.endswith("user.sqlite: forgot 2 entries, 0 expert options\n")

@@ -139,7 +139,7 @@ def test_shares_of_scores_reach_the_store_once_when_they_are_gathered(run, tmp_p
     words = ("study", "score", "table1", "--store", "s.sqlite", "--scenarios", 2, "--workers", 1)
     for number in (1, 2):
         assert run(*words, "--output", "shares", "--share", f"{number}/2")[0] == 0
-    assert "learned" not in run("learn", "knowledge", "list", "--store", "s.sqlite")[1]
+    assert "learned" not in run("learn", "knowledge", "show", "--store", "s.sqlite")[1]
     code, out, err = run("gather", "shares")
     assert (code, "known now" in out) == (0, False)
     assert "the scores reach no store" in err
@@ -149,7 +149,7 @@ def test_shares_of_scores_reach_the_store_once_when_they_are_gathered(run, tmp_p
         assert "known now" in out
     assert run(*words, "--output", "whole", "--store", "t.sqlite")[0] == 0
     listed = [
-        run("learn", "knowledge", "list", "--store", name)[1].splitlines()[1:] for name in ("s.sqlite", "t.sqlite")
+        run("learn", "knowledge", "show", "--store", name)[1].splitlines()[1:] for name in ("s.sqlite", "t.sqlite")
     ]
     gathered, whole = ([re.sub(r"\d\d:\d\d:\d\d", "", line) for line in lines] for lines in listed)
     assert gathered == whole
@@ -188,7 +188,7 @@ def test_gathering_obeys_no_words_of_a_manifest(run, tmp_path):
     assert run(*EXPERIMENT, "--output", "shares", "--share", "1/1")[0] == 0
     path = tmp_path / "shares" / "shares" / "1-of-1" / "manifest.json"
     content = json.loads(path.read_text())
-    words = ["clean-swarm", "evaluate", "--store", "postgresql://u@127.0.0.1:1/d", "--configs", "no/such", "--learn"]
+    words = ["clean-swarm", "evaluate", "--store", "no/such.sqlite", "--configs", "no/such", "--learn"]
     path.write_text(json.dumps(content | {"command": words}))
     assert run("gather", "shares")[0] == 0
     path.write_text(json.dumps(content | {"asked": {"scenarios": 10**9}}))
