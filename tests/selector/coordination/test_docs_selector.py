@@ -7,7 +7,6 @@ import pytest
 
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
-from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selforg.components import ACTIONS, SENSORS
 from tests.paths import ROOT
@@ -41,13 +40,6 @@ def test_the_configuration_that_steers_takes_no_turn(mine):
     library = Library([mine])
     assert library.configuration("Bend", {"distance": 0.7}).steers
     assert not library.configuration("Shy").steers
-
-
-def test_a_mistake_in_it_is_one_line(mine):
-    path = mine / "mechanisms" / "Shy.yaml"
-    path.write_text(path.read_text().replace("type: AvoidAll", "type: AvoidNone"))
-    with pytest.raises(DocumentError, match=r"Shy\.yaml: mechanisms\.shy\.type: unknown mechanism 'AvoidNone'"):
-        Library([mine])
 
 
 def test_the_host_of_the_page_brings_its_robots_to_the_goal():

@@ -21,8 +21,6 @@ from selector.store.exact_sums import NO_REWARDS
 from tests.soaking import rounds
 
 GOAL, OPTIONS = "Avoid", ("near", "far")
-SOURCES = 3
-"""Processes that share a source update the same entries."""
 SAME_STORE = 10
 OPENING, UPDATING = 0.08, 0.1
 """Longest time until a kill [s]: of a process that opens the store, and of one that has made its first update."""
@@ -46,26 +44,18 @@ def forked(work: Callable[[], None]) -> int:
 
 
 def lost_updates(path: Path, processes: int, updates: int) -> int:
-    """Let processes update a store at the same time; return the number of those that failed and of inexact sums."""
-    expected: dict[tuple[str, str], Moments] = {}
+    """Let processes add the rewards 0, 1, 2 ... to the same entry at the same time; return how many went wrong."""
 
-    def update(options: np.ndarray, rewards: np.ndarray, source: str) -> None:
+    def update() -> None:
         store = KnowledgeStore(path)  # the first process to come makes it
         for number in range(updates):
-            store.add(batch_of(options[number : number + 1], rewards[number : number + 1]), source=source)
+            store.add(batch_of(np.zeros(1, int), np.array([float(number)])), source="all")
 
-    children = []
-    for process in range(processes):
-        random, source = np.random.default_rng(process), f"run-{process % SOURCES}"
-        options = np.arange(updates) % 2
-        rewards = random.uniform(-1.0, 1.0, updates) * 10.0 ** random.integers(-6, 6, updates)
-        for option, moments in batch_of(options, rewards).moments.items():
-            expected[option, source] = expected.get((option, source), NO_REWARDS) + moments
-        children.append(forked(lambda o=options, r=rewards, s=source: update(o, r, s)))
+    children = [forked(update) for _ in range(processes)]
     failed = sum(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) != 0 for child in children)
-    learned = KnowledgeStore(path).contents().learned
-    held = {(key.option, key.source): entry.moments for key, entry in learned.items()}
-    return failed + sum(held.get(key) != moments for key, moments in expected.items()) + len(held.keys() - expected)
+    (entry,) = KnowledgeStore(path).contents().learned.values()
+    total, squares = (sum(number**power for number in range(updates)) for power in (1, 2))
+    return failed + (entry.moments != Moments(processes * updates, processes * total << 24, processes * squares << 48))
 
 
 def kill_one(path: Path, source: str, after: float, *, updating: bool) -> int:

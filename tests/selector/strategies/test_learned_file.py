@@ -141,6 +141,7 @@ while True:
 """
 
 
+@pytest.mark.long
 def test_a_writer_that_is_killed_leaves_a_whole_file(tmp_path):
     path, generator = tmp_path / "file", np.random.default_rng(0)
     for _ in range(5):

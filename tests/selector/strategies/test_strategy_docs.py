@@ -47,12 +47,6 @@ def test_the_examples_run(example, monkeypatch, capsys):
         assert printed == re.search(r"print\(.*# (.*)$", EXAMPLES[example], re.MULTILINE)[1] + "\n"
 
 
-def test_the_strategy_of_ones_own_has_less_than_30_lines():
-    (text,) = (example for example in EXAMPLES if "class WinStay(" in example)
-    body = text[text.index("@STRATEGIES.register") : text.index("problem =")]
-    assert len([line for line in body.splitlines() if line.strip()]) < 30
-
-
 def test_the_yaml_is_a_strategy():
     import yaml
 
