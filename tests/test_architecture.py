@@ -84,7 +84,7 @@ def test_help_is_quick_because_heavy_libraries_wait():
 
 
 OF_EXTRAS = (
-    *("sqlalchemy", "pg8000", "optuna", "cmaes", "unified_planning", "onnxruntime", "cv2", "dask"),
+    *("optuna", "cmaes", "unified_planning", "onnxruntime", "cv2", "dask"),
     *("pygame", "torch", "stable_baselines3"),
 )
 """What `pip install .` does not bring."""

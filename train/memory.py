@@ -1,10 +1,9 @@
-"""The knowledge store of a command: what a run begins with and gives back, and files that a user names for import."""
+"""The knowledge store of a command: what a run begins with, and what it gives back."""
 
 import os
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import platformdirs
@@ -12,37 +11,31 @@ import platformdirs
 from selector.documents.errors import DocumentError
 from selector.documents.fields import MOST_STORED
 from selector.documents.plain import short
-from selector.knowledge import Knowledge, LearnedScores, load_knowledge
-from selector.store import RewardSums, StoredKnowledge, StoreError, document
-from selector.store.stored_knowledge import stored
-
-if TYPE_CHECKING:
-    from selector.store import KnowledgeStore
+from selector.knowledge import Knowledge, LearnedScores
+from selector.store import KnowledgeStore, RewardSums, StoreError
 
 VARIABLE = "CLEAN_SWARM_STORE"
-"""Environment variable with the URL of the store, used without `--store`."""
+"""Environment variable with the path of the store, used without `--store`."""
 
 
 @dataclass(frozen=True)
 class StoreRequest:
     """The request of the user for a run with a knowledge store."""
 
-    url: str | None = None
-    """URL or path of the store; none unless given."""
+    path: str | None = None
+    """Path of the store; none unless given."""
     learn: bool = False
     """Whether the run gives back its rewards."""
 
     def __post_init__(self) -> None:
-        if self.learn and self.url is None:
-            raise DocumentError("--learn: expected --store URL, the knowledge store to give to")
-        if self.url:  # a missing package is told before anything is compiled
-            from selector.store import KnowledgeStore  # noqa: F401
+        if self.learn and self.path is None:
+            raise DocumentError("--learn: expected --store FILE, the knowledge store to give to")
 
     def memory(self, knowledge: Knowledge, context: str, source: str) -> "Memory | None":
         """Return the memory of a run; None without a store."""
-        if not self.url:
+        if not self.path:
             return None
-        return Memory(opened(self.url, create=self.learn), knowledge, context, source if self.learn else "")
+        return Memory(opened(self.path, create=self.learn), knowledge, context, source if self.learn else "")
 
 
 NO_STORE = StoreRequest()
@@ -60,29 +53,28 @@ class Memory:
 
     Attributes:
         knowledge: the expert knowledge, with what the store knew at the beginning.
+        learns: whether the run gives back its rewards.
 
     Raises:
         StoreError: the store cannot be used, or knows an option with another configuration or other parameters.
 
     """
 
-    def __init__(self, store: "KnowledgeStore", knowledge: Knowledge, context: str, source: str) -> None:
+    def __init__(self, store: KnowledgeStore, knowledge: Knowledge, context: str, source: str) -> None:
         self._store, self._expert, self.context, self.source = store, knowledge, context, source
-        if source:
-            if len(context) > MOST_STORED:
-                raise StoreError(f"context: expected up to {MOST_STORED} characters, got {short(context)}")
-            store.introduce(knowledge, source=source)
+        self.learns = bool(source)
+        if self.learns:
+            for name, text in (("context", context), ("source", source)):
+                if len(text) > MOST_STORED:
+                    raise StoreError(f"{name}: expected up to {MOST_STORED} characters, got {short(text)}")
+            store.introduce(knowledge)
         self.knowledge = self.now()
-
-    @property
-    def learns(self) -> bool:
-        """Whether the run gives back its rewards."""
-        return bool(self.source)
 
     def held(self, options: Collection[str] = ()) -> int:
         """Return how many rewards of this source the store holds in this context; of some `options` only if given."""
-        own = {k: entry for k, entry in self._store.contents().learned.items() if k[2:] == (self.context, self.source)}
-        return sum(entry.moments.count for key, entry in own.items() if not options or key.option in options)
+        learned = self._store.contents().learned
+        own = [entry for key, entry in learned.items() if (key.context, key.source) == (self.context, self.source)]
+        return sum(entry.count for entry in own if not options or entry.option in options)
 
     def check_new(self, options: Collection[str] = ()) -> None:
         """Raise StoreError if the store holds what this run would learn (of `options`), which would count twice."""
@@ -100,16 +92,12 @@ class Memory:
         for goal, option, reward in rewards:
             names = [one.name for one in self._expert.options(goal)]
             known = sums.setdefault(goal, RewardSums(goal, names))
-            known.record(np.array([names.index(option)]), np.array([reward]), self.context)
+            known.record(np.array([names.index(option)]), np.array([reward]))
         self.give_sums(*sums.values())
 
     def give_sums(self, *sums: RewardSums) -> None:
         """Add sums of rewards to the store, all of them at once."""
-        self._store.add(*sums, source=self.source)
-
-    def close(self) -> None:
-        """Close the store."""
-        self._store.close()
+        self._store.add(*sums, source=self.source, context=self.context)
 
 
 def as_plain(learned: LearnedScores) -> dict[str, dict[str, dict[str, float]]]:
@@ -122,14 +110,12 @@ def default_path() -> Path:
     return platformdirs.user_data_path("clean-swarm", appauthor=False) / "knowledge.sqlite"
 
 
-def opened(url: str | None, *, create: bool) -> "KnowledgeStore":
-    """Return the store of a URL if given, else that of the environment variable, else that in the data directory.
+def opened(path: str | None, *, create: bool) -> KnowledgeStore:
+    """Return the store of a path if given, else that of the environment variable, else that in the data directory.
 
     With `create`, a missing store is made, and for the data directory also the directory.
     """
-    from selector.store import KnowledgeStore  # imports SQLAlchemy, of the extra "store"
-
-    named = store_url(url)
+    named = store_path(path)
     if create and named == str(default_path()):
         try:
             default_path().parent.mkdir(parents=True, exist_ok=True)
@@ -138,34 +124,6 @@ def opened(url: str | None, *, create: bool) -> "KnowledgeStore":
     return KnowledgeStore(named, create=create)
 
 
-def store_url(url: str | None) -> str:
-    """Return a URL if given, else that in the environment variable, else the path in the data directory."""
-    return url or os.environ.get(VARIABLE) or str(default_path())
-
-
-def contents_named(given: str, source: str, directories: Sequence[Path] = ()) -> StoredKnowledge:
-    """Return the contents of a file, which is expert knowledge or an exported store, or the expert knowledge of a name.
-
-    Args:
-        given: path of the file, or name of expert knowledge.
-        source: source of expert knowledge.
-        directories: searched for expert knowledge before the shipped directory.
-
-    """
-    path = Path(given)
-    if path.is_file():
-        return document.read(path, source)
-    if path.suffix or path.name != given:
-        raise DocumentError(f"{given}: no such file")
-    return stored(load_knowledge(given, directories), source)
-
-
-def amount(contents: StoredKnowledge) -> str:
-    """Return the numbers of expert options and updates in words."""
-    updates = sum(entry.moments.count for entry in contents.learned.values())
-    return f"{counted(len(contents.expert), 'expert option')}, {counted(updates, 'update')}"
-
-
-def counted(number: int, one: str, many: str = "") -> str:
-    """Return a number with its noun."""
-    return f"{number} {one if number == 1 else many or one + 's'}"
+def store_path(path: str | None) -> str:
+    """Return a path if given, else that in the environment variable, else the one in the data directory."""
+    return path or os.environ.get(VARIABLE) or str(default_path())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -62,7 +61,7 @@ class Request:
     machine: Machine = ALONE
     """What the missions may use."""
     words: tuple[str, ...] = ()
-    """The command as it was typed, without passwords: for people, who read it in the manifest. Nothing obeys it."""
+    """The command as it was typed: for people, who read it in the manifest. Nothing obeys it."""
 
     @property
     def engine(self) -> Engine:
@@ -87,17 +86,3 @@ class Request:
         text = f"{str(end) or 'interrupted'}{kept}; to go on:\n  {self.command(directory)}"
         Console(stderr=True, highlight=False, soft_wrap=True).print(text, markup=False)
         return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
-
-
-def without_secrets(word: str) -> str:
-    """Return a typed word without the password and the values of options in a URL.
-
-    What else is hidden, and what is not: docs/decisions/0069-passwords.md.
-
-    >>> without_secrets("--store=postgresql://me:secret@host/db?password=secret")
-    '--store=postgresql://me:***@host/db?password=...'
-    """
-    if "://" not in word:
-        return word
-    place, mark, options = re.sub(r"://([^/@:]*):.*@", r"://\1:***@", word).partition("?")
-    return place + mark + re.sub(r"=[^&]*", "=...", options)

@@ -6,6 +6,7 @@ from pathlib import Path
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import within
 from selector.knowledge import Knowledge, load_knowledge
+from selector.store import KnowledgeStore
 
 
 def knowledge_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> Knowledge:
@@ -19,13 +20,8 @@ def knowledge_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> Kn
         known = load_knowledge(mission.knowledge, directories).with_learned(mission.learned)
     if not mission.store:
         return known
-    from selector.store import KnowledgeStore  # imports SQLAlchemy, which takes long
-
-    store = KnowledgeStore(mission.store, create=False)
-    try:
-        return known.with_learned(store.contents().scores(known, mission_context(mission.name)))
-    finally:
-        store.close()
+    held = KnowledgeStore(mission.store, create=False).contents()
+    return known.with_learned(held.scores(known, mission_context(mission.name)))
 
 
 def mission_context(name: str) -> str:

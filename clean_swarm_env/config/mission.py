@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, SerializeAsAny, field_serializer, field_validator, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE, DeliveryConfig
 from clean_swarm_env.config.events import MOST_TIMES, Again, Event, Join, SetDelivery, check_team
@@ -27,7 +27,7 @@ from clean_swarm_env.config.tasks import (
 from clean_swarm_env.config.types import Length, Point, Pose, Seconds
 from clean_swarm_env.config.world import WorldConfig
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, StoreName
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive
 from selector.knowledge import LearnedScores, learned_from
 from selector.vocabulary.settings import SettingsSpec
 from selforg.arrays import Floats, Ints
@@ -104,19 +104,10 @@ class MissionConfig(Closed):
     """Name of the expert knowledge file."""
     terms: tuple[Name, ...] = ()
     """Terms of the observation beside the default ones, in environments and in evaluations alike."""
-    store: StoreName = ""
-    """URL or path of a knowledge store, whose scores of missions of this name the mission begins with; empty: none."""
+    store: str = ""
+    """File of a knowledge store, whose scores of missions of this name the mission begins with; empty: none."""
     learned: LearnedScores = Field(default={})
     """Rewards of options with which the mission begins, besides those in the file and the store."""
-
-    @field_serializer("store", when_used="json")
-    def _public(self, store: str) -> str:
-        """Return the store as manifests and recordings name it: without its password."""
-        if not store:
-            return store
-        from selector.store import public_url  # imports SQLAlchemy, which takes long
-
-        return public_url(store)
 
     @model_validator(mode="before")
     @classmethod

@@ -162,7 +162,6 @@ def stored_choices(
                 taken[seed] = given[seed]
                 memory.give(_reward(missions, seed, mission, taken) for mission in range(count))
             known.append(Problem.of(memory.now(), missions.goal).scores.tolist())
-            memory.close()
     return taken, known
 
 

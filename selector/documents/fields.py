@@ -17,7 +17,6 @@ from pydantic import (
 
 from selector.documents.errors import DocumentError, one_line, unknown_key
 from selector.documents.plain import short
-from selector.documents.trust import check_trust
 
 LARGEST_NUMBER = 1e9
 """Largest absolute value of any number; squares and products of such numbers are still exact to a millionth."""
@@ -28,7 +27,7 @@ JOINT = "+"
 MOST_LETTERS = 100
 """Length of a name; names of files are made of several."""
 MOST_STORED = 120
-"""Length of a text in a knowledge store: four of them fit into an index of PostgreSQL."""
+"""Length of a text in a knowledge store."""
 
 
 def _not_tiny(number: float) -> float:
@@ -74,13 +73,6 @@ JointName = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_joi
 """Names joined by `+`: of goals that are decided as one, or of their options."""
 DocumentName = Annotated[str, Field(strict=True, min_length=1, max_length=1000), AfterValidator(_no_relative_path)]
 """Name of another document, or its absolute path; a relative path would depend on where the program was started."""
-StoreName = Annotated[
-    str,
-    AfterValidator(
-        lambda url: check_trust(url, "connect to a database") if "://" in url and not url.startswith("sqlite") else url
-    ),
-]
-"""URL or path of a knowledge store; a file that is not trusted names none on a network."""
 Label = Annotated[str, Field(strict=True, min_length=1, max_length=MOST_STORED), AfterValidator(_no_controls)]
 """Text that a knowledge store keeps: options and sources of programs other than ours."""
 Context = Annotated[str, Field(strict=True, max_length=MOST_STORED), AfterValidator(_no_controls)]

@@ -1,8 +1,8 @@
 """Names of code: what a user names may run, what only a file names may not.
 
-Files come from strangers. Whoever imports code by its name, loads a model of another library or connects to a database
-asks `check_trust` first. A command may run what stands on its command line, a Python program what it names itself;
-names in files are refused, unless the user trusts the files (`--trust`, `trust=True`): then each is said in one line
+Files come from strangers. Whoever imports code by its name or loads a model of another library asks `check_trust`
+first. A command may run what stands on its command line, a Python program what it names itself; names in files are
+refused, unless the user trusts the files (`--trust`, `trust=True`): then each is said in one line
 (docs/decisions/0206-files-are-data.md).
 """
 

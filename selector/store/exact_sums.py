@@ -45,11 +45,6 @@ class Moments:
         """Return the moments of both sets of rewards together."""
         return Moments(self.count + other.count, self.total + other.total, self.squares + other.squares)
 
-    def holds(self, other: Self) -> bool:
-        """Return whether these may be the moments of the other's rewards and of further ones."""
-        rest = Moments(self.count - other.count, self.total - other.total, self.squares - other.squares)
-        return rest == NO_REWARDS or not rest.impossible()
-
     @property
     def mean(self) -> float:
         """Mean reward, correctly rounded; undefined without rewards."""
@@ -78,13 +73,13 @@ NO_REWARDS = Moments(0, 0, 0)
 
 
 class RewardSums:
-    """Exact sums of the rewards of one goal, for each option and context.
+    """Exact sums of the rewards of one goal, for each option.
 
-    The memory needed depends on the number of options and contexts, not on the number of rewards.
+    The memory needed depends on the number of options, not on the number of rewards.
 
     >>> batch = RewardSums("AvoidCollision", ["near", "far"])
     >>> batch.record(np.array([0, 1, 1]), np.array([0.5, 1.0, 2.0]))
-    >>> batch.moments["far", ""].mean
+    >>> batch.moments["far"].mean
     1.5
 
     Args:
@@ -96,20 +91,16 @@ class RewardSums:
     def __init__(self, goal: str, options: Sequence[str]) -> None:
         self.goal = goal
         self.options = tuple(options)
-        self._sums: dict[tuple[int, str], list[int]] = {}
-
-    @property
-    def moments(self) -> dict[tuple[str, str], Moments]:
-        """Sums by option and context."""
-        return {(self.options[k], context): Moments(*sums) for (k, context), sums in self._sums.items()}
+        self.moments: dict[str, Moments] = {}
+        """Sums by option; those that brought no reward are left out."""
 
     @property
     def count(self) -> int:
         """Number of rewards recorded."""
-        return sum(count for count, _, _ in self._sums.values())
+        return sum(moments.count for moments in self.moments.values())
 
-    def record(self, option: Ints, reward: Floats, contexts: str | Sequence[str] = "") -> None:
-        """Add `reward` (R,) of `option` (R,) in `contexts`, one for all rows or (R,).
+    def record(self, option: Ints, reward: Floats) -> None:
+        """Add `reward` (R,) of `option` (R,).
 
         Raises:
             ValueError: a reward is not finite or beyond a million, an option is unknown, or shapes do not fit; nothing
@@ -119,14 +110,9 @@ class RewardSums:
         chosen, whole = self._checked_options(option), on_grid(reward)
         if whole.shape != chosen.shape:
             raise ValueError(f"reward: expected shape {chosen.shape}, got {whole.shape}")
-        names = [contexts] * chosen.size if isinstance(contexts, str) else contexts
-        if len(names) != chosen.size:
-            raise ValueError(f"contexts: expected {chosen.size} of them, one a row, got {len(names)}")
-        for k, context, value in zip(chosen.tolist(), names, whole.tolist(), strict=True):
-            sums = self._sums.setdefault((k, context), [0, 0, 0])
-            sums[0] += 1
-            sums[1] += value
-            sums[2] += value * value
+        for k, value in zip(chosen.tolist(), whole.tolist(), strict=True):
+            name = self.options[k]
+            self.moments[name] = self.moments.get(name, NO_REWARDS) + Moments(1, value, value * value)
 
     def _checked_options(self, option: Ints) -> Ints:
         chosen = np.asarray(option)

@@ -1,178 +1,219 @@
-"""The knowledge store: atomic updates of expert options and learned entries."""
+"""The knowledge store: one table in one SQLite file, changed by one transaction at a time."""
 
+import json
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+import sqlite3
+from collections.abc import Iterable, Iterator
+from contextlib import closing, contextmanager, suppress
+from pathlib import Path
+from typing import Any
 
-from sqlalchemy import Connection, Engine, Pool
-from sqlalchemy.exc import ArgumentError
-
-from selector.documents.trust import check_trust
+from selector.documents.errors import DocumentError, shown
+from selector.documents.plain import short
+from selector.documents.reading import json_value
 from selector.knowledge import Knowledge
-from selector.store import connection as connecting
-from selector.store import tables
-from selector.store.document import as_document
-from selector.store.errors import StoreError, reported
-from selector.store.exact_sums import RewardSums
-from selector.store.stored_knowledge import NO_KNOWLEDGE, Key, LearnedEntry, StoredKnowledge, microseconds, stored
+from selector.store.contents import (
+    FORMAT,
+    Entry,
+    Key,
+    StoredKnowledge,
+    StoreError,
+    as_rows,
+    from_document,
+    learned_entry,
+    stored,
+)
+from selector.store.exact_sums import NO_REWARDS, Moments, RewardSums
+
+KIND, SCHEMA = 0x436C5377, 3
+"""Kind of the file in its header (`application_id`, "ClSw"), and version of its table (`user_version`)."""
+BUSY_S = 60.0
+"""Time for which a writer waits for the others [s]."""
+OWNER_ONLY = 0o600
+"""Mode of a new file: others may neither read nor write it."""
+TABLE = "clean_swarm_knowledge"
+KEY, COLUMNS = Key._fields, tuple(Entry.model_fields)
+MAKE = (
+    f"CREATE TABLE {TABLE} ({', '.join(f'{name} NOT NULL' for name in COLUMNS)}, PRIMARY KEY ({', '.join(KEY)}))",
+    f"PRAGMA application_id = {KIND}",
+    f"PRAGMA user_version = {SCHEMA}",
+)
+"""Statements that make a store of an empty database."""
+READ = f"SELECT {', '.join(COLUMNS)} FROM {TABLE}"
+WRITE = (
+    f"INSERT INTO {TABLE} VALUES ({', '.join(f':{name}' for name in COLUMNS)}) ON CONFLICT ({', '.join(KEY)}) "
+    f"DO UPDATE SET {', '.join(f'{name} = excluded.{name}' for name in COLUMNS if name not in KEY)}"
+)
 
 
 class KnowledgeStore:
-    """Expert knowledge and learned entries in a database that many processes may use at the same time.
+    """Expert knowledge and learned rewards in a file that several processes may use at the same time.
 
-    Every change is one transaction, which happens completely or not at all, also if the process is killed.
+    Every change is one transaction, which happens completely or not at all, also if the process is killed. Nothing
+    stays open in between, so there is nothing to close, and a forked process may go on with the store.
 
     Args:
-        url: `sqlite:///PATH`, a plain path, or `postgresql://USER@HOST/DATABASE`.
+        path: of the file.
         create: whether to make a missing store; else a missing store is an error.
 
     Raises:
-        StoreError: the database cannot be reached, or holds no store of a known version.
+        StoreError: the file cannot be read, or is no store of this version.
 
     """
 
-    def __init__(self, url: str, *, create: bool = True) -> None:
-        parts = connecting.parsed(url)
-        self.name = connecting.name_of(parts)
+    def __init__(self, path: str | Path, *, create: bool = True) -> None:
+        if not str(path) or not str(path).isprintable() or "://" in str(path):
+            raise StoreError(f"store: expected the path of a file, got {short(str(path))}")
+        place = Path(os.path.expanduser(path))
+        self.name = shown(place)
         """Name of the store in messages."""
-        if parts.get_backend_name() != "sqlite":
-            check_trust(url, f"connect to {self.name}", "store: ")
-        with _opening(self.name):
-            self._own_engine = connecting.engine_of(parts, create=create)
-        self._process = os.getpid()
-        self._of_parent: list[Pool] = []
-        try:
-            with _opening(self.name):
-                connecting.prepare(self._engine, self.name, create=create)
-        except StoreError:
-            self.close()
-            raise
+        self._uri = f"{place.absolute().as_uri()}?mode=rw"
+        with self._reported():
+            self._check_place(place, create=create)
+        with self._transaction() as connection:
+            is_there = self._is_store(connection)
+        if not is_there and not create:
+            raise StoreError(f"{self.name}: is no knowledge store")
+        if not is_there:
+            with self._transaction("IMMEDIATE") as connection:
+                # another process may have been quicker
+                for statement in () if self._is_store(connection) else MAKE:
+                    connection.execute(statement)
 
-    def close(self) -> None:
-        """Close all connections; the store opens new ones if it is used again."""
-        self._engine.dispose()
-
-    def add(self, *batches: RewardSums, source: str, updated: int | None = None) -> None:
-        """Add the updates of an episode: all of them or, with an error, none.
+    def add(self, *batches: RewardSums, source: str, context: str = "") -> None:
+        """Add the rewards of an episode: all of them or, with an error, none.
 
         Args:
             batches: sums of rewards.
-            source: source of the rewards: the name of a run that no other run has, in this store or another one.
-            updated: time of the update [us since 1970, UTC]; now unless given.
+            source: source of the rewards: the name of a run that no other run has.
+            context: in which they were earned.
 
         Raises:
             StoreError: the store cannot be written, or does not accept a name.
 
         """
-        now = microseconds() if updated is None else updated
-        given: dict[Key, LearnedEntry] = {}
+        sums: dict[Key, Moments] = {}
         for batch in batches:
-            for (option, context), moments in batch.moments.items():
-                key, entry = Key(batch.goal, option, context, source), LearnedEntry(moments, now)
-                given[key] = given[key].plus(entry) if key in given else entry
-        with self._writing(StoredKnowledge(learned=given)) as connection:
-            held = tables.read_learned(connection, self._corrupt, {batch.goal for batch in batches}, source).learned
-            learned = {key: held[key].plus(entry) if key in held else entry for key, entry in given.items()}
-            tables.write(connection, StoredKnowledge(learned=learned))
+            for option, moments in batch.moments.items():
+                key = Key(batch.goal, option, context, source)
+                sums[key] = sums.get(key, NO_REWARDS) + moments
+        with self._transaction("IMMEDIATE") as connection:
+            held = self._read(connection, {"context": context, "source": source}).entries
+            before = {key: held[key].moments if key in held else NO_REWARDS for key in sums}
+            _write(connection, [learned_entry(key, before[key] + moments) for key, moments in sums.items()])
 
-    def put(self, knowledge: Knowledge, *, source: str, updated: int | None = None) -> None:
-        """Add expert knowledge; a later score replaces an earlier one.
-
-        Raises:
-            StoreError: the store knows an option with another configuration or other parameters.
-
-        """
-        self.absorb(stored(knowledge, source, updated))
-
-    def introduce(self, knowledge: Knowledge, *, source: str) -> None:
+    def introduce(self, knowledge: Knowledge) -> None:
         """Add the options of expert knowledge that the store does not hold; the others keep their scores.
 
         Raises:
             StoreError: the store knows an option with another configuration or other parameters.
 
         """
-        given = stored(knowledge, source)
-        with self._writing(given) as connection:
-            held = tables.read(connection, self._corrupt)
-            held.check_same(knowledge)
-            new = {key: rated for key, rated in given.expert.items() if key not in held.expert}
-            tables.write(connection, StoredKnowledge(new))
-
-    def knowledge(self) -> Knowledge:
-        """Return the expert knowledge in the store."""
-        return self.contents().knowledge(self.name)
-
-    def contents(self) -> StoredKnowledge:
-        """Return everything in the store, as of one moment."""
-        with self._reading() as connection:
-            return tables.read(connection, self._corrupt)
+        with self._transaction("IMMEDIATE") as connection:
+            held, given = self._read(connection), stored(knowledge)
+            held.check_fits(given, f"{knowledge.source}: ")
+            _write(connection, [entry for key, entry in given.entries.items() if key not in held.entries])
 
     def absorb(self, contents: StoredKnowledge) -> None:
-        """Add `contents`, those of another store for instance, to the store; what it holds already stays as it is.
+        """Add `contents`, those of another store for instance, to the store; a later score replaces an earlier one.
 
         Raises:
             StoreError: the store cannot be written, or holds an option or a source of the same name that differs.
 
         """
-        with self._writing(contents) as connection:
-            held = tables.read(connection, self._corrupt)
-            tables.write(connection, held.merged(contents).only(contents))
+        with self._transaction("IMMEDIATE") as connection:
+            self._read(connection).check_fits(contents)
+            _write(connection, contents.entries.values())
+
+    def contents(self) -> StoredKnowledge:
+        """Return everything in the store, as of one moment."""
+        with self._transaction() as connection:
+            return self._read(connection)
 
     def reset(self, *, expert: bool = False, **chosen: str) -> tuple[int, int]:
         """Delete the learned entries of the given `goal`, `option`, `context` and `source`; of all that are not given.
 
-        With `expert`, the expert options of the goal, option and source are deleted too.
+        With `expert`, the expert options of the goal and option are deleted too.
 
         Returns:
             The number of learned entries and of expert options deleted.
 
         """
-        if wrong := set(chosen) - set(Key._fields):
+        if wrong := set(chosen) - set(KEY):
             raise TypeError(f"unknown selection: {', '.join(sorted(wrong))}")
-        columns = {"goal": "goal", "option": "name", "source": "source"}
-        of_expert = {columns[what]: name for what, name in chosen.items() if what in columns}
-        with self._writing() as connection:
-            entries = tables.delete_rows(connection, tables.learned, chosen)
-            return entries, tables.delete_rows(connection, tables.expert, of_expert) if expert else 0
-
-    @property
-    def _engine(self) -> Engine:
-        """The engine; a forked process gets a new one, because it must not use or close connections of its parent."""
-        if self._process != os.getpid():
-            self._of_parent.append(self._own_engine.pool)
-            self._own_engine.dispose(close=False)
-            self._process = os.getpid()
-        return self._own_engine
+        of_expert = {name: value for name, value in chosen.items() if name in ("goal", "option")}
+        with self._transaction("IMMEDIATE") as connection:
+            entries = _delete(connection, "source != ''", chosen)
+            return entries, _delete(connection, "source = ''", of_expert) if expert else 0
 
     @contextmanager
-    def _reading(self) -> Iterator[Connection]:
-        with reported(self.name), self._engine.connect() as connection:
-            if connection.dialect.name == "postgresql":
-                connection = connection.execution_options(isolation_level="REPEATABLE READ")  # as of one moment
-            yield connection
-
-    @contextmanager
-    def _writing(self, given: StoredKnowledge = NO_KNOWLEDGE) -> Iterator[Connection]:
-        """Yield a connection in a transaction that adds what is `given`; StoreError if no store takes that."""
-        with reported(self.name):
-            as_document(given)  # raises, before the database sees any of it
-            with connecting.writing(self._engine) as connection:
+    def _transaction(self, kind: str = "") -> Iterator[sqlite3.Connection]:
+        """Yield a connection in a transaction, which an error undoes."""
+        with (
+            self._reported(),
+            closing(sqlite3.connect(self._uri, timeout=BUSY_S, isolation_level=None, uri=True)) as connection,
+        ):
+            connection.execute("PRAGMA synchronous=FULL")  # a commit survives a loss of power
+            connection.execute(f"BEGIN {kind}")
+            with connection:
                 yield connection
 
-    @property
-    def _corrupt(self) -> str:
-        """The beginning of errors about rows that no store writes."""
-        return f"{self.name}: is corrupt"
-
-
-@contextmanager
-def _opening(where: str) -> Iterator[None]:
-    """Turn errors of a database, its driver or the system about a URL into a StoreError that begins with `where`."""
-    try:
-        with reported(where):
+    @contextmanager
+    def _reported(self) -> Iterator[None]:
+        """Turn errors of the database, of the system and of what the store holds into a StoreError of one line."""
+        try:
             yield
-    except StoreError:
-        raise
-    except (ArgumentError, OSError, TypeError, ValueError) as error:  # options and names that a driver does not take
-        why = error.strerror if isinstance(error, OSError) and error.strerror else " ".join(str(error).split())
-        raise StoreError(f"{where}: cannot be opened ({why})") from error
+        except DocumentError as error:
+            raise StoreError(str(error)) from error
+        except (sqlite3.Error, OSError, UnicodeError) as error:  # sqlite3 cannot decode all texts of a damaged file
+            why = error.strerror if isinstance(error, OSError) else " ".join(str(error).split())
+            raise StoreError(f"{self.name}: {why}") from error
+
+    def _check_place(self, place: Path, *, create: bool) -> None:
+        """Check that there is a file, and make an empty one if there is none and one may be made."""
+        if place.is_dir():
+            raise StoreError(f"{self.name}: expected a file, got a directory")
+        if not place.exists():
+            if not create:
+                raise StoreError(f"{self.name}: no such knowledge store")
+            if not place.parent.is_dir():
+                raise StoreError(f"{self.name}: no such directory as {shown(place.parent)}")
+            with suppress(OSError):  # SQLite says that it cannot be made
+                os.close(os.open(place, os.O_CREAT | os.O_RDWR, OWNER_ONLY))
+
+    def _is_store(self, connection: sqlite3.Connection) -> bool:
+        """Return whether a database is a store; StoreError unless it is empty then, or if it is of another version."""
+        found, kind, version = (
+            connection.execute(f"PRAGMA {what}").fetchone()[0]
+            for what in ("quick_check(1)", "application_id", "user_version")
+        )
+        if found != "ok":
+            raise StoreError(f"{self.name}: the file is corrupt ({' '.join(str(found).split())})")
+        names = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
+        tables = ", ".join(sorted(str(name) for (name,) in names))
+        if kind == KIND and version != SCHEMA:
+            raise StoreError(f"{self.name}: comes from another version (expected {SCHEMA}, got {version})")
+        if kind != KIND and tables:
+            raise StoreError(f"{self.name}: is a database of something else (tables: {tables})")
+        return bool(kind == KIND)
+
+    def _read(self, connection: sqlite3.Connection, chosen: dict[str, str] | None = None) -> StoredKnowledge:
+        """Return the entries, those with the values of the `chosen` columns; DocumentError for rows no store writes."""
+        where = "".join(f" {'AND' if k else 'WHERE'} {name} = :{name}" for k, name in enumerate(chosen or {}))
+        rows = [dict(zip(COLUMNS, row, strict=True)) for row in connection.execute(READ + where, chosen or {})]
+        name = f"{self.name}: is corrupt"
+        for row in rows:
+            row["expert"] = json_value(str(row["expert"]), f"{name}: {row['goal']}.{row['option']}.expert")
+        return from_document({**FORMAT, "entries": rows}, name)
+
+
+def _write(connection: sqlite3.Connection, entries: Iterable[Entry]) -> None:
+    """Write entries over the rows of the same keys."""
+    rows: list[dict[str, Any]] = as_rows(entries)
+    connection.executemany(WRITE, [row | {"expert": json.dumps(row["expert"], sort_keys=True)} for row in rows])
+
+
+def _delete(connection: sqlite3.Connection, condition: str, chosen: dict[str, str]) -> int:
+    """Delete the rows that meet a condition and have the values of the `chosen` columns; return their number."""
+    where = "".join(f" AND {name} = :{name}" for name in chosen)
+    return connection.execute(f"DELETE FROM {TABLE} WHERE {condition}{where}", chosen).rowcount

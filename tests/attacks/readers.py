@@ -18,7 +18,7 @@ from selector.documents.find import load_file
 from selector.documents.parameters import check_parameters_used, resolved
 from selector.documents.reading import read_mapping
 from selector.knowledge import load_knowledge
-from selector.store import document
+from selector.store import contents
 from selector.strategies.machine_file import load_machine
 from train.learning.config import load_training
 from train.studies.config import StudyConfig
@@ -56,7 +56,7 @@ KINDS = tuple(READERS)
 """The kinds of YAML documents."""
 READERS |= {
     "given starts": load_starts,
-    "exported store": lambda path: document.read(path, "expert"),
+    "exported store": contents.read,
 }
 
 

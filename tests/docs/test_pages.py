@@ -377,7 +377,7 @@ def test_a_page_runs_whole(page, story):
 @pytest.mark.extra
 @pytest.mark.parametrize("page", FEWER)
 def test_a_page_runs_with_fewer_missions(page, tmp_path):
-    for extra in ("optuna", "ribs"):
+    for extra in ("optuna",):
         pytest.importorskip(extra, reason="needs the extra 'tune'")
     run_page(page, tmp_path, set(), FEWER[page])
     if page == "docs/scores.md":

@@ -15,7 +15,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.find import find_file
 from selector.documents.reading import read_mapping
 from selector.documents.writing import write_whole
-from selector.store import KnowledgeStore, StoredKnowledge, document
+from selector.store import KnowledgeStore, StoredKnowledge, contents
 from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.machine_file import load_machine
 from selector.strategies.policy_file import Network, load_policy
@@ -70,18 +70,15 @@ def strategy(path: Path) -> list[int]:
 
 def scores(path: Path) -> list[str]:
     """Return the rewards in an exported store."""
-    return _rewards(document.read(path, "expert"))
+    return _rewards(contents.read(path))
 
 
 def store(path: Path) -> list[str]:
     """Return the rewards in a store, of which a copy is opened."""
     with tempfile.TemporaryDirectory() as folder:
         write_whole(Path(folder) / path.name, path.read_bytes())
-        kept = KnowledgeStore(f"sqlite:///{folder}/{path.name}", create=False)
-        try:
-            return _rewards(kept.contents())
-        finally:
-            kept.close()
+        kept = KnowledgeStore(Path(folder) / path.name, create=False)
+        return _rewards(kept.contents())
 
 
 def recording(path: Path) -> dict[str, Any]:
@@ -114,7 +111,7 @@ def shipped(path: Path) -> dict[str, int]:
 
 
 def _rewards(held: StoredKnowledge) -> list[str]:
-    told = [f"{goal}, {name}: {one.option.score}" for (goal, name), one in held.expert.items()]
+    told = [f"{goal}, {name}: {one.score}" for (goal, name), one in held.expert.items()]
     return sorted(told + [f"{'/'.join(key)}: {one.moments}" for key, one in held.learned.items()])
 
 

@@ -12,8 +12,8 @@ from clean_swarm_env.recording.file import FORMAT_VERSION, MAGIC
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.errors import DocumentError
 from selector.documents.reading import read_json
-from selector.store.connection import SCHEMA
-from selector.store.document import FORMAT
+from selector.store.contents import FORMAT
+from selector.store.knowledge_store import SCHEMA
 from selector.strategies.learned_file import VERSION
 from selector.strategies.policy_file import PolicySpec
 from selforg.sealing import STATE_VERSION
@@ -83,5 +83,5 @@ def test_the_page_of_versions_has_the_numbers_of_the_code():
     assert int(numbers["[results](commands.md), trainings, studies"]) == RESULTS_FORMAT
     assert int(numbers["[policies](strategies.md#trained-policies)"]) == PolicySpec.model_fields["version"].default
     assert int(numbers["learned [strategies](strategies.md)"]) == VERSION
-    assert int(numbers["[stores](knowledge.md), SQLite and PostgreSQL"]) == SCHEMA
+    assert int(numbers["[stores](knowledge.md)"]) == SCHEMA
     assert int(numbers["exported stores"]) == FORMAT["version"]

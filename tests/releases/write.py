@@ -21,7 +21,7 @@ from clean_swarm_env.config.load import load_family, load_mission, with_changes
 from selector.documents.find import SHIPPED, find_file
 from selector.documents.reading import as_yaml
 from selector.knowledge import load_knowledge
-from selector.store import KnowledgeStore, RewardSums, document
+from selector.store import KnowledgeStore, RewardSums, contents
 from selector.strategies.learned_file import save_strategy
 from selector.strategies.policy_file import find_policy
 from selector.strategies.registry import create
@@ -82,14 +82,13 @@ def write_strategy(path: Path) -> None:
 
 def write_scores(folder: Path) -> None:
     """Write a store with expert knowledge and rewards, and the same store exported."""
-    kept = KnowledgeStore(f"sqlite:///{folder / 'scores.sqlite'}")
+    kept = KnowledgeStore(folder / "scores.sqlite")
     knowledge = load_knowledge("cleaning")
-    kept.put(knowledge, source="expert", updated=0)
+    kept.introduce(knowledge)
     sums = RewardSums(PROBLEM.goal, [option.name for option in knowledge.options(PROBLEM.goal)])
-    sums.record(np.array([0, 1, 1]), np.array([0.5, 1.0, 2.0]), "crowded")
-    kept.add(sums, source="run", updated=0)
-    (folder / "scores.json").write_text(document.document_text(kept.contents(), as_json=True))
-    kept.close()
+    sums.record(np.array([0, 1, 1]), np.array([0.5, 1.0, 2.0]))
+    kept.add(sums, source="run", context="crowded")
+    (folder / "scores.json").write_text(contents.document_text(kept.contents(), as_json=True))
 
 
 def write_state(folder: Path) -> None:

@@ -42,8 +42,8 @@ Output = Annotated[Path | None, typer.Option(help="Directory for the results; a 
 RunStore = Annotated[
     str | None,
     typer.Option(
-        help="Begin with what this knowledge store knows: sqlite:///PATH, the path of a file, or postgresql://...",
-        metavar="URL",
+        help="Begin with what this knowledge store knows; see `learn knowledge`.",
+        metavar="FILE",
     ),
 ]
 EveryTable = Annotated[bool, typer.Option("--all", help="Print all tables; table.md has them anyway.")]
@@ -141,7 +141,7 @@ class GivenOptions:
         from clean_swarm_env.learning.warm_up import usable_cpus
         from clean_swarm_env.recording.recorder import RecordSettings  # these import Numba
         from train.memory import StoreRequest
-        from train.request import Request, without_secrets
+        from train.request import Request
         from train.running.needs import Machine
         from train.running.run_folder import RECORDINGS
 
@@ -158,7 +158,7 @@ class GivenOptions:
             **{name: value(name) for name in ("every_table", "figure") if name in self.values},
             "record": RecordSettings(Path(RECORDINGS), value("minds", False)) if record else None,
             "machine": Machine(workers, value("force", False), value("on"), value("threads", 1)),
-            "words": ("clean-swarm", *map(without_secrets, sys.argv[1:])),
+            "words": ("clean-swarm", *sys.argv[1:]),
         }
         return Request(name, **{**settings, **more})
 

@@ -82,7 +82,7 @@ def score_command(
     names: Names,
     store: Annotated[
         str | None,
-        typer.Option(help="URL or file of the knowledge store; the one of `learn knowledge` unless given."),
+        typer.Option(help="File of the knowledge store; the one of `learn knowledge` unless given."),
     ] = None,
     *,
     given: GivenOptions,
@@ -91,9 +91,9 @@ def score_command(
     if given.values["output"] is not None and len(names) > 1:
         raise ConfigurationError(f"--output: expected one name, got {len(names)}")
     from train.evaluation import pipeline  # these import SciPy, Numba and Matplotlib
-    from train.memory import StoreRequest, store_url
+    from train.memory import StoreRequest, store_path
 
-    console, kept = wide_console(), StoreRequest(store_url(store), learn=True)
+    console, kept = wide_console(), StoreRequest(store_path(store), learn=True)
     for name in names:
         for evaluation in pipeline.scored_missions(given.request(name, store=kept, scoring=True)):
             code = pipeline.evaluate(evaluation, console)

@@ -62,7 +62,7 @@ class ExperimentEvaluation(Evaluation):
         self.experiment, self.starts = with_starts(chosen, request)
         self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}{self.starts.stem}"
         check_mission(self.experiment, directories, request.name)
-        store = replace(request.store, url=request.store.url or self.experiment.mission.store or None)
+        store = replace(request.store, path=request.store.path or self.experiment.mission.store or None)
         self.mission = self.experiment.mission.model_copy(update={"store": ""})
         self.scenarios = [start.id for start in self.experiment.starts]
         self.context = mission_context(chosen.mission.name)
@@ -90,7 +90,7 @@ class ExperimentEvaluation(Evaluation):
         """Return that a strategy which could learn has learned nothing."""
         specs = {each.name: each.strategy for each in self.experiment.conditions}
         able = [name for name, spec in specs.items() if isinstance(spec, StrategySpec) and named(spec.name).can_learn()]
-        return [] if self.request.store.url else [f"{name}: {UNTAUGHT}" for name in able]
+        return [] if self.request.store.path else [f"{name}: {UNTAUGHT}" for name in able]
 
     def tasks(self, done: Done) -> list[RunTask | TrialTask]:
         """Return one task for each run that is missing."""

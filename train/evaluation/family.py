@@ -81,7 +81,7 @@ class FamilyEvaluation(Evaluation):
         self.stem = f"{self.family.name}-seed{request.seed}"
         fixed = {f"{FIXED}:{option}": {self.goal: option} for option in self.options}
         self.scored = fixed if request.scoring else {}
-        store = replace(request.store, url=request.store.url or self.family.mission.store or None)
+        store = replace(request.store, path=request.store.path or self.family.mission.store or None)
         if store.learn and not self.scored:
             self.choosers()  # a strategy that cannot choose for a whole mission is an error
         source = f"family {self.family.name}, {self.goal}, seed {request.seed}"
@@ -103,7 +103,7 @@ class FamilyEvaluation(Evaluation):
     def remarks(self) -> list[str]:
         """Return what strategies never take, and which have learned nothing and do not here."""
         told = remarks_on(self.entrants, self.batch, self.request.goal, self.request.directories)
-        return [remark for remark in told if not (self.request.store.url and remark.endswith(UNTAUGHT))]
+        return [remark for remark in told if not (self.request.store.path and remark.endswith(UNTAUGHT))]
 
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the tasks for all missing runs; each has scenarios of one member in one variant of the family."""

@@ -79,12 +79,10 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
         grids = (*publication.grids, learned_scores(known, title, evaluation.mission))
         publication = replace(publication, grids=grids)
     publish(publication, folder, console, request)
-    if memory is not None:
-        if memory.learns:
-            _give_scores(evaluation, memory, results.records)
-            title = f"known now in the context {memory.context!r}"
-            console.print(TerminalTable(learned_scores(memory.now(), title, evaluation.mission)))
-        memory.close()
+    if memory is not None and memory.learns:
+        _give_scores(evaluation, memory, results.records)
+        title = f"known now in the context {memory.context!r}"
+        console.print(TerminalTable(learned_scores(memory.now(), title, evaluation.mission)))
     return FINISHED
 
 
@@ -126,7 +124,7 @@ def _lessons(
     """Run one mission after the other, each with options that its strategies choose and then learn from.
 
     The store gets the score of a run once the run is on the disk. Scores of kept runs that it lacks are given first:
-    the command was killed, or the database went away, in between.
+    the command was killed, or the disk was full, in between.
     """
     memory, done = evaluation.memory, dict(results.runs)
     assert memory is not None

@@ -171,11 +171,9 @@ def run_task(request: TaskRun) -> TaskOutcome:
         for record in in_turn(tasks):
             records.append(record)
             update(advance=1)
-    if memory is not None:
-        if memory.learns:
-            costs = [record.result.cost_s for record in records if record.condition == names[0]]
-            memory.give((goal, option, mission_score(mission, cost)) for cost in costs)
-        memory.close()
+    if memory is not None and memory.learns:
+        costs = [record.result.cost_s for record in records if record.condition == names[0]]
+        memory.give((goal, option, mission_score(mission, cost)) for cost in costs)
     conditions = {name: (name,) for name in names}
     report = family_report_of(FamilyRuns(family, goal, request.seed, request.runs, 1, conditions, (), records))
     measured = [one for one in report.measured if one.strategy != BASELINE]

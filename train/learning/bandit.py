@@ -84,7 +84,7 @@ class BanditTraining(Training):
         self.strategy.update(paid.options, paid.rewards, paid.contexts, paid.rows, paid.chances)
         memory = self.job.memory
         if memory is not None and memory.learns:
-            self._record.record(paid.options, paid.rewards, memory.context)
+            self._record.record(paid.options, paid.rewards)
 
     def _decider_maker(self) -> DeciderMaker:
         learned = self.strategy.learned()

@@ -90,9 +90,6 @@ def run_training(
             raise
         except (KeyboardInterrupt, WorkerLost) as end:
             return request.ended(end, folder.path)
-        finally:
-            if memory is not None:
-                memory.close()
         exported = training.export(shlex.join(folder.words))
     ended(training)
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from datetime import UTC, datetime
+from datetime import UTC
 
 import numpy as np
 from rich.table import Table
@@ -10,8 +10,8 @@ from rich.table import Table
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.task import task_class
 from selector.knowledge import ENOUGH, Knowledge
-from selector.store import Key, StoredKnowledge, StoreError
-from selector.store.stored_knowledge import LearnedEntry
+from selector.store import StoredKnowledge, StoreError
+from selector.store.contents import Entry
 from selector.strategies.problem import Problem
 from selforg.registry import unknown
 from train.analysis.intervals import MeanError
@@ -21,39 +21,50 @@ from train.reports.text_table import EMPTY_CELL, Grid
 def all_goals(contents: StoredKnowledge) -> Table:
     """Return a table with a row for each goal: options, contexts, updates, last update, sources."""
     table = _table("goal", options=True, contexts=True, updates=True, **{"last update": False, "sources": False})
-    for goal in _goals(contents):
-        learned = {key: entry for key, entry in contents.learned.items() if key.goal == goal}
-        rated = {name for (of, name) in contents.expert if of == goal}
+    for goal in sorted({key.goal for key in contents.entries}):
+        entries = [entry for entry in contents.entries.values() if entry.goal == goal]
+        learned = [entry for entry in entries if entry.source]
         table.add_row(
             goal,
-            str(len(rated | {key.option for key in learned})),
-            str(len({key.context for key in learned})),
-            str(sum(entry.moments.count for entry in learned.values())),
-            _time(entry.updated for entry in learned.values()),
-            ", ".join(sorted({key.source for key in learned})) or EMPTY_CELL,
+            str(len({entry.option for entry in entries})),
+            str(len({entry.context for entry in learned})),
+            str(sum(entry.count for entry in learned)),
+            _time(learned),
+            ", ".join(sorted({entry.source for entry in learned})) or EMPTY_CELL,
         )
     return table
 
 
 def one_goal(contents: StoredKnowledge, goal: str) -> Table:
     """Return a row for each option, context and source of a goal: score, count, mean, standard deviation, update."""
-    goals = _goals(contents)
+    goals = sorted({key.goal for key in contents.entries})
     if goal not in goals:
         raise StoreError(unknown("goal", goal, goals))
     columns = {"configuration": False, "score": True, "context": False, "updates": True, "mean": True, "std": True}
     table = _table("option", **columns, **{"last update": False, "source": False})
-    rated = {name: found for (of, name), found in contents.expert.items() if of == goal}
-    learned = {key: entry for key, entry in contents.learned.items() if key.goal == goal}
+    rated = {name: expert for (of, name), expert in contents.expert.items() if of == goal}
     names = sorted(rated, key=lambda name: (rated[name].position, name))
-    names += sorted({key.option for key in learned} - set(rated))
+    names += sorted({key.option for key in contents.learned if key.goal == goal} - set(rated))
     for name in names:
-        option = rated[name].option if name in rated else None
-        first = (name, option.configuration if option else EMPTY_CELL, f"{option.score:g}" if option else EMPTY_CELL)
-        own = sorted((key, entry) for key, entry in learned.items() if key.option == name)
-        for row in [_learned(key, entry) for key, entry in own] or [(EMPTY_CELL, "0", *[EMPTY_CELL] * 4)]:
+        first = [name, EMPTY_CELL, EMPTY_CELL]
+        if name in rated:
+            first[1:] = rated[name].configuration, f"{rated[name].score:g}"
+        own = [entry for _, entry in sorted(contents.learned.items()) if (entry.goal, entry.option) == (goal, name)]
+        for row in [_learned(entry) for entry in own] or [(EMPTY_CELL, "0", *[EMPTY_CELL] * 4)]:
             table.add_row(*first, *row)
-            first = ("", "", "")
+            first = [""] * 3
     return table
+
+
+def amount(contents: StoredKnowledge) -> str:
+    """Return the numbers of expert options and updates in words."""
+    updates = sum(entry.count for entry in contents.learned.values())
+    return f"{counted(len(contents.expert), 'expert option')}, {counted(updates, 'update')}"
+
+
+def counted(number: int, one: str, many: str = "") -> str:
+    """Return a number with its noun."""
+    return f"{number} {one if number == 1 else many or one + 's'}"
 
 
 def learned_scores(knowledge: Knowledge, title: str, mission: MissionConfig) -> Grid:
@@ -90,14 +101,10 @@ def _with_interval(mean: float, half: float | None, form: str) -> str:
     return f"{mean:{form}}" + ("" if half is None else f" [{mean - half:{form}}, {mean + half:{form}}]")
 
 
-def _learned(key: Key, entry: LearnedEntry) -> tuple[str, ...]:
+def _learned(entry: Entry) -> tuple[str, ...]:
     moments = entry.moments
     figures = (f"{moments.mean:.6g}", f"{math.sqrt(moments.variance):.6g}")
-    return (key.context or EMPTY_CELL, str(moments.count), *figures, _time([entry.updated]), key.source)
-
-
-def _goals(contents: StoredKnowledge) -> list[str]:
-    return sorted({goal for goal, _ in contents.expert} | {key.goal for key in contents.learned})
+    return (entry.context or EMPTY_CELL, str(moments.count), *figures, _time([entry]), entry.source)
 
 
 def _table(first: str, **columns: bool) -> Table:
@@ -109,7 +116,7 @@ def _table(first: str, **columns: bool) -> Table:
     return table
 
 
-def _time(updates: Iterable[int]) -> str:
-    """Return the latest time, in UTC to the second."""
-    latest = max(updates, default=None)
-    return EMPTY_CELL if latest is None else f"{datetime.fromtimestamp(latest // 10**6, UTC):%Y-%m-%d %H:%M:%S}"
+def _time(entries: Iterable[Entry]) -> str:
+    """Return the time of the latest update, in UTC to the second."""
+    latest = max((entry.updated for entry in entries), default=None)
+    return EMPTY_CELL if latest is None else f"{latest.astimezone(UTC):%Y-%m-%d %H:%M:%S}"

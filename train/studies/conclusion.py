@@ -132,11 +132,8 @@ class FoundKnowledge:
         knowledge = knowledge_from({"goals": self._goals}, self._study.name)
         source = f"study {self._study.name}, seed {self._seed}"
         memory = request.memory(knowledge, mission_context(self._family.name), source)
-        if memory is None:
-            return
-        if not memory.held():
+        if memory is not None and not memory.held():
             memory.give((goal, name, float(x)) for (goal, name), scores in self._scores.items() for x in scores)
-        memory.close()
 
     def _description(self) -> str:
         study, stated, marks = self._study, self._conclusion.result, self._conclusion.marks

@@ -1,4 +1,5 @@
 import copy
+from functools import partial
 
 import pytest
 import yaml
@@ -10,6 +11,7 @@ from selector.documents.find import SHIPPED
 from selforg.network.model.activators import Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional
+from tests.selector.changes import changed as changed_in
 
 AVOIDANCE = ["RepulsionFernandez", "RepulsionGradient"]
 
@@ -24,14 +26,7 @@ def library_of(directory, content):
     return Library([directory])
 
 
-def changed(*path, value):
-    """Return the shipped content with the value at `path` replaced."""
-    content = shipped_content()
-    inner = content
-    for key in path[:-1]:
-        inner = inner[key]
-    inner[path[-1]] = value
-    return content
+changed = partial(changed_in, shipped_content())
 
 
 @pytest.mark.parametrize("key", AVOIDANCE)
@@ -100,32 +95,32 @@ def test_parameters_that_cannot_be_are_refused_with_their_place(parameters, mess
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (changed("mechanism", value={}), r"Mine\.yaml: mechanism: unknown key"),
-        (changed("behaviours", value={}), r"behaviours: .*at least 1 item"),
-        (changed("parameters", "idle", value=1.0), r"parameters\.idle: nothing in the configuration uses \$idle"),
+        (changed("mechanism", to={}), r"Mine\.yaml: mechanism: unknown key"),
+        (changed("behaviours", to={}), r"behaviours: .*at least 1 item"),
+        (changed("parameters", "idle", to=1.0), r"parameters\.idle: nothing in the configuration uses \$idle"),
         (
-            changed("sensors", "rep_len", "mechanism", value="$far"),
+            changed("sensors", "rep_len", "mechanism", to="$far"),
             r"sensors\.rep_len\.mechanism: unknown parameter 'far'",
         ),
-        (changed("sensors", "rep_len", "mechanism", value="x"), r"sensors\.rep_len\.mechanism: unknown mechanism 'x'"),
-        (changed("sensors", "rep_len", "type", value="Width"), r"sensors\.rep_len\.type: unknown sensor 'Width'"),
+        (changed("sensors", "rep_len", "mechanism", to="x"), r"sensors\.rep_len\.mechanism: unknown mechanism 'x'"),
+        (changed("sensors", "rep_len", "type", to="Width"), r"sensors\.rep_len\.type: unknown sensor 'Width'"),
         (
-            changed("behaviours", "Avoid", "action", "mechanism", value="x"),
+            changed("behaviours", "Avoid", "action", "mechanism", to="x"),
             r"Avoid\.action\.mechanism: unknown mechanism",
         ),
         (
-            changed("behaviours", "Avoid", "effects", value=[{"sensor": "x", "change": 1.0}]),
+            changed("behaviours", "Avoid", "effects", to=[{"sensor": "x", "change": 1.0}]),
             "effects: unknown sensor 'x'",
         ),
         (
-            changed("behaviours", "Avoid", "effects", value=[{"sensor": "rep_len", "change": 2.0}]),
+            changed("behaviours", "Avoid", "effects", to=[{"sensor": "rep_len", "change": 2.0}]),
             "change: expected .* got 2",
         ),
         (
-            changed("behaviours", "Avoid", "preconditions", 0, "sensor", value="rep_len"),
+            changed("behaviours", "Avoid", "preconditions", 0, "sensor", to="rep_len"),
             "a Boolean activator on a fact, any other on a number, got Boolean on the number 'rep_len'",
         ),
-        (changed("goals", value={"G": {"conditions": []}}), r"goals\.G\.conditions: .*at least 1 item"),
+        (changed("goals", to={"G": {"conditions": []}}), r"goals\.G\.conditions: .*at least 1 item"),
     ],
 )
 def test_a_mistake_in_a_file_shows_at_once(tmp_path, content, message):
@@ -160,9 +155,7 @@ ACTIVATORS = [
 def test_every_activator_can_be_declared(tmp_path, declared, built):
     sensor = "rep_bool" if declared["type"] == "Boolean" else "rep_len"
     condition = {"sensor": sensor, "activator": declared}
-    spec = library_of(tmp_path, changed("behaviours", "Avoid", "preconditions", 0, value=condition)).configuration(
-        "Mine"
-    )
+    spec = library_of(tmp_path, changed("behaviours", "Avoid", "preconditions", 0, to=condition)).configuration("Mine")
     assert spec.network_behaviours()[0].preconditions[0] == Condition(sensor, built)
 
 

@@ -4,7 +4,6 @@ import pytest
 
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
-from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from tests.pages import blocks
 
@@ -30,13 +29,6 @@ def test_the_configuration_that_steers_takes_no_turn(mine):
     library = Library([mine])
     assert library.configuration("Bend", {"distance": 0.7}).steers
     assert not library.configuration("Shy").steers
-
-
-def test_a_mistake_in_it_is_one_line(mine):
-    path = mine / "mechanisms" / "Shy.yaml"
-    path.write_text(path.read_text().replace("type: AvoidAll", "type: AvoidNone"))
-    with pytest.raises(DocumentError, match=r"Shy\.yaml: mechanisms\.shy\.type: unknown mechanism 'AvoidNone'"):
-        Library([mine])
 
 
 def test_the_page_of_sums_shows_a_configuration(tmp_path):

@@ -1,6 +1,7 @@
 """A network inside a behaviour of a robot's document: it senses, decides and acts while the behaviour runs."""
 
 import copy
+from functools import partial
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.space import Euclidean
+from tests.selector.changes import changed as changed_in
 
 TEXT = """
 root: robot
@@ -54,22 +56,13 @@ networks:
 """
 
 
-def content():
-    return yaml.safe_load(TEXT)
-
-
-def changed(*path, to):
-    whole = content()
-    part = whole
-    for key in path[:-1]:
-        part = part[key]
-    part[path[-1]] = to
-    return whole
+CONTENT = yaml.safe_load(TEXT)
+changed = partial(changed_in, CONTENT)
 
 
 def robots_of(rows=3, document=None):
     """Return robots on a line of which the first two see the goal, with what they called."""
-    network = network_from(document or content())
+    network = network_from(document or CONTENT)
     poses = OwnPoses(Euclidean(2), rows)
     poses.update(np.array([[0.0, 0.0], [1.0, 0.0], [90.0, 0.0]])[:rows], np.zeros(rows), 0.1)
     gradients = SoBuffer(BufferSettings(), poses.space, poses)
@@ -178,7 +171,7 @@ def test_a_mistake_inside_is_one_line_that_says_where(document, message):
 
 
 def test_a_host_that_lacks_something_is_told_what():
-    network = network_from(content())
+    network = network_from(CONTENT)
     poses = OwnPoses(Euclidean(2), 1)
     host = Host(poses, {"gradients": SoBuffer(BufferSettings(), poses.space, poses)}, memory=RobotMemory(1, {}))
     with pytest.raises(DocumentError, match=r"network in Tidy: unknown call 'ring' \(known: none\)"):

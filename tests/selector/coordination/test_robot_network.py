@@ -1,4 +1,4 @@
-import copy
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import NetworkSettings, Weights
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
 from selforg.space import Euclidean
+from tests.selector.changes import changed as changed_in
 
 TEXT = """
 root: robot
@@ -42,20 +43,8 @@ networks:
 SEEN, NEAR = Condition("seen", Boolean()), Condition("far", Linear(5.0, 1.0))
 
 
-def content():
-    return yaml.safe_load(TEXT)
-
-
-def changed(*path, to):
-    whole = content()
-    part = whole
-    for key in path[:-1]:
-        part = part[key]
-    if to is None:
-        del part[path[-1]]
-    else:
-        part[path[-1]] = copy.deepcopy(to)
-    return whole
+CONTENT = yaml.safe_load(TEXT)
+changed = partial(changed_in, CONTENT)
 
 
 def test_a_file_becomes_the_model_it_describes(tmp_path):
@@ -73,7 +62,7 @@ def test_a_file_becomes_the_model_it_describes(tmp_path):
 
 
 def test_what_a_file_describes_runs():
-    robots = CoordinatedRobots([], Host(OwnPoses(Euclidean(2), 2), {}), network=network_from(content()))
+    robots = CoordinatedRobots([], Host(OwnPoses(Euclidean(2), 2), {}), network=network_from(CONTENT))
     robots.network.readings[:] = [[1.0, 4.0], [0.0, 4.0]]
     robots.tick(0.2)
     (approach,) = robots.inner
@@ -137,6 +126,6 @@ def test_a_mistake_is_one_line_that_says_where(document, message):
 
 def test_the_same_condition_may_be_named_again():
     again = changed(
-        "networks", "approach", "conditions", to={"near": content()["networks"]["robot"]["conditions"]["near"]}
+        "networks", "approach", "conditions", to={"near": CONTENT["networks"]["robot"]["conditions"]["near"]}
     )
     assert network_from(again).inner["Approach"].model.behaviours[0].preconditions == (NEAR,)

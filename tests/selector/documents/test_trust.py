@@ -21,8 +21,6 @@ from clean_swarm_env.learning.observation.config import ObservationConfig
 from selector.documents.errors import DocumentError
 from selector.documents.imported import imported, source_of
 from selector.documents.trust import Permission, current_permission, permission_of, permitting, reading_files
-from selector.store import KnowledgeStore
-from selector.store.errors import StoreError
 from selector.strategies.registry import spec_from_text
 from train.deciders.named import decider_named
 from train.running.processes import Processes
@@ -88,7 +86,6 @@ def test_a_command_runs_what_its_words_name_in_all_threads(canary):
         (["--strategy", "a=policy:./x.zip+y.zip"], "y.zip", True),
         (["--strategy=a=policy:./x.zip+y.zip"], "x.zip", True),
         (["--strategy", "own/code.py:Best:speed=2"], "own/code.py:Best", True),
-        (["--store", "postgresql://u:p+q@host/d?a=b"], "postgresql://u:p+q@host/d?a=b", True),
         (["--strategy", "fixed:Off"], "fixed:Off", False),  # no module of the name `fixed`
         (["--strategy", "policy:x.zip"], "policy:x", False),
         (["x.yaml"], "x.zip", False),
@@ -113,7 +110,7 @@ def test_what_runs_because_a_file_is_trusted_is_said_once_in_one_line(canary, ca
 
 
 def test_an_argument_trusts_what_it_reads_and_nothing_else(canary, tmp_path, capsys):
-    Path("far.yaml").write_text(yaml.safe_dump({"name": "far", "store": "postgresql://u:secret@127.0.0.1:1/kept"}))
+    Path("far.yaml").write_text(yaml.safe_dump({"name": "far", "task": "bird:Own"}))
     family = {"name": "far", "description": "x", "mission": "far", "robots": [1, 1], "items": [1, 1]}
     Path("missions").mkdir()
     Path("missions/far.yaml").write_text(Path("far.yaml").read_text())
@@ -133,7 +130,7 @@ def test_an_argument_trusts_what_it_reads_and_nothing_else(canary, tmp_path, cap
             with pytest.raises(DocumentError, match="only a file asks to"):
                 read()
             capsys.readouterr()
-            with suppress(StoreError):  # nobody listens there
+            with suppress(DocumentError):  # it is no task
                 read(trust=True)
             assert re.fullmatch(r"trusted: \S+\.yaml asks to [^\n]*\n", capsys.readouterr().err)
             with pytest.raises(DocumentError, match="only a file asks to"):
@@ -161,17 +158,3 @@ def test_a_digest_is_taken_without_running_code(canary):
     with pytest.raises(DocumentError, match=r"strategy: no\.module: no such file of Python code"):
         decider_named("no.module:Own")
     assert not canary()
-
-
-def test_a_mission_connects_to_no_database_of_its_own(tmp_path):
-    url = "postgresql://somebody:secret@127.0.0.1:1/kept"
-    path = tmp_path / "far.yaml"
-    path.write_text(yaml.safe_dump({"name": "far", "store": url}))
-    with pytest.raises(DocumentError, match="store: only a file asks to connect to a database") as told:
-        load_mission(str(path))
-    assert "secret" not in str(told.value)
-    with (
-        permitting(permission_of([], trusted=False)),
-        pytest.raises(DocumentError, match="only a file asks to connect"),
-    ):
-        KnowledgeStore(url, create=False)

@@ -2,43 +2,19 @@
 
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from pathlib import Path
 
-from selector.store import KnowledgeStore
-from tests.selector.store import hammer, killing
-from tests.selector.store.servers import postgres_server
+from tests.selector.store.killing import kill_many, lost_updates
 from tests.soaking import report, rounds
 
 
-@contextmanager
-def _databases() -> Iterator[list[str]]:
-    """Yield the URLs with which each program runs: SQLite, and PostgreSQL where it is installed."""
-    with tempfile.TemporaryDirectory() as directory:
-        urls = [f"sqlite:///{directory}/store-{{}}.sqlite"]
-        binaries = postgres_server.programs()
-        if binaries is None:
-            print("PostgreSQL is not installed: SQLite alone")
-            yield urls
-            return
-        with postgres_server.running(binaries) as url:
-            yield [*urls, url]
-
-
 def main(arguments: list[str]) -> int:
-    count = int(arguments[0]) if arguments else 10
     failed, tried, mistakes = 0, 0, 0
-    with _databases() as urls:
-        for number in rounds(count):
-            for url in urls:
-                print(url.partition(":")[0], flush=True)
-                here = url.replace("{}", f"{number}-{{}}")
-                store = KnowledgeStore(here)
-                store.reset()  # a server has one database for all rounds
-                store.close()
-                failed += hammer.main([here.replace("{}", "hammer"), "8", "500"])
-                kills, wrong = killing.kill_many(here, 200, number)
-                tried, mistakes = tried + kills, mistakes + wrong
+    with tempfile.TemporaryDirectory() as name:
+        for number in rounds(int(arguments[0]) if arguments else 10):
+            failed += lost_updates(Path(name) / f"{number}.sqlite", 8, 100)
+            kills, wrong = kill_many(Path(name), 200, number)
+            tried, mistakes = tried + kills, mistakes + wrong
     report(tried, tried - mistakes)
     return 1 if failed or mistakes else 0
 

@@ -1,8 +1,10 @@
 """What cannot be opened, read or written says so in one line, and nothing has changed."""
 
 import os
+import resource
 import shutil
 import sqlite3
+import stat
 import tempfile
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -10,25 +12,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from selector.store import KnowledgeStore, RewardSums, StoredKnowledge, StoreError
+from selector.store import KnowledgeStore, StoredKnowledge, StoreError
+from selector.store.knowledge_store import SCHEMA, TABLE
+from tests.selector.store.strategies import sums_of
 
-BATCH = RewardSums("G", ["a"])
-BATCH.record(np.array([0]), np.array([1.0]))
 NOBODY = 65534
 
 
 @pytest.fixture
 def path(tmp_path):
-    """A store that holds one update and is closed."""
-    store = KnowledgeStore(str(tmp_path / "k.sqlite"))
-    store.add(BATCH, source="run")
-    store.close()
+    """A store that holds one update."""
+    KnowledgeStore(tmp_path / "k.sqlite").add(sums_of([1.0]), source="run")
     return tmp_path / "k.sqlite"
 
 
-def refused(url, message, *, create=True):
+def refused(path, message, *, create=True):
     with pytest.raises(StoreError, match=message) as error:
-        KnowledgeStore(str(url), create=create)
+        KnowledgeStore(path, create=create)
     assert "\n" not in str(error.value)
 
 
@@ -38,88 +38,81 @@ def change(path, statement):
 
 
 @pytest.mark.parametrize(
-    ("url", "message"),
+    ("given", "message"),
     [
-        ("", "store: expected a URL or a path, got nothing"),
-        ("mysql://me@host/db", r"store: unknown database 'mysql' \(known: sqlite, postgresql\)"),
-        ("http://host/db", "store: unknown database 'http'"),
-        ("sqlite+duck:///x.db", r"store: unknown database 'sqlite\+duck' \(known: sqlite, postgresql\)"),
-        ("postgresql://me@host:port/db", r"store: postgresql://\.\.\.: not a URL"),
-        ("sqlite://", r"store: sqlite://: expected sqlite:///PATH, with a file to keep"),
-        ("sqlite:///:memory:", "expected sqlite:///PATH, with a file to keep"),
-        ("sqlite://host/x.db", "expected sqlite:///PATH, with a file to keep"),
+        ("", "store: expected the path of a file, got ''"),
+        ("two\nlines", r"store: expected the path of a file, got 'two\\nlines'"),
+        ("sqlite:///k.sqlite", "store: expected the path of a file, got 'sqlite:///k.sqlite'"),
         ("nowhere/k.sqlite", r"nowhere/k\.sqlite: no such directory as nowhere"),
-        ("postgresql://me:secret@127.0.0.1:1/db", r"^postgresql://me:\*\*\*@127\.0\.0\.1:1/db: .*connection"),
+        ("~nobody-here/k.sqlite", r"~nobody-here/k\.sqlite: no such directory"),
+        (".", r"\.: expected a file, got a directory"),
+        ("x" * 300, "x: File name too long"),
     ],
 )
-def test_urls_that_name_no_store(monkeypatch, tmp_path, url, message):
+def test_paths_that_name_no_store(monkeypatch, tmp_path, given, message):
     monkeypatch.chdir(tmp_path)
-    refused(url, message)
+    refused(given, message)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_what_does_not_exist_is_made_only_on_demand(tmp_path):
     refused(tmp_path / "k.sqlite", r"k\.sqlite: no such knowledge store", create=False)
-    refused(tmp_path, "expected a file, got a directory")
     (tmp_path / "empty").touch()
     refused(tmp_path / "empty", "empty: is no knowledge store", create=False)
     assert [(p.name, p.stat().st_size) for p in tmp_path.iterdir()] == [("empty", 0)]
-    assert KnowledgeStore(str(tmp_path / "empty")).contents() == StoredKnowledge()
+    assert KnowledgeStore(tmp_path / "empty").contents() == StoredKnowledge()
 
 
-def test_a_path_and_its_url_name_the_same_store(path):
-    found = [KnowledgeStore(url, create=False).contents() for url in (str(path), f"sqlite:///{path}")]
-    assert found[0] == found[1] != StoredKnowledge()
+def test_only_its_owner_reads_and_writes_a_new_store(path):
+    assert [(one.name, stat.S_IMODE(one.stat().st_mode)) for one in path.parent.iterdir()] == [("k.sqlite", 0o600)]
+    KnowledgeStore(path).reset()
+    path.chmod(0o664)
+    assert KnowledgeStore(path, create=False).reset() == (0, 0)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o664
 
 
-def test_a_store_from_an_older_version_is_left_alone(path):
-    change(path, "UPDATE clean_swarm_meta SET value = '1' WHERE key = 'schema'")
-    refused(path, r"comes from an older version \(schema 1\); export it there and import the file")
+def test_a_store_that_is_taken_away_is_not_made_again(path):
+    store = KnowledgeStore(path)
+    path.unlink()
+    with pytest.raises(StoreError, match=r"k\.sqlite: unable to open database file"):
+        store.add(sums_of([1.0]), source="run")
+    assert not path.exists()
 
 
-def test_a_store_from_a_newer_version_is_left_alone(path):
-    change(path, "UPDATE clean_swarm_meta SET value = '3' WHERE key = 'schema'")
+@pytest.mark.parametrize(
+    ("statement", "message"),
+    [
+        (f"PRAGMA user_version = {SCHEMA + 1}", rf"comes from another version \(expected {SCHEMA}, got {SCHEMA + 1}\)"),
+        (f"PRAGMA user_version = {SCHEMA - 1}", rf"comes from another version \(expected {SCHEMA}, got {SCHEMA - 1}\)"),
+        ("PRAGMA application_id = 0", rf"is a database of something else \(tables: {TABLE}\)"),
+    ],
+)
+def test_other_databases_and_versions_are_left_alone(path, statement, message):
+    change(path, statement)
     before = path.read_bytes()
     for create in (False, True):
-        refused(path, r"comes from a newer version \(schema 3, known up to 2\); update", create=create)
-    assert path.read_bytes() == before
-
-
-def test_a_database_of_something_else_is_left_alone(tmp_path):
-    path = tmp_path / "other.sqlite"
-    change(path, "CREATE TABLE bookmarks (url TEXT)")
-    before = path.read_bytes()
-    refused(path, r"is a database of something else \(tables: bookmarks\)")
+        refused(path, message, create=create)
     assert path.read_bytes() == before
 
 
 @pytest.mark.parametrize(
     ("statement", "message"),
     [
-        ("DELETE FROM clean_swarm_meta", "is corrupt: its table clean_swarm_meta does not name its kind"),
-        ("UPDATE clean_swarm_meta SET value = 'x' WHERE key = 'schema'", "is corrupt: its table clean_swarm_meta"),
-        (
-            "UPDATE clean_swarm_learned SET total = 'x'",
-            r"is corrupt: learned\.0\.total: .* got 'x'",
-        ),
-        ("UPDATE clean_swarm_learned SET squares = '3'", "is corrupt: learned.0: sum .* do not belong to 1 rewards"),
-        (
-            "UPDATE clean_swarm_learned SET updated = '1969-12-31T23:59:59+00:00'",
-            "is corrupt: learned.0.updated: expected",
-        ),
-        ("DROP TABLE clean_swarm_learned", "no such table: clean_swarm_learned"),
-        (
-            "INSERT INTO clean_swarm_expert VALUES ('G', 'a', 0, 'A', 1.0, '{', 'me', '2026-11-21T10:00:00+00:00')",
-            r"is corrupt: expert\.G\.a\.parameters: line 1: expected JSON",
-        ),
-        ("INSERT INTO clean_swarm_expert VALUES ('G', 'a', 0, 'A', 'high', '{}', 'me', 0)", "is corrupt: .*score"),
+        (f"UPDATE {TABLE} SET total = 'x'", r"is corrupt: entries\.0\.total: .* got 'x'"),
+        (f"UPDATE {TABLE} SET squares = '3'", r"is corrupt: entries\.0: sum .* do not belong to 1 rewards"),
+        (f"UPDATE {TABLE} SET updated = 'now'", r"is corrupt: entries\.0\.updated: expected"),
+        (f"UPDATE {TABLE} SET expert = '{{'", r"is corrupt: G\.a\.expert: line 1: expected JSON"),
+        (f"ALTER TABLE {TABLE} DROP COLUMN total", "no such column: total"),
+        (f"DROP TABLE {TABLE}", f"no such table: {TABLE}"),
     ],
 )
-def test_tables_that_no_store_has_are_reported(path, statement, message):
+def test_rows_and_tables_that_no_store_has_are_reported(path, statement, message):
     change(path, statement)
-    with pytest.raises(StoreError, match=rf"k\.sqlite: .*{message}") as error:
-        KnowledgeStore(str(path)).contents()
-    assert "\n" not in str(error.value)
+    store = KnowledgeStore(path)
+    for use in (store.contents, lambda: store.add(sums_of([1.0]), source="run")):
+        with pytest.raises(StoreError, match=rf"k\.sqlite: .*{message}") as error:
+            use()
+        assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize("content", [b"goals:\n  G: []\n", b"SQLite format 3\0" + bytes(80), bytes(5000)])
@@ -132,25 +125,37 @@ def test_files_that_are_no_database_are_left_alone(tmp_path, content):
 
 def test_a_damaged_file_is_reported_or_read_but_never_breaks_the_program(path, tmp_path):
     whole, random = path.read_bytes(), np.random.default_rng(1)
-    messages = []
+    messages, damaged = [], tmp_path / "damaged.sqlite"
     for k in range(150):
-        damaged = bytearray(whole)
+        content = bytearray(whole)
         if k % 3:
             for place in random.integers(0, len(whole), 40):
-                damaged[place] = random.integers(256)
+                content[place] = random.integers(256)
         else:
-            del damaged[random.integers(1, len(whole)) :]
-        copy = tmp_path / f"damaged-{k}.sqlite"
-        copy.write_bytes(damaged)
+            del content[random.integers(1, len(whole)) :]
+        damaged.write_bytes(content)
         try:
-            store = KnowledgeStore(str(copy))
-            store.add(BATCH, source="run")
+            store = KnowledgeStore(damaged)
             store.contents()
-            store.close()
+            store.add(sums_of([1.0]), source="run")
         except StoreError as error:
             messages.append(str(error))
     assert len(messages) > 100
     assert [message for message in messages if "\n" in message] == []
+
+
+def test_a_full_disk_is_one_line_and_nothing_is_half_written(path):
+    store, limits = KnowledgeStore(path), resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = store.contents()
+    resource.setrlimit(resource.RLIMIT_FSIZE, (path.stat().st_size + 4096, limits[1]))
+    try:
+        with pytest.raises(StoreError, match=r"k\.sqlite: (disk I/O error|database or disk is full)"):
+            store.add(*(sums_of([1.0], f"goal {k}") for k in range(500)), source="run")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert store.contents() == before
+    store.add(sums_of([2.0]), source="run")
+    assert store.contents().totals()["G", "a", ""].count == 2
 
 
 @contextmanager
@@ -177,43 +182,15 @@ def read_only(path, *, directory):
 def test_a_read_only_store_is_read_and_says_that_it_cannot_be_written(path, directory):
     before = path.read_bytes()
     with read_only(path, directory=directory) as copy:
-        store = KnowledgeStore(str(copy))
-        for change_it in (lambda: store.add(BATCH, source="run"), store.reset):
+        store = KnowledgeStore(copy)
+        for change_it in (lambda: store.add(sums_of([1.0]), source="run"), store.reset):
             with pytest.raises(StoreError, match=r"k\.sqlite: attempt to write a readonly database"):
                 change_it()
         assert store.contents().totals()["G", "a", ""].count == 1
-        store.close()
         assert copy.read_bytes() == before
-        assert [p.name for p in copy.parent.iterdir() if not p.name.endswith(("-shm", "-wal"))] == [copy.name]
+        assert [p.name for p in copy.parent.iterdir()] == [copy.name]
 
 
 def test_a_store_that_cannot_be_made_is_reported(path):
     with read_only(path, directory=True) as copy:
         refused(copy.with_name("new.sqlite"), r"new\.sqlite: unable to open database file")
-
-
-def test_postgres_says_what_is_wrong(postgres):
-    for url, message in {
-        f"{postgres}_none": r'database "postgres_none" does not exist',
-        postgres.replace("tester@", "stranger:secret@"): r'stranger:\*\*\*@.*role "stranger" does not exist',
-    }.items():
-        refused(url, message)
-    refused(postgres, "postgres: is no knowledge store", create=False)
-
-
-def test_a_postgres_store_from_a_newer_version_is_left_alone(postgres):
-    from sqlalchemy import create_engine, text
-
-    store = KnowledgeStore(postgres)
-    store.add(BATCH, source="run")
-    engine = create_engine(postgres.replace("postgresql:", "postgresql+pg8000:"))
-    try:
-        with engine.begin() as connection:
-            connection.execute(text("UPDATE clean_swarm_meta SET value = '9' WHERE key = 'schema'"))
-        refused(postgres, r"comes from a newer version \(schema 9, known up to 2\); update")
-        assert store.contents() != StoredKnowledge()
-    finally:
-        with engine.begin() as connection:
-            connection.execute(text("DROP TABLE clean_swarm_meta, clean_swarm_learned, clean_swarm_expert"))
-        engine.dispose()
-        store.close()

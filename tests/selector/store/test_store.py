@@ -1,51 +1,41 @@
-"""A store keeps what it is given: on SQLite and on PostgreSQL, in whichever order, alone or merged."""
+"""A store keeps what it is given, to the last bit, and refuses what it cannot keep without changing anything."""
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+import sqlite3
+from contextlib import closing, suppress
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from selector.knowledge import knowledge_from, load_knowledge
 from selector.store import Key, KnowledgeStore, Moments, RewardSums, StoredKnowledge, StoreError
+from selector.store.contents import stored
 from selector.store.exact_sums import COUNT_LIMIT
-from selector.store.stored_knowledge import LearnedEntry, stored
+from selector.store.knowledge_store import COLUMNS, TABLE
 from tests.selector.store import strategies as some
 
-few = settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
-one = LearnedEntry(Moments(1, 5, 25), 7)
+NOW = datetime(2026, 11, 21, tzinfo=UTC)
+few = settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @pytest.fixture
-def lent(new_store):
-    """Lend some empty stores to an example; the next one gets the same, emptied."""
-    stores = []
-
-    @contextmanager
-    def lend(number: int) -> Iterator[list[KnowledgeStore]]:
-        while len(stores) < number:
-            stores.append(new_store())
-        yield stores[:number]
-        for store in stores:
-            store.reset(expert=True)
-
-    return lend
+def store(tmp_path):
+    return KnowledgeStore(tmp_path / "k.sqlite")
 
 
-def batch(goal, rewards, options=("a", "b"), context=""):
-    made = RewardSums(goal, options)
-    made.record(np.array([options.index(name) for name, _ in rewards]), np.array([r for _, r in rewards]), context)
-    return made
+def options(*given):
+    return knowledge_from({"goals": {"G": [{"score": 1.0} | option for option in given]}}, "mine")
 
 
-def test_totals_are_over_all_sources(new_store):
-    store = new_store()
-    store.add(batch("G", [("a", 1.0), ("a", 3.0), ("b", -2.0)]), source="run-1")
-    store.add(
-        batch("G", [("a", 5.0)]), batch("H", [("a", 9.0)]), batch("G", [("b", 1.5)], context="far"), source="run-2"
-    )
+def test_totals_are_over_all_sources(store):
+    batch = RewardSums("G", ["a", "b"])
+    batch.record(np.array([0, 0, 1]), np.array([1.0, 3.0, -2.0]))
+    store.add(batch, source="run-1")
+    store.add(some.sums_of([5.0]), some.sums_of([9.0], "H"), source="run-2")
+    store.add(some.sums_of([1.5], option="b"), source="run-2", context="far")
     assert {key: (sums.count, sums.mean, sums.variance) for key, sums in store.contents().totals().items()} == {
         ("G", "a", ""): (3, 3.0, 8.0 / 3.0),
         ("G", "b", ""): (1, -2.0, 0.0),
@@ -54,103 +44,102 @@ def test_totals_are_over_all_sources(new_store):
     }
 
 
-def test_an_entry_says_when_it_was_updated_last_and_by_whom(new_store):
-    store = new_store()
-    for updated, source in [(30, "x"), (20, "x"), (50, "y")]:
-        store.add(batch("G", [("a", 1.0)]), source=source, updated=updated)
-    learned = store.contents().learned
-    assert {key: (entry.moments.count, entry.updated) for key, entry in learned.items()} == {
-        Key("G", "a", "", "x"): (2, 30),
-        Key("G", "a", "", "y"): (1, 50),
-    }
+@few
+@given(st.lists(some.rewards, min_size=1, max_size=5), st.randoms(use_true_random=False))
+def test_the_order_of_updates_changes_no_bit(store, rewards, random):
+    store.reset()
+    for reward in random.sample(rewards, len(rewards)):
+        store.add(some.sums_of([reward]), source="run")
+    assert store.contents().learned[Key("G", "a", "", "run")].moments == some.moments_of(rewards)
 
 
-def test_expert_knowledge_is_kept_as_it_was_read(new_store):
-    store, knowledge = new_store(), load_knowledge("cleaning")
-    store.put(knowledge, source="expert", updated=1)
-    assert store.knowledge().table == knowledge.table
-    store.put(knowledge.with_scores({"AvoidCollision": {"RepulsionGradient": 7.0}}), source="me", updated=3)
-    store.put(knowledge, source="someone late", updated=2)
-    assert store.knowledge().scores("AvoidCollision").tolist() == [1.0, 0.0, 7.0]
-    assert store.contents().expert["AvoidCollision", "RepulsionGradient"].source == "me"
-
-
-def test_a_name_that_means_something_else_is_refused_and_nothing_changes(new_store):
-    store = new_store()
-    store.put(knowledge_from({"goals": {"G": [{"configuration": "A", "score": 1.0}]}}), source="expert")
-    before = store.contents()
-    for other in ({"configuration": "B", "name": "A"}, {"configuration": "A", "parameters": {"view": 2}}):
-        given = knowledge_from({"goals": {"F": [{"configuration": "New", "score": 1}], "G": [other | {"score": 2.0}]}})
-        with pytest.raises(
-            StoreError, match=r"goals\.G\.A: means A {} here and .* there; give one of them another name"
-        ):
-            store.put(given, source="expert")
-    assert store.contents() == before
+def test_two_batches_of_a_goal_and_an_update_say_when_they_came(store):
+    before = datetime.now(UTC)
+    store.add(some.sums_of([1.0]), some.sums_of([2.0]), source="run")
+    (first,) = store.contents().learned.values()
+    store.add(some.sums_of([4.0]), source="run")
+    (second,) = store.contents().learned.values()
+    assert second.moments == some.moments_of([1.0, 2.0, 4.0])
+    assert before <= first.updated < second.updated <= datetime.now(UTC)
 
 
 @few
-@given(some.overlapping)
-def test_contents_come_back_as_they_went_in(lent, contents):
-    with lent(1) as (store,):
+@given(some.contents)
+def test_contents_come_back_as_they_went_in(store, contents):
+    store.reset(expert=True)
+    for _ in range(2):  # what is there already counts once
         store.absorb(contents)
         assert store.contents() == contents
 
 
-@few
-@given(some.overlapping, some.overlapping)
-def test_merging_stores_is_merging_contents_in_either_order(lent, first, second):
-    with lent(4) as (a, b, c, d):
-        for store, held in ((a, first), (b, second), (c, second), (d, first)):
-            store.absorb(held)
-        a.absorb(b.contents())
-        assert b.contents() == second
-        c.absorb(d.contents())
-        assert a.contents() == c.contents() == first.merged(second)
+def test_expert_knowledge_is_kept_as_it_was_read(store):
+    knowledge = load_knowledge("cleaning")
+    changed = knowledge.with_scores({"AvoidCollision": {"RepulsionGradient": 7.0}})
+    store.introduce(knowledge)
+    assert store.contents().knowledge("").table == knowledge.table
+    store.introduce(changed)
+    assert store.contents().knowledge("").table == knowledge.table
+    store.absorb(stored(changed))
+    assert store.contents().knowledge("").scores("AvoidCollision").tolist() == [1.0, 0.0, 7.0]
 
 
-@few
-@given(some.updates(), some.updates(), some.updates())
-def test_merged_stores_equal_one_store_of_all_updates(lent, first, second, third):
-    with lent(4) as (a, b, c, whole):
-        for store, source, updates in ((a, "a", first), (b, "b", second), (c, "c", third)):
-            for update in updates:  # one at a time
-                store.add(some.batch_of([update]), source=source, updated=1)
-            whole.add(some.batch_of(updates[::-1]), source=source, updated=1)
-        a.absorb(b.contents())
-        c.absorb(a.contents())
-        assert c.contents() == whole.contents()
+def test_scores_are_those_of_a_context(store):
+    store.add(some.sums_of([1.0, 3.0]), source="run-1", context="far")
+    store.add(some.sums_of([8.0]), source="run-2", context="far")
+    store.add(some.sums_of([100.0]), some.sums_of([1.0], option="b"), source="run-1")
+    known = options({"configuration": "A", "name": "a"}, {"configuration": "A", "name": "c"})
+    (score,) = store.contents().scores(known, "far")["G"].items()
+    assert (score[0], score[1].count, score[1].mean) == ("a", 3, 4.0)
+    assert store.contents().scores(known, "nowhere") == {}
 
 
-@given(some.overlapping, some.overlapping, some.overlapping)
-def test_merging_contents_commutes_and_associates(a, b, c):
-    assert a.merged(b) == b.merged(a)
-    assert a.merged(b).merged(c) == a.merged(b.merged(c))
-    assert a.merged(StoredKnowledge()) == a.merged(a) == a
+@pytest.mark.parametrize("other", [{"configuration": "B", "name": "A"}, {"configuration": "A", "parameters": {"v": 2}}])
+def test_a_name_that_means_something_else_is_refused_and_nothing_changes(store, other):
+    store.introduce(options({"configuration": "A"}))
+    before, given = store.contents(), options({"configuration": "New"}, other)
+    for use in (
+        lambda: store.introduce(given),
+        lambda: store.absorb(stored(given)),
+        lambda: before.scores(given, ""),
+    ):
+        with pytest.raises(StoreError, match=r"goals\.G\.A: means A {} here and .* there; give one of them another"):
+            use()
+    assert store.contents() == before
 
 
-def test_large_sums_are_exact_to_the_last_bit(new_store):
+def test_other_rewards_of_the_same_source_are_refused_and_nothing_changes(store, tmp_path):
+    other = KnowledgeStore(tmp_path / "other.sqlite")
+    store.add(some.sums_of([1.0, 2.0]), source="run")
+    other.add(some.sums_of([1.0]), some.sums_of([1.0], "F"), source="run")
+    before = store.contents()
+    with pytest.raises(StoreError, match=r"goals\.G\.a: holds other rewards of the source 'run' already; reset it"):
+        store.absorb(other.contents())
+    assert store.contents() == before
+
+
+def test_large_sums_are_exact_to_the_last_bit(store):
     count = COUNT_LIMIT - 1
-    largest = LearnedEntry(Moments(count, -count * 2**44 + 1, count * 2**88 - 2**45 + 1), 1)
-    key, sums = Key("G", "a", "", "run"), batch("G", [("a", -(2.0**20))])
-    store = new_store()
-    store.absorb(StoredKnowledge(learned={key: largest}))
-    store.add(sums, source="run", updated=1)
-    full = {key: LearnedEntry(largest.moments + sums.moments["a", ""], 1)}
-    assert store.contents().learned == full
+    largest = Moments(count, -count * 2**44 + 1, count * 2**88 - 2**45 + 1)
+    key, sums = Key("G", "a", "", "run"), some.sums_of([-(2.0**20)])
+    store.absorb(StoredKnowledge({key: some.entry_of(key, largest, NOW)}))
+    store.add(sums, source="run")
+    full = largest + sums.moments["a"]
+    assert store.contents().learned[key].moments == full
     with pytest.raises(StoreError, match=r"expected a count from 1 to 68719476736, got 68719476737"):
-        store.add(sums, batch("G", [("b", 1.0)]), source="run")
-    assert store.contents().learned == full
+        store.add(sums, some.sums_of([1.0], option="b"), source="run")
+    assert {key: entry.moments for key, entry in store.contents().learned.items()} == {key: full}
 
 
-def test_reset_forgets_what_is_chosen(new_store):
-    store = new_store()
-    learned = {Key(g, o, c, s): one for g in "GH" for o in "ab" for c in ("", "far") for s in "xy"}
-    expert = stored(knowledge_from({"goals": {g: [{"configuration": o, "score": 1} for o in "ab"] for g in "GH"}}))
-    store.absorb(StoredKnowledge(expert.expert, learned))
+def test_reset_forgets_what_is_chosen(store):
+    learned = {Key(g, o, c, s) for g in "GH" for o in "ab" for c in ("", "far") for s in "xy"}
+    expert = {Key(g, o) for g in "GH" for o in "ab"}
+    goals = {g: [{"configuration": o, "score": 1} for o in "ab"] for g in "GH"}
+    store.introduce(knowledge_from({"goals": goals}))
+    store.absorb(StoredKnowledge({key: some.entry_of(key, Moments(1, 5, 25), NOW) for key in learned}))
     assert store.reset(goal="G", option="a", context="", source="x") == (1, 0)
-    assert set(store.contents().learned) == set(learned) - {Key("G", "a", "", "x")}
+    assert set(store.contents().entries) == (learned | expert) - {Key("G", "a", "", "x")}
     assert store.reset(goal="H", option="b", expert=True) == (4, 1)
-    assert set(store.contents().expert) == set(expert.expert) - {("H", "b")}
+    assert set(store.contents().expert) == {("G", "a"), ("G", "b"), ("H", "a")}
     assert store.reset(goal="nowhere") == (0, 0)
     assert store.reset() == (11, 0)
     assert store.reset(expert=True) == (0, 3)
@@ -159,64 +148,85 @@ def test_reset_forgets_what_is_chosen(new_store):
         store.reset(gaol="G")
 
 
-@pytest.mark.parametrize("name", ["", "a\0b", "two\nlines", "x" * 121, "\ud800"])
-def test_names_that_no_store_takes_are_refused_and_nothing_changes(new_store, name):
-    store = new_store()
-    good, where = batch("G", [("a", 1.0)]), []
-    for what, call in {
-        "goal": lambda: store.add(good, batch(name, [("a", 1.0)]), source="run"),
-        "option": lambda: store.add(good, batch("G", [(name, 1.0)], options=(name,)), source="run"),
-        "source": lambda: store.add(good, source=name),
-        "context": lambda: store.add(good, batch("G", [("a", 1.0)], context=name), source="run"),
-    }.items():
-        if (what, name) != ("context", ""):
-            with pytest.raises(StoreError, match=rf"{what}: expected "):
-                call()
-            where.append(what)
-    assert len(where) >= 3
+@pytest.mark.parametrize("name", ["", "a\0b", "two\nlines", "x" * 121])
+@pytest.mark.parametrize("what", ["goal", "option", "source", "context"])
+def test_names_that_no_store_takes_are_refused_and_nothing_changes(store, what, name):
+    given = {"goal": "G", "option": "a", "source": "run", "context": "far"} | {what: name}
+    sums = some.sums_of([1.0], given.pop("goal"), given.pop("option"))
+    if (what, name) == ("context", ""):
+        store.add(sums, **given)
+        return
+    with pytest.raises(StoreError, match=rf"{what}: expected ") as error:
+        store.add(some.sums_of([1.0]), sums, **given)
+    assert "\n" not in str(error.value)
     assert store.contents() == StoredKnowledge()
 
 
-def test_the_longest_names_fit(new_store):
-    store, name = new_store(), "𐀀" * 120
-    store.add(batch(name, [(name, 1.0)], options=(name,), context=name), source=name)
+def test_the_longest_names_fit_and_half_a_character_is_one_line(store):
+    name = "𐀀" * 120
+    store.add(some.sums_of([1.0], name, name), source=name, context=name)
     assert store.contents().totals()[name, name, name].count == 1
+    with pytest.raises(StoreError, match=r"k\.sqlite: .*surrogates not allowed$"):
+        store.add(some.sums_of([1.0]), source="\ud800")
 
 
-def test_parameters_that_cannot_be_kept_are_refused(new_store):
-    for parameters in ({"x": {1: 2}}, {"x": {1, 2}}, {"x": (1,)}):
-        given = knowledge_from({"goals": {"G": [{"configuration": "A", "score": 1, "parameters": parameters}]}})
-        with pytest.raises(StoreError, match=r"A\.parameters: expected text, numbers, lists and mappings by text"):
-            new_store().put(given, source="expert")
+@pytest.mark.parametrize("value", [{1: 2}, {1, 2}, (1,), float("nan")])
+def test_parameters_that_cannot_be_kept_are_refused(store, value):
+    with pytest.raises(StoreError, match=r"mine: goals\.G\.A: expert: parameters: expected text, numbers, lists and"):
+        store.introduce(options({"configuration": "A", "parameters": {"x": value}}))
 
 
-def test_a_forked_process_goes_on_with_a_connection_of_its_own(new_store):
-    store = new_store()
-    store.add(batch("G", [("a", 1.0)]), source="run")
+def test_a_forked_process_goes_on_with_a_store(store):
+    store.add(some.sums_of([1.0]), source="run")
     child = os.fork()
     if child == 0:
-        try:
-            store.add(batch("G", [("a", 2.0)]), source="run")
-        finally:
-            os._exit(0)
+        with suppress(BaseException):
+            store.add(some.sums_of([2.0]), source="run")
+        os._exit(0)
     os.waitpid(child, 0)
-    store.add(batch("G", [("a", 4.0)]), source="run")
+    store.add(some.sums_of([4.0]), source="run")
     assert store.contents().learned[Key("G", "a", "", "run")].moments == some.moments_of([1.0, 2.0, 4.0])
 
 
-def test_more_contexts_than_a_query_can_name(new_store):
-    store, contexts = new_store(), [f"cell {k}" for k in range(40_000)]
-    made = RewardSums("G", ["a"])
-    made.record(np.zeros(len(contexts), dtype=int), np.ones(len(contexts)), contexts)
-    for _ in range(2):
-        store.add(made, source="run")
-    found = store.contents().totals()
-    assert [found["G", "a", context].count for context in contexts] == [2] * len(contexts)
+VALUES = (
+    st.integers(-(2**63), 2**63 - 1)
+    | st.floats(allow_nan=False)
+    | st.text(st.characters(codec="utf-8"), max_size=6)
+    | st.binary(max_size=6)
+    | st.sampled_from([0, 1, 1.5, "1", b"1", "", "{}", "{", "[1]", '{"a": NaN}', "[" * 3000, "x" * 200])
+)
 
 
-@pytest.mark.parametrize("updated", [-1, 10**18])
-def test_times_that_no_date_has_are_refused(new_store, updated):
-    store = new_store()
-    with pytest.raises(StoreError, match=r"updated: expected "):
-        store.add(batch("G", [("a", 1.0)]), source="run", updated=updated)
-    assert store.contents() == StoredKnowledge()
+@pytest.fixture
+def template(store, tmp_path):
+    """The bytes of a store with an expert's option and a reward."""
+    store.introduce(options({"configuration": "A", "name": "a"}))
+    store.add(some.sums_of([1.0]), source="run")
+    return (tmp_path / "k.sqlite").read_bytes()
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.sampled_from(COLUMNS), VALUES, st.booleans())
+def test_rows_that_no_store_writes_are_refused_in_one_line(template, tmp_path, column, value, learned):
+    path = tmp_path / "k.sqlite"
+    path.write_bytes(template)
+    store = KnowledgeStore(path)
+    with closing(sqlite3.connect(path)) as connection, connection:
+        condition = f"source {'!=' if learned else '='} ''"
+        connection.execute(f"UPDATE {TABLE} SET {column} = ? WHERE {condition}", [value])
+    uses = (
+        store.contents,
+        lambda: store.absorb(StoredKnowledge()),
+        lambda: store.introduce(options({"configuration": "B"})),
+        lambda: store.add(some.sums_of([1.0]), source="run"),
+    )
+    messages = []
+    for use in uses:
+        try:
+            use()
+        except StoreError as error:
+            messages.append(str(error))
+    assert [message for message in messages if "\n" in message] == []
+    assert len(messages) in (0, 3, 4)  # an update reads the entries of its own source only
+    if messages:
+        assert all("k.sqlite: is corrupt: " in message for message in messages)

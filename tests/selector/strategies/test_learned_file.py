@@ -141,6 +141,7 @@ while True:
 """
 
 
+@pytest.mark.long
 def test_a_writer_that_is_killed_leaves_a_whole_file(tmp_path):
     path, generator = tmp_path / "file", np.random.default_rng(0)
     for _ in range(5):
@@ -173,11 +174,10 @@ def test_what_was_learned_goes_through_a_store_of_knowledge(tmp_path):
         reward = generator.normal(size=6)
         strategy.update(option, reward, context)
         batch.record(option, reward)
-    store = KnowledgeStore(f"sqlite:///{tmp_path / 'knowledge.sqlite'}")
+    store = KnowledgeStore(tmp_path / "knowledge.sqlite")
     store.add(batch, source="test")
     known = [store.contents().totals()["Goal", option, ""] for option in PROBLEM.options]
     rewards = np.array([(one.count, one.mean, one.variance) for one in known]).T
     later = made("GaussianThompson", problem=replace(PROBLEM, rewards=rewards))
     for key, value in strategy.learned().items():
         np.testing.assert_allclose(later.learned()[key], value, atol=1e-5)  # the store rounds rewards to 2^-24
-    store.close()

@@ -5,16 +5,15 @@ by one that hands out the row's own draws. Where it is another one (its Thompson
 the rewards, not of their mean; its LinUCB adds the noise of a reward to the bound), what both estimate is compared.
 """
 
-import math
-
 import numpy as np
 import pytest
 
 from selector.strategies.problem import Problem
 from selector.strategies.registry import create
-from selector.strategies.streams import row_keys, student_t, uniforms
+from selector.strategies.streams import row_keys, uniforms
 
 bandit = pytest.importorskip("river.bandit", reason="river is not installed (extra dev)")
+pytestmark = pytest.mark.extra
 from river import proba  # noqa: E402
 
 ARMS = (0, 1, 2, 3)
@@ -49,14 +48,13 @@ def made(name, parameters, features=()):
     return create(name, problem, row_keys(np.random.SeedSequence(11), 1), parameters)
 
 
-def together(strategy, policy, steps=2000, seed=5):
+def together(strategy, policy, draws=OurDraws, steps=2000, seed=5):
     """Let both decide and learn; return the options (steps,), which have to be the same."""
-    generator, draws = np.random.default_rng(seed), OurDraws(strategy)
-    policy._rng = draws
-    chosen = []
+    generator, chosen = np.random.default_rng(seed), []
+    policy._rng = draws(strategy)
     for _ in range(steps):
         option = strategy.select(NO_CONTEXT)
-        draws.used = 0
+        policy._rng.used = 0
         arm = policy.pull(list(ARMS))
         assert arm == option[0]
         reward = float(np.clip(MEANS[arm] + 0.2 * generator.normal(), 0.0, 1.0))
@@ -83,14 +81,7 @@ def test_ucb1_takes_the_same_options(delta):
         def choice(self, options):
             return options[0]  # of equal bounds ours is the first; river draws one
 
-    generator = np.random.default_rng(5)
-    policy._rng = First(strategy)
-    for _ in range(2000):
-        option, arm = int(strategy.select(NO_CONTEXT)[0]), policy.pull(list(ARMS))
-        assert arm == option
-        reward = float(MEANS[arm] + 0.2 * generator.normal())
-        policy.update(arm, reward)
-        strategy.update(np.array([option]), np.array([reward]), NO_CONTEXT)
+    together(strategy, policy, First)
     np.testing.assert_array_equal(strategy.counts[0], [policy._counts[arm] for arm in ARMS])
 
 
@@ -120,59 +111,6 @@ def test_gaussian_thompson_knows_the_same_means_and_variances():
     np.testing.assert_allclose(
         strategy.spreads[0] / (strategy.counts[0] - 1), [law.sigma**2 for law in laws], rtol=1e-11
     )
-
-
-class MeanOfNormal(proba.base.ContinuousDistribution):
-    """The mean of normal rewards under a normal-inverse-gamma prior, for river's Thompson sampling."""
-
-    def __init__(self, seed=None):
-        super().__init__(seed)
-        self.location, self.kappa, self.alpha, self.beta = 0.0, 1.0, 1.0, 1.0
-
-    @property
-    def n_samples(self):
-        return self.kappa - 1.0
-
-    @property
-    def mode(self):
-        return self.location
-
-    def update(self, x):
-        self.beta += self.kappa * (x - self.location) ** 2 / (2 * (self.kappa + 1))
-        self.location = (self.kappa * self.location + x) / (self.kappa + 1)
-        self.kappa, self.alpha = self.kappa + 1, self.alpha + 0.5
-
-    def revert(self, x):
-        raise NotImplementedError
-
-    def cdf(self, x):
-        raise NotImplementedError
-
-    def __call__(self, x):
-        raise NotImplementedError
-
-    def sample(self):
-        draws = np.array([[self._rng.random(), self._rng.random()]])
-        deviate = np.empty((1, 1))
-        student_t(draws, np.array([[2 * self.alpha]]), deviate)
-        return self.location + math.sqrt(self.beta / (self.alpha * self.kappa)) * deviate[0, 0]
-
-
-def test_gaussian_thompson_chooses_as_often_as_rivers_with_the_same_posterior():
-    rows, count = 4000, 40
-    problem = Problem("Goal", tuple("abcd"), np.zeros(4))
-    strategy = create("GaussianThompson", problem, row_keys(np.random.SeedSequence(3), rows))
-    policy = bandit.ThompsonSampling(reward_obj=MeanOfNormal(), seed=2)
-    option, reward = (values[:count] for values in rewarded())
-    strategy.update(option, reward, np.zeros((count, 0)), np.zeros(count, int))
-    for arm, value in zip(option, reward, strict=True):
-        policy.update(int(arm), float(value))
-    ours = np.bincount(strategy.select(np.zeros((rows, 0))), minlength=4)
-    theirs = np.bincount([policy.pull(list(ARMS)) for _ in range(rows)], minlength=4)
-    shared = (ours + theirs) / (2 * rows)
-    # five standard deviations of a difference: a false alarm in a million for each option
-    assert (np.abs(ours - theirs) / rows <= 5 * np.sqrt(2 * shared * (1 - shared) / rows)).all()
-    assert (ours > 0).sum() > 2
 
 
 def test_lin_ucb_has_the_same_regressions():

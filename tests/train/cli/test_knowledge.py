@@ -1,16 +1,24 @@
 """`clean-swarm learn knowledge` as a user meets it: what it prints, where it looks, and errors of one line."""
 
 import io
-import subprocess
 import sys
+from datetime import UTC, datetime
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from selector.store import KnowledgeStore, RewardSums, StoredKnowledge
+from selector.store import Key, KnowledgeStore, StoredKnowledge
+from tests.selector.store.strategies import entry_of, moments_of
 from train import cli
 from train import memory as stores
+
+NOW = datetime(2026, 11, 21, 10, 40, 49, 499_841, tzinfo=UTC)
+GRADIENT = "RepulsionGradient"
+EXPERT = """goals:
+  AvoidCollision:
+    - {configuration: RepulsionFernandez, score: 1}
+    - {configuration: RepulsionGradient, score: 0.5, parameters: {view_distance: 2.0}}
+"""
 
 
 @pytest.fixture
@@ -30,44 +38,45 @@ def run(monkeypatch, capsys, tmp_path):
     return call
 
 
-def learn(path: str, rewards, source="run-1", option="RepulsionGradient", context=""):
-    batch = RewardSums("AvoidCollision", [option])
-    batch.record(np.zeros(len(rewards), dtype=int), np.array(rewards), context)
-    store = KnowledgeStore(path)
-    store.add(batch, source=source, updated=1_795_257_649_499_841)
-    store.close()
+@pytest.fixture
+def filled(run, tmp_path) -> KnowledgeStore:
+    """The store `k.sqlite`, which holds what an expert says and rewards of two runs."""
+    (tmp_path / "expert.yaml").write_text(EXPERT)
+    assert run("import", "expert.yaml", "--store", "k.sqlite")[1] == "k.sqlite: took in 2 expert options, 0 updates\n"
+    rewards = {
+        (GRADIENT, "", "run-1"): [1.0, 2.0, 6.0],
+        (GRADIENT, "crowded", "run-2"): [0.5],
+        ("Unrated", "", "run-1"): [0.25],
+    }
+    keys = {Key("AvoidCollision", *key): moments_of(values) for key, values in rewards.items()}
+    store = KnowledgeStore("k.sqlite", create=False)
+    store.absorb(StoredKnowledge({key: entry_of(key, moments, NOW) for key, moments in keys.items()}))
+    return store
 
 
 def held(path) -> StoredKnowledge:
-    store = KnowledgeStore(str(path), create=False)
-    contents = store.contents()
-    store.close()
-    return contents
+    return KnowledgeStore(path, create=False).contents()
 
 
-def test_the_store_is_in_the_data_directory_unless_named(run, tmp_path, monkeypatch):
-    code, out, err = run("import", "cleaning")
-    assert (code, err) == (0, "")
+def test_the_store_is_in_the_data_directory_unless_named(run, filled, tmp_path, monkeypatch):
     path = stores.default_path()
     assert path.is_relative_to(tmp_path)
-    assert out == f"{path.relative_to(tmp_path)}: took in 3 expert options, 0 updates\n"
+    told = "took in 2 expert options, 0 updates\n"
+    assert run("import", "expert.yaml") == (0, f"{path.relative_to(tmp_path)}: {told}", "")
     monkeypatch.setenv(stores.VARIABLE, "mine.sqlite")
-    assert run("import", "cleaning")[1].startswith("mine.sqlite: ")
-    assert run("import", "cleaning", "--store", f"sqlite:///{tmp_path}/named.sqlite")[1].startswith("named.sqlite: ")
-    assert held(path).knowledge("").table == held("mine.sqlite").knowledge("").table != {}
+    assert run("import", "expert.yaml")[1] == f"mine.sqlite: {told}"
+    assert run("import", "expert.yaml", "--store", "named.sqlite")[1] == f"named.sqlite: {told}"
+    tables = [held(name).knowledge("").table for name in (path, "mine.sqlite", "named.sqlite", "k.sqlite")]
+    assert all(table == tables[0] != {} for table in tables)
 
 
-def test_list_and_show_print_what_is_known(run):
-    run("import", "cleaning", "--store", "k.sqlite")
-    learn("k.sqlite", [1.0, 2.0, 6.0])
-    learn("k.sqlite", [0.5], source="run-2", context="crowded")
-    learn("k.sqlite", [0.25], option="Unrated")
-    code, out, _ = run("list", "--store", "k.sqlite")
-    assert code == 0
+def test_show_prints_what_is_known(run, filled):
+    code, out, _ = run("show", "--store", "k.sqlite")
+    assert (code, out.splitlines()[0]) == (0, "k.sqlite:")
     (row,) = [line.split(maxsplit=6) for line in out.splitlines() if line.startswith("AvoidCollision")]
-    assert row == ["AvoidCollision", "4", "2", "5", "2026-11-21", "10:40:49", "run-1, run-2"]
+    assert row == ["AvoidCollision", "3", "2", "5", "2026-11-21", "10:40:49", "run-1, run-2"]
     code, out, _ = run("show", "AvoidCollision", "--store", "k.sqlite")
-    assert code == 0
+    assert (code, out.splitlines()[0]) == (0, "AvoidCollision:")
     rows = [" ".join(line.split()) for line in out.splitlines()]
     assert rows[2] == "RepulsionFernandez RepulsionFernandez 1 - 0 - - - -"
     assert "RepulsionGradient RepulsionGradient 0.5 - 3 3 2.16025 2026-11-21 10:40:49 run-1" in rows
@@ -75,71 +84,38 @@ def test_list_and_show_print_what_is_known(run):
     assert "Unrated - - - 1 0.25 0 2026-11-21 10:40:49 run-1" in rows
 
 
-def test_an_exported_store_is_imported_whole(run, tmp_path):
-    run("import", "cleaning", "--store", "k.sqlite")
-    learn("k.sqlite", [0.1, 0.2, 0.3])
+def test_an_exported_store_is_imported_whole_and_counts_once(run, filled):
     for name in ("k.yaml", "k.json"):
-        code, out, _ = run("export", name, "--store", "k.sqlite")
-        assert (code, out) == (0, f"3 expert options, 3 updates in {name}\n")
-        assert run("import", name, "--store", f"{name}.sqlite")[0] == 0
-        assert held(f"{name}.sqlite") == held("k.sqlite")
+        assert run("export", name, "--store", "k.sqlite")[:2] == (0, f"2 expert options, 5 updates in {name}\n")
+        for _ in range(2):
+            assert run("import", name, "--store", f"{name}.sqlite")[0] == 0
+            assert held(f"{name}.sqlite") == filled.contents()
     assert run("export", "-", "--store", "k.sqlite")[1] == Path("k.yaml").read_text()
-    code, _, err = run("export", "k.json", "--store", "k.sqlite")
-    assert (code, err) == (2, "error: k.json: cannot be written (File exists)\n")
 
 
-def test_stores_are_merged_and_the_others_stay(run):
-    run("import", "cleaning", "--store", "a.sqlite")
-    learn("a.sqlite", [0.1, 0.2])
-    learn("b.sqlite", [0.3], source="run-3")
-    learn("c.sqlite", [0.4], source="run-2")
-    expected = held("a.sqlite").merged(held("b.sqlite")).merged(held("c.sqlite"))
-    code, out, _ = run("merge", "b.sqlite", "c.sqlite", "--store", "a.sqlite")
-    assert code == 0
-    assert out == "".join(f"a.sqlite: took in 0 expert options, 1 update of {name}.sqlite\n" for name in "bc")
-    assert held("a.sqlite") == expected
-    code, _, err = run("merge", "b.sqlite", "--store", "a.sqlite")
-    assert (code, err, held("a.sqlite")) == (0, "", expected)
-    code, _, err = run("merge", "b.sqlite", "none.sqlite", "--store", "a.sqlite")
-    assert (code, err) == (2, "error: none.sqlite: no such knowledge store\n")
-    assert held("a.sqlite") == expected
-
-
-def test_reset_asks_and_forgets_what_is_chosen(run, monkeypatch):
-    run("import", "cleaning", "--store", "k.sqlite")
-    learn("k.sqlite", [0.1])
-    learn("k.sqlite", [0.2], source="run-2")
-    before = held("k.sqlite")
+def test_reset_asks_and_forgets_what_is_chosen(run, filled, monkeypatch):
+    before = filled.contents()
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     code, _, err = run("reset", "--store", "k.sqlite", "--source", "run-2")
     assert code == 1
     assert "k.sqlite: forget source 'run-2'? [y/N]" in err
-    assert held("k.sqlite") == before
+    assert filled.contents() == before
     code, out, _ = run("reset", "--store", "k.sqlite", "--source", "run-2", "--yes")
     assert (code, out) == (0, "k.sqlite: forgot 1 entry, 0 expert options\n")
-    assert [key.source for key in held("k.sqlite").learned] == ["run-1"]
-    assert run("reset", "--store", "k.sqlite", "--expert", "--yes")[1] == "k.sqlite: forgot 1 entry, 3 expert options\n"
-
-
-def test_a_users_own_knowledge_is_found(run, tmp_path):
-    (tmp_path / "own" / "knowledge").mkdir(parents=True)
-    text = "goals: {Reach: [{configuration: RepulsionGradient, score: 2.0}]}"
-    (tmp_path / "own" / "knowledge" / "mine.yaml").write_text(text)
-    assert run("import", "mine", "--configs", "own", "--source", "me", "--store", "k.sqlite")[0] == 0
-    (rated,) = held("k.sqlite").expert.values()
-    assert (rated.option.score, rated.source) == (2.0, "me")
+    assert {key.source for key in filled.contents().learned} == {"run-1"}
+    told = "k.sqlite: forgot 2 entries, 2 expert options\n"
+    assert run("reset", "--store", "k.sqlite", "--expert", "--yes")[1] == told
+    assert filled.contents() == StoredKnowledge()
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("list",), "data/clean-swarm/knowledge.sqlite: no such knowledge store"),
-        (("list", "--store", "mysql://host/db"), "store: unknown database 'mysql' (known: sqlite, postgresql)"),
-        (("import", "clean"), "unknown expert knowledge 'clean' (known: "),
-        (("import", "none.yaml"), "none.yaml: no such file"),
+        (("show",), "data/clean-swarm/knowledge.sqlite: no such knowledge store"),
+        (("show", "--store", "sqlite:///k"), "store: expected the path of a file, got 'sqlite:///k'"),
+        (("import", "none.yaml"), "none.yaml: cannot be read (No such file or directory)"),
         (("export", "k.txt"), "k.txt: expected a name that ends in .yaml or .json"),
-        (("merge", "none.sqlite"), "none.sqlite: no such knowledge store"),
-        (("reset", "--expert", "--context", "x"), "--expert: expert options have no context; leave out --context"),
+        (("reset", "--expert", "--source", "x"), "--expert: expert options have neither context nor source; leave"),
     ],
 )
 def test_mistakes_are_one_line_and_leave_nothing(run, tmp_path, words, message):
@@ -150,21 +126,18 @@ def test_mistakes_are_one_line_and_leave_nothing(run, tmp_path, words, message):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_unknown_goal_names_the_known_ones(run):
-    run("import", "cleaning", "--store", "k.sqlite")
-    code, _, err = run("show", "AvoidColision", "--store", "k.sqlite")
-    assert code == 2
-    assert err == "error: unknown goal 'AvoidColision' (known: AvoidCollision; did you mean 'AvoidCollision'?)\n"
-
-
-def test_a_missing_package_is_one_line(run, monkeypatch):
-    monkeypatch.setitem(sys.modules, "selector.store.knowledge_store", None)
-    code, _, err = run("list", "--store", "k.sqlite")
-    assert code == 2
-    assert err == "error: store: selector.store.knowledge_store is not installed: pip install 'clean-swarm[store]'\n"
-
-
-def test_help_needs_no_database():
-    code = "import train.cli.app, sys; print('sqlalchemy' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "False\n"
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("show", "AvoidColision"), "unknown goal 'AvoidColision' (known: AvoidCollision; did you mean"),
+        (("export", "expert.yaml"), "expert.yaml: cannot be written (File exists)"),
+        (("export", "k.json", "--context", "crowded"), "k.json: expected a name that ends in .yaml with --context"),
+        (("export", "k.yaml", "--context", "crowd"), "k.sqlite: unknown context 'crowd' (known: , crowded; did you"),
+    ],
+)
+def test_mistakes_about_a_store_are_one_line_and_change_nothing(run, filled, words, message):
+    before = filled.contents()
+    code, out, err = run(*words, "--store", "k.sqlite")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith(f"error: {message}")
+    assert filled.contents() == before

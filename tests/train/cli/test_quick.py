@@ -8,7 +8,7 @@ import pytest
 
 from tests.paths import ROOT
 
-SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "sqlalchemy", "pettingzoo")
+SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "pettingzoo")
 CODE = f"""
 import sys
 from train.cli.app import run_app

@@ -99,20 +99,19 @@ def figures(directory):
 def held(path="s.sqlite", context="mission rooms"):
     """Option -> count and mean of what a store holds in a context."""
     store = KnowledgeStore(str(path), create=False)
-    learned = store.contents().scores(store.knowledge(), context).get("AvoidCollision", {})
-    store.close()
+    contents = store.contents()
+    learned = contents.scores(contents.knowledge(str(path)), context).get("AvoidCollision", {})
     return {name: (one.count, one.mean) for name, one in learned.items()}
 
 
 def tell(path, rewards, context="mission rooms"):
     """Give a store rewards of the options of WRONG: option -> rewards."""
     store, known = KnowledgeStore(str(path)), knowledge_from(WRONG)
-    store.introduce(known, source="told")
+    store.introduce(known)
     sums = RewardSums("AvoidCollision", list(rewards))
     for k, some in enumerate(rewards.values()):
-        sums.record(np.full(len(some), k), np.array(some, dtype=float), context)
-    store.add(sums, source="told")
-    store.close()
+        sums.record(np.full(len(some), k), np.array(some, dtype=float))
+    store.add(sums, source="told", context=context)
 
 
 def test_wrong_scores_are_put_right_by_missions_and_a_later_process_profits_at_once(run, tmp_path):
@@ -215,8 +214,7 @@ def test_processes_that_learn_at_once_lose_nothing(run, tmp_path):
 def test_mistakes_are_one_line_and_nothing_is_written(run, tmp_path, words, line):
     other = KnowledgeStore("other.sqlite")
     options = {"AvoidCollision": [{"configuration": GRADIENT, "score": 1.0, "parameters": {"view_distance": 9.0}}]}
-    other.put(knowledge_from({"goals": options}), source="expert")
-    other.close()
+    other.introduce(knowledge_from({"goals": options}))
     code, _, err = run("evaluate", "--family", "rooms", "--knowledge", "wrong", *words, "--output", "none")
     assert code == 2
     assert line in err
@@ -272,10 +270,8 @@ def test_every_goal_of_a_family_is_scored(run, tmp_path):
     words = ("study", "score", "two", "--store", "s.sqlite", "--scenarios", 1, "--workers", 1)
     code, _, err = run(*words)
     assert code == 0, err
-    store = KnowledgeStore("s.sqlite", create=False)
-    learned = store.contents().learned
-    known = store.knowledge()
-    store.close()
+    contents = KnowledgeStore("s.sqlite", create=False).contents()
+    learned, known = contents.learned, contents.knowledge("s.sqlite")
     assert len(known.goals) == 2
     assert {(key.goal, key.option) for key in learned} == {
         (goal, option.name) for goal in known.goals for option in known.options(goal)

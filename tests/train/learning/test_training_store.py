@@ -41,9 +41,8 @@ def counts(directory):
 
 
 def held(context="training tiny"):
-    store = KnowledgeStore("s.sqlite", create=False)
-    learned = store.contents().scores(store.knowledge(), context).get("AvoidCollision", {})
-    store.close()
+    contents = KnowledgeStore("s.sqlite", create=False).contents()
+    learned = contents.scores(contents.knowledge("s.sqlite"), context).get("AvoidCollision", {})
     return {name: one.count for name, one in learned.items()}
 
 
@@ -71,10 +70,8 @@ def test_the_same_training_is_not_learned_again_and_missions_do_not_mix_in(train
     assert held() == before
     options = [option.name for option in load_knowledge("avoidance").options("AvoidCollision")]
     sums = RewardSums("AvoidCollision", options)
-    sums.record(np.arange(len(options)), np.ones(len(options)), "mission random")
-    store = KnowledgeStore("other.sqlite")
-    store.add(sums, source="missions")
-    store.close()
+    sums.record(np.arange(len(options)), np.ones(len(options)))
+    KnowledgeStore("other.sqlite").add(sums, source="missions", context="mission random")
     assert train("--store", "other.sqlite", "--output", "c")[0] == 0
     assert (tmp_path / "c/strategy.safetensors").read_bytes() == (tmp_path / "a/strategy.safetensors").read_bytes()
 

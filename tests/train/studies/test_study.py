@@ -105,13 +105,11 @@ def test_the_result_is_knowledge_with_scores_and_their_source(configs, tmp_path,
     assert [option.name for option in known.options("AvoidCollision")] == ["planted", "Near", "Off"]
     assert known.rewards("AvoidCollision")[0].tolist() == [40.0] * 3
     assert known.scores("AvoidCollision") == pytest.approx(known.rewards("AvoidCollision")[1], abs=1e-6)
-    held = KnowledgeStore(str(store), create=False)
-    learned = held.contents().learned
+    learned = KnowledgeStore(store, create=False).contents().learned
     assert {(key.option, key.context, key.source) for key in learned} == {
         (name, "mission small", "study planted, seed 3") for name in ("planted", "Near", "Off")
     }
-    assert all(entry.moments.count == 40 for entry in learned.values())
-    held.close()
+    assert all(entry.count == 40 for entry in learned.values())
 
 
 def test_a_result_that_beats_neither_off_nor_random_search_is_marked(configs, tmp_path):
