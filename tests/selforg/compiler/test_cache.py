@@ -3,6 +3,7 @@
 import os
 import pickle
 import re
+import shutil
 import subprocess
 import sys
 from contextlib import suppress
@@ -49,6 +50,9 @@ assert (whole.of(times(5.0))(3.0), whole.of(times(7.0))(3.0)) == (16.0, 22.0)
 """
 
 
+SOURCES = ("limit.py", "part.py", "kernel.py")
+
+
 @pytest.fixture
 def project(tmp_path):
     (tmp_path / "limit.py").write_text("LIMIT = 100.0\n")
@@ -77,6 +81,18 @@ def test_a_change_in_a_file_that_a_kernel_calls_is_seen(project):
     (project / "limit.py").write_text("LIMIT = 200.0\n")
     assert outer(project, **kept)[0] == 215.0
     assert len(list((project / "kept").glob("kernel-*"))) == 3
+
+
+def test_the_same_sources_at_another_place_and_time_compile_nothing(project, tmp_path):
+    kept = tmp_path / "kept"
+    assert outer(project, NUMBA_CACHE_DIR=str(kept))[0] == 106.0
+    before = {path: path.read_bytes() for path in kept.rglob("*.nb?")}
+    assert len(before) == 2
+    shutil.copytree(project, tmp_path / "elsewhere", ignore=lambda folder, names: {*names} - {*SOURCES})
+    for name in SOURCES:
+        os.utime(tmp_path / "elsewhere" / name, (0, 0))
+    assert outer(tmp_path / "elsewhere", NUMBA_CACHE_DIR=str(kept))[0] == 106.0
+    assert {path: path.read_bytes() for path in kept.rglob("*.nb?")} == before
 
 
 @pytest.mark.long
