@@ -56,7 +56,7 @@ def frozen_team(name: str) -> dict[str, Any]:
     parts = [seen.tobytes()]
     for step in range(STEPS):
         seen, reward, *ends, _ = env.step(np.full(env.action_space.shape, step % 2, dtype=np.int64))
-        parts += [seen.tobytes(), repr((reward, ends))]
+        parts += [seen.tobytes(), rounded(reward), repr(ends)]
     spaces = {"actions": repr(env.action_space), "observations": repr(env.observation_space)}
     return {**spaces, GROWING: sorted(infos), "course": digest(*parts)}
 
@@ -80,9 +80,17 @@ def course(env: CleanSwarm, steps: int = STEPS, *, reset: bool = True) -> str:
         if not env.agents:
             env.reset()
         actions = {agent: action(env.action_space(agent), step, row) for row, agent in enumerate(env.agents)}
-        seen, *given, _ = env.step(actions)
-        parts += [*map(np.ndarray.tobytes, seen.values()), repr(given)]
+        seen, rewards, *ends, _ = env.step(actions)
+        parts += [*map(np.ndarray.tobytes, seen.values()), *map(rounded, rewards.values()), repr(ends)]
     return digest(*parts)
+
+
+def rounded(reward: float) -> str:
+    """Return a reward with nine decimals: measures of tasks take sines, means and their like from NumPy.
+
+    The last bits of those differ between machines.
+    """
+    return repr(round(float(reward), 9) + 0.0)
 
 
 def action(space: gymnasium.Space[Any], step: int, row: int) -> Any:
