@@ -7,11 +7,13 @@ import numpy as np
 
 from clean_swarm_env.world.ground import Ground
 from selforg.arrays import Floats
+from selforg.elementary import directions, unit_vectors
 
 
 def polarisation(headings: Floats) -> Floats:
     """Return the length (W,) [-] of the mean heading: 1 if all look the same way, about 1/sqrt(N) if by chance."""
-    length: Floats = np.hypot(np.cos(headings).mean(axis=1), np.sin(headings).mean(axis=1))
+    ahead, left = (part.reshape(headings.shape).mean(axis=1) for part in unit_vectors(headings.ravel()))
+    length: Floats = np.sqrt(ahead * ahead + left * left)
     return length
 
 
@@ -42,7 +44,7 @@ def radial_spread(positions: Floats, centre: Floats, ground: Ground) -> Floats:
 def gap_spread(positions: Floats, centre: Floats, ground: Ground) -> Floats:
     """Return the standard deviation (W,) [rad] of the angles between neighbours around `centre`: 0 if even."""
     offsets = ground.offsets(_broadcast(centre, positions), positions)
-    angles = np.sort(np.arctan2(offsets[..., 1], offsets[..., 0]), axis=1)
+    angles = np.sort(directions(offsets.reshape(-1, 2)).reshape(offsets.shape[:-1]), axis=1)
     gaps = np.diff(angles, axis=1, append=angles[:, :1] + 2.0 * np.pi)
     spread: Floats = gaps.std(axis=1)
     return spread
