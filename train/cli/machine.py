@@ -131,5 +131,5 @@ def gather_command(
     )
     evaluation = held_evaluation(request, folder)
     if evaluation.scored and store is None:
-        error_console().print("the scores reach no store; `gather --store URL` gives them to one", markup=False)
+        error_console().print("the scores reach no store; `gather --store FILE` gives them to one", markup=False)
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
