@@ -25,25 +25,29 @@ from selector.store.contents import (
 )
 from selector.store.exact_sums import NO_REWARDS, Moments, RewardSums
 
-KIND, SCHEMA = 0x436C5377, 3
+APPLICATION, SCHEMA = 0x436C5377, 3
 """Kind of the file in its header (`application_id`, "ClSw"), and version of its table (`user_version`)."""
 BUSY_S = 60.0
 """Time for which a writer waits for the others [s]."""
 OWNER_ONLY = 0o600
 """Mode of a new file: others may neither read nor write it."""
 TABLE = "clean_swarm_knowledge"
-KEY, COLUMNS = Key._fields, tuple(Entry.model_fields)
-MAKE = (
-    f"CREATE TABLE {TABLE} ({', '.join(f'{name} NOT NULL' for name in COLUMNS)}, PRIMARY KEY ({', '.join(KEY)}))",
-    f"PRAGMA application_id = {KIND}",
+COLUMN_NAMES = tuple(Entry.model_fields)
+"""Names of the columns, which are the fields of an entry."""
+MAKE_STORE = (
+    f"""CREATE TABLE {TABLE} (
+        goal TEXT NOT NULL, option TEXT NOT NULL, context TEXT NOT NULL, source TEXT NOT NULL, expert TEXT NOT NULL,
+        count INTEGER NOT NULL, total TEXT NOT NULL, squares TEXT NOT NULL, updated TEXT NOT NULL,
+        PRIMARY KEY (goal, option, context, source))""",
+    f"PRAGMA application_id = {APPLICATION}",
     f"PRAGMA user_version = {SCHEMA}",
 )
-"""Statements that make a store of an empty database."""
-READ = f"SELECT {', '.join(COLUMNS)} FROM {TABLE}"
-WRITE = (
-    f"INSERT INTO {TABLE} VALUES ({', '.join(f':{name}' for name in COLUMNS)}) ON CONFLICT ({', '.join(KEY)}) "
-    f"DO UPDATE SET {', '.join(f'{name} = excluded.{name}' for name in COLUMNS if name not in KEY)}"
-)
+"""Statements that make a store of an empty database; `expert` is JSON, `total` and `squares` are whole numbers."""
+SELECT_ENTRIES = f"SELECT {', '.join(COLUMN_NAMES)} FROM {TABLE}"
+PUT_ENTRY = f"""INSERT INTO {TABLE}
+    VALUES (:goal, :option, :context, :source, :expert, :count, :total, :squares, :updated)
+    ON CONFLICT (goal, option, context, source) DO UPDATE SET expert = excluded.expert, count = excluded.count,
+    total = excluded.total, squares = excluded.squares, updated = excluded.updated"""
 
 
 class KnowledgeStore:
@@ -77,7 +81,7 @@ class KnowledgeStore:
         if not is_there:
             with self._transaction("IMMEDIATE") as connection:
                 # another process may have been quicker
-                for statement in () if self._is_store(connection) else MAKE:
+                for statement in () if self._is_store(connection) else MAKE_STORE:
                     connection.execute(statement)
 
     def add(self, *batches: RewardSums, source: str, context: str = "") -> None:
@@ -139,7 +143,7 @@ class KnowledgeStore:
             The number of learned entries and of expert options deleted.
 
         """
-        if wrong := set(chosen) - set(KEY):
+        if wrong := set(chosen) - set(Key._fields):
             raise TypeError(f"unknown selection: {', '.join(sorted(wrong))}")
         of_expert = {name: value for name, value in chosen.items() if name in ("goal", "option")}
         with self._transaction("IMMEDIATE") as connection:
@@ -191,16 +195,17 @@ class KnowledgeStore:
             raise StoreError(f"{self.name}: the file is corrupt ({' '.join(str(found).split())})")
         names = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
         tables = ", ".join(sorted(str(name) for (name,) in names))
-        if kind == KIND and version != SCHEMA:
+        if kind == APPLICATION and version != SCHEMA:
             raise StoreError(f"{self.name}: comes from another version (expected {SCHEMA}, got {version})")
-        if kind != KIND and tables:
+        if kind != APPLICATION and tables:
             raise StoreError(f"{self.name}: is a database of something else (tables: {tables})")
-        return bool(kind == KIND)
+        return bool(kind == APPLICATION)
 
     def _read(self, connection: sqlite3.Connection, chosen: dict[str, str] | None = None) -> StoredKnowledge:
         """Return the entries, those with the values of the `chosen` columns; DocumentError for rows no store writes."""
         where = "".join(f" {'AND' if k else 'WHERE'} {name} = :{name}" for k, name in enumerate(chosen or {}))
-        rows = [dict(zip(COLUMNS, row, strict=True)) for row in connection.execute(READ + where, chosen or {})]
+        found = connection.execute(SELECT_ENTRIES + where, chosen or {})
+        rows = [dict(zip(COLUMN_NAMES, row, strict=True)) for row in found]
         name = f"{self.name}: is corrupt"
         for row in rows:
             row["expert"] = json_value(str(row["expert"]), f"{name}: {row['goal']}.{row['option']}.expert")
@@ -210,7 +215,7 @@ class KnowledgeStore:
 def _write(connection: sqlite3.Connection, entries: Iterable[Entry]) -> None:
     """Write entries over the rows of the same keys."""
     rows: list[dict[str, Any]] = as_rows(entries)
-    connection.executemany(WRITE, [row | {"expert": json.dumps(row["expert"], sort_keys=True)} for row in rows])
+    connection.executemany(PUT_ENTRY, [row | {"expert": json.dumps(row["expert"], sort_keys=True)} for row in rows])
 
 
 def _delete(connection: sqlite3.Connection, condition: str, chosen: dict[str, str]) -> int:

@@ -14,7 +14,7 @@ from selector.knowledge import knowledge_from, load_knowledge
 from selector.store import Key, KnowledgeStore, Moments, RewardSums, StoredKnowledge, StoreError
 from selector.store.contents import stored
 from selector.store.exact_sums import COUNT_LIMIT
-from selector.store.knowledge_store import COLUMNS, TABLE
+from selector.store.knowledge_store import COLUMN_NAMES, TABLE
 from tests.selector.store import strategies as some
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)
@@ -206,7 +206,7 @@ def template(store, tmp_path):
 
 
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.sampled_from(COLUMNS), VALUES, st.booleans())
+@given(st.sampled_from(COLUMN_NAMES), VALUES, st.booleans())
 def test_rows_that_no_store_writes_are_refused_in_one_line(template, tmp_path, column, value, learned):
     path = tmp_path / "k.sqlite"
     path.write_bytes(template)

@@ -200,7 +200,7 @@ def test_processes_that_learn_at_once_lose_nothing(run, tmp_path):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("--learn",), "--learn: expected --store URL"),
+        (("--learn",), "--learn: expected --store FILE"),
         (("--store", "none.sqlite"), "none.sqlite: no such knowledge store"),
         (("--store", "s.sqlite", "--learn", "--workers", 2), "--workers: expected 1 with --learn"),
         (
