@@ -39,7 +39,7 @@ OWN_STARTS = "own starts"
 class Starts(NamedTuple):
     """Where the start configurations of an experiment come from."""
 
-    told: str
+    sentence: str
     """In words, for the report."""
     source: str = OWN_STARTS
     """In two words or by a path."""
@@ -135,7 +135,7 @@ class ExperimentEvaluation(Evaluation):
         report = report_of(
             self.experiment, self.seed, records, self.starts.measured, own_starts=self.starts.source == OWN_STARTS
         )
-        about = f"{self.experiment.description}\nSeed {self.seed}; {self.starts.told}."
+        about = f"{self.experiment.description}\nSeed {self.seed}; {self.starts.sentence}."
         tables, summary = all_tables(report), summary_of(report)
         return Publication(self.experiment.name, about, verdict_of(report), tables, summary, draw_experiment(report))
 

@@ -8,6 +8,7 @@ import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
 from tests.train.cluster.loopback import evaluate, results
+from tests.train.commands import told
 from train.running import dask_engine
 from train.running.dask_engine import CLUSTERS, DaskEngine
 
@@ -35,6 +36,11 @@ def test_another_place_is_one_line(place):
     known = "tcp://HOST:PORT, slurm:JOBS, pbs:JOBS, lsf:JOBS, sge:JOBS"
     with pytest.raises(ConfigurationError, match=f"^--on: expected {known}, got '{place}'$"):
         DaskEngine(place)
+
+
+def test_missions_that_learn_in_turn_stay_here(capsys):
+    code, _, err = told(capsys, "evaluate", "--store", "s", "--learn", "--workers", 1, "--on", "pbs:1")
+    assert (code, err) == (2, "error: --on: expected no --learn, where missions learn in turn\n")
 
 
 @pytest.mark.parametrize("place", ["tcp://10.0.0.1:8786", "slurm:1", "pbs:20", "lsf:300", "sge:9999"])
