@@ -7,7 +7,8 @@ from tests.train.commands import run
 from tests.train.learning.trainings import written
 
 
-def test_missions_of_validations_are_recorded(tmp_path):
+def test_missions_of_validations_are_recorded(tmp_path, monkeypatch):
+    monkeypatch.setattr("train.learning.training.best_fixed", lambda *_: ("none", {"random": [1.0]}))
     config = written(tmp_path, "bandit", checkpoints=1, decisions=60, validation={"scenarios": 1})
     for name, more in (("plain", ()), ("recorded", ("--record",))):
         assert run("train", "bandit", "--config", config, "--seed", 1, "--output", tmp_path / name, *more) == 0

@@ -12,7 +12,7 @@ from clean_swarm_env.config.load import load_family
 from selector.documents.arrays import load_arrays
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore, RewardSums
-from tests.train.learning.trainings import written
+from tests.train.learning.trainings import unvalidated, written
 from train import cli
 
 STRATEGY = {"name": "UCB1", "parameters": {"prior": 0.0}}
@@ -22,6 +22,7 @@ BANDIT = {"strategy": STRATEGY, "credit": {"hold": 5.0, "horizon": 10.0}}
 @pytest.fixture
 def train(monkeypatch, capsys, tmp_path):
     monkeypatch.chdir(tmp_path)
+    unvalidated(monkeypatch)
     config = written(tmp_path, "bandit", bandit=BANDIT, checkpoints=1, validation={"scenarios": 1}, decisions=200)
 
     def call(*words):

@@ -57,7 +57,8 @@ def job(config, directory, *, resume=False, **more):
 
 def unvalidated(monkeypatch):
     """Let validations run no missions."""
+    figures = {"random/excess_s": 1.0, "random/completed": 1.0}
     monkeypatch.setattr("train.learning.training.results_on", lambda *_: {})
-    monkeypatch.setattr("train.learning.training.figures_of", lambda _: {"random/excess_s": 1.0})
+    monkeypatch.setattr("train.learning.training.figures_of", lambda _: figures)
     monkeypatch.setattr("train.learning.training.excesses", lambda _: {"random": [1.0]})
     monkeypatch.setattr("train.learning.training.best_fixed", lambda *_: ("none", {"random": [1.0]}))
