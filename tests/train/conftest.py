@@ -6,6 +6,7 @@ import pytest
 
 from tests.train.cluster.loopback import loopback_cluster
 from tests.train.commands import faked_missions
+from train.reports import charts
 
 
 @pytest.fixture
@@ -13,6 +14,12 @@ def fake_missions():
     """Let missions of experiments take no time."""
     with faked_missions():
         yield
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Let the figures of results take no time: files without content."""
+    monkeypatch.setattr(charts, "picture_of", lambda figure, suffix: b"")
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ import pytest
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.commands import done, refused
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 KNOWLEDGE = """
 goals:
   AvoidCollision:

@@ -19,7 +19,10 @@ from tests.train.records import record
 from train.running.finished_runs import Results
 from train.running.run_folder import RunFolder
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
+pytestmark = [
+    pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX"),
+    pytest.mark.usefixtures("undrawn"),
+]
 on_linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 IDENTITY = {"identity": {"experiment": "x"}}
 TWENTY = ("--scenarios", "20", "--output", "r", "--workers")

@@ -15,6 +15,7 @@ from tests.train.commands import done, refused, rows, start, wait_for_runs
 from train.running.run_folder import RunFolder
 
 fcntl = pytest.importorskip("fcntl", reason="signals and locks of POSIX")
+pytestmark = pytest.mark.usefixtures("undrawn")
 WORDS = ("--scenarios", "6", "--output", "r", "--workers", "2")
 THREE = ("evaluate", "--scenarios", 3, "--workers", 1, "--output")
 

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from contextlib import chdir
+from functools import partial
 
 import pytest
 
@@ -15,8 +16,10 @@ from clean_swarm_env import Batch
 from selector.documents.find import plugin_names
 from selforg import plugins
 from tests.paths import ROOT
-from tests.train.commands import apart, command
+from tests.train import commands
+from tests.train.commands import apart
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 TEMPLATE = ROOT / "examples" / "plugin"
 READ = "return np.hypot(*self.source.vectors[rows].T) > self.speed"
 """What the sensor of the template does."""
@@ -60,25 +63,13 @@ def rewrite(site, *changes):
     path.write_text(code)
 
 
-def run(site, *words):
-    """Run a command beside a folder of packages: code, output, errors."""
+def run(work, site, *words):
+    """Return what a function of `tests.train.commands` returns for words, beside a folder of packages."""
     with chdir(site.parent):
-        return apart(lambda: command(*words), site)
+        return apart(lambda: work(*words), site)
 
 
-def done(site, *words):
-    """Run a command that has to succeed and return its output."""
-    code, out, err = run(site, *words)
-    assert code == 0, out + err
-    return out
-
-
-def refused(site, *words):
-    """Return the one line of a command that was refused."""
-    code, out, err = run(site, *words)
-    assert code == 2, out + err
-    (line,) = err.strip().splitlines()
-    return line
+done, refused = partial(run, commands.done), partial(run, commands.refused)
 
 
 def test_the_template_names_its_entry_point():
@@ -98,8 +89,11 @@ def test_a_wheel_of_the_template_has_its_entry_point_and_its_files(tmp_path):
     assert json.loads(done(tmp_path / "site", "run", "KeepApart", "--json"))["option"] == "KeepDistance"
 
 
-@pytest.mark.parametrize("workers", ["1", pytest.param("2", marks=pytest.mark.long)])
-def test_an_installed_plugin_is_known_to_commands_and_their_workers(installed, workers):
+@pytest.mark.parametrize(
+    ("mechanism", "workers"), [(PLAIN, "1"), pytest.param(FORMULA, "2", marks=pytest.mark.long)], ids=["1", "2"]
+)
+def test_an_installed_plugin_is_known_to_commands_and_their_workers(installed, mechanism, workers):
+    rewrite(installed, (FORMULA, mechanism))
     words = ("--strategy", "fixed:KeepDistance", "--strategy", "Second", "--scenarios", "2", "--workers", workers)
     done(installed, "evaluate", "--family", "parting", *words, "--output", "r")
     table = (installed.parent / "r" / "table.md").read_text()
@@ -371,7 +365,7 @@ def test_a_plugin_that_breaks_its_contract_is_one_line(installed, old, new, said
 def test_a_strategy_that_breaks_its_contract_is_one_line_from_a_worker_too(installed, new, said, workers):
     rewrite(installed, ("        others =", f"        {new}\n        others ="))
     words = ("--strategy", "Second", "--scenarios", "2", "--workers", workers)
-    code, _, err = run(installed, "evaluate", "--family", "table1", *words)
+    code, _, err = run(commands.command, installed, "evaluate", "--family", "table1", *words)
     assert code == 2
     assert said in err.splitlines()[-1]
     assert "Traceback" not in err

@@ -15,6 +15,7 @@ from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.trial_task import experiment_tasks
 from train.request import Request
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient}\n"
 
 

@@ -67,7 +67,7 @@ def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(words, tmp_pa
     assert all(one["ratio"]["p"] is None for one in summary["comparison"])
 
 
-def test_strategies_and_scenarios_can_be_added_later(words, tmp_path):
+def test_strategies_and_scenarios_can_be_added_later(words, undrawn, tmp_path):
     done(*words, "--strategy", "Random", "--scenarios", 1, "--output", tmp_path / "grown")
     words += ("--strategy", "fsm:rule", "--strategy", "Random", "--scenarios", 2)
     out = done(*words, "--output", tmp_path / "grown", "--resume")
@@ -77,7 +77,7 @@ def test_strategies_and_scenarios_can_be_added_later(words, tmp_path):
     assert set(manifest["identity"]["strategies"]) == {"Random", "fsm:rule", "fixed:Off"}
 
 
-def test_a_strategy_that_was_trained_again_is_another_one(words, tmp_path):
+def test_a_strategy_that_was_trained_again_is_another_one(words, undrawn, tmp_path):
     policy = tmp_path / "policy"
     shutil.copytree(find_policy("general", (TRAINED,)), policy)
     words += ("--strategy", f"P=policy:{policy}", "--scenarios", 1, "--output", tmp_path / "results")
@@ -90,7 +90,7 @@ def test_a_strategy_that_was_trained_again_is_another_one(words, tmp_path):
     assert "has other results: strategies.P differ" in err
 
 
-def test_what_strategies_learned_is_taken_from_their_files(words, tmp_path):
+def test_what_strategies_learned_is_taken_from_their_files(words, undrawn, tmp_path):
     problem = Problem.of(load_knowledge("avoidance"), "AvoidCollision", ("free_far",))
     scores = np.arange(len(problem.options)) == problem.options.index("RepulsionGradient")
     told = replace(problem, scores=np.where(scores, 1.0, 0.0))
@@ -163,7 +163,7 @@ def test_a_learned_strategy_fits_the_families_and_explores_no_more():
     assert trial(0)[0].completed
 
 
-def test_claims_over_two_families_are_those_of_their_directories(words, tmp_path, family):
+def test_claims_over_two_families_are_those_of_their_directories(words, undrawn, tmp_path, family):
     for name in ("small", "other"):
         family.write_text(yaml.safe_dump({**FAMILY, "name": name}))
         done(*words, "--strategy", "fixed:RepulsionGradient", "--scenarios", 2, "--output", tmp_path / name)

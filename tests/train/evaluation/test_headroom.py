@@ -17,6 +17,7 @@ from train.evaluation.headroom import (
 )
 from train.request import Request
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 SITUATIONS = ("free_far", "free_near", "carrying_far", "carrying_near")
 
 
@@ -139,7 +140,7 @@ def test_a_search_that_was_cut_off_goes_on_to_the_same_results(tmp_path, monkeyp
     family = load_family("random-bumpers")
     family = family.model_copy(update={"mission": family.mission.model_copy(update={"time_limit": 5.0})})
     monkeypatch.setattr("train.evaluation.family.load_family", lambda *_: family)
-    words = ["study", "headroom", "random-bumpers", "--situations", "free_far,free_near"]
+    words = ["study", "headroom", "random-bumpers", "--knowledge", "repulsion", "--situations", "free_far,free_near"]
     words += ["--searched", 2, "--judged", 2, "--workers", 1, "--output"]
     done(*words, tmp_path / "whole")
     cut(tmp_path / "whole", tmp_path / "cut", slice(None, None, 5))

@@ -243,6 +243,7 @@ def test_models_of_torch_and_onnx_decide_and_must_fit(tmp_path, monkeypatch):
     seen = np.array([[1.0, 0.0], [0.0, 1.0], [0.5, 0.0]], dtype=np.float32)
     three = Problem("AvoidCollision", ("a", "b", "c"), np.ones(3), ("near", "far"))
     wide = Problem("AvoidCollision", ("a", "b"), np.ones(2), ("near", "far", "alone"))
+    assert set(LOADERS) == {".zip", ".pt", ".onnx"}
     for name in models(tmp_path):
         assert decider_named(f"policy:{name}").build(PROBLEM, TEAMS).decide(seen).options.tolist() == [1, 0, 1]
         for other in (three, wide):
@@ -250,29 +251,6 @@ def test_models_of_torch_and_onnx_decide_and_must_fit(tmp_path, monkeypatch):
             with pytest.raises(DocumentError, match=expected) as told:
                 decider_named(f"policy:{name}").build(other, TEAMS)
             assert "\n" not in str(told.value)
-
-
-@pytest.mark.extra
-@pytest.mark.skipif(find_spec("stable_baselines3") is None, reason="needs the extra 'train'")
-def test_a_model_of_stable_baselines3_decides_with_its_normalisation(tmp_path, monkeypatch):
-    from stable_baselines3 import PPO
-    from stable_baselines3.common.vec_env import VecNormalize
-
-    from clean_swarm_env.sb3 import RobotVecEnv
-
-    monkeypatch.chdir(tmp_path)
-    envs = VecNormalize(RobotVecEnv(1))
-    model = PPO("MlpPolicy", envs, n_steps=16, batch_size=80, n_epochs=1, seed=1, device="cpu")
-    model.learn(80)
-    model.save("model.zip")
-    envs.save("model.pkl")
-    batch = envs.venv.batches[0]
-    problem = Problem("AvoidCollision", batch.options["AvoidCollision"], np.ones(3), batch.observer.names)
-    decider = decider_named("policy:model.zip").build(problem, TEAMS)
-    observations = batch.observations
-    expected = model.predict(envs.normalize_obs(observations), deterministic=True)[0]
-    assert np.array_equal(decider.decide(observations).options, expected)
-    assert set(LOADERS) == {".zip", ".pt", ".onnx"}
 
 
 def test_the_order_of_joint_goals_is_no_remark(monkeypatch):

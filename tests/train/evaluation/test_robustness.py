@@ -16,6 +16,7 @@ from train.analysis.robustness_report import RobustnessReport, wilson
 from train.evaluation.repeat import task_of
 from train.running.runs import under
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 SMALL = {
     "name": "small",
     "description": "Two disturbances.",

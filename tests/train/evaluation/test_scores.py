@@ -15,6 +15,7 @@ from tests.train.commands import command, done, refused, runs
 from train.evaluation import pipeline
 from train.running import needs
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 NEAR, GRADIENT, FAR = "RepulsionFernandez-view0.5", "RepulsionGradient", "RepulsionFernandez"
 WRONG = {
     "goals": {
