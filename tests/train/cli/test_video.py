@@ -61,7 +61,7 @@ def test_a_video_has_twenty_pictures_a_second_of_the_run(recorded, tmp_path, suf
     own, other = (np.abs(pixels - pixels_of(course.at(time), 200)).mean() for time in (2.0, 3.0))
     assert own < 4.0
     assert own < 0.8 * other
-    assert "30 pictures" in done("video", recorded, output, "--speed", 4)
+    assert "30 pictures" in done("video", recorded, output, "--speed", 4, "--size", 200)
     assert [path.name for path in output.parent.iterdir()] == [output.name]
 
 
@@ -109,7 +109,7 @@ def test_a_gif_keeps_the_colours_of_options(tmp_path):
 
 @pytest.mark.extra
 @pytest.mark.skipif(not OPENCV, reason="needs the extra 'video'")
-@pytest.mark.parametrize(("suffix", "codec"), [("webm", "VP80"), ("mp4", "VP90")])
+@pytest.mark.parametrize(("suffix", "codec"), [("webm", "VP80"), pytest.param("mp4", "VP90", marks=pytest.mark.long)])
 def test_a_video_of_opencv_can_be_read_again(recorded, tmp_path, suffix, codec, capfd):
     import cv2
 
