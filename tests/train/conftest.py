@@ -4,16 +4,22 @@ import shutil
 
 import pytest
 
-from tests.train import fake_mission
 from tests.train.cluster.loopback import loopback_cluster
-from train.evaluation import pipeline, trial_task
+from tests.train.commands import faked_missions
+from train.reports import charts
 
 
 @pytest.fixture
-def fake_missions(monkeypatch):
+def fake_missions():
     """Let missions of experiments take no time."""
-    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission)
-    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)  # a warm-up would be one more fake mission
+    with faked_missions():
+        yield
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Let the figures of results take no time: files without content."""
+    monkeypatch.setattr(charts, "picture_of", lambda figure, suffix: b"")
 
 
 @pytest.fixture

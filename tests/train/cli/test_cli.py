@@ -1,13 +1,9 @@
-"""The command line as a user meets it: results, errors of one line, Ctrl-C and going on."""
+"""The command line as a user meets it: results, errors of one line, and going on."""
 
-import csv
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -16,82 +12,70 @@ from clean_swarm_env import __version__
 from selector.documents.find import KINDS, files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
-from tests.train.commands import told
+from tests.train.commands import command, cut, done, faked_missions, refused, rows, run, runs
 from train.cli.listing import LINES
-from train.evaluation import trial_task
 
 FILES = {"manifest.json", "runs.jsonl", "runs.csv", "summary.json", "table.md", "figure.png"}
+WORDS = ("evaluate", "--scenarios", 4, "--workers", 1)
 
 
-@pytest.fixture
-def run(fake_missions, monkeypatch, capsys, tmp_path):
-    """Run the command line in this process, on the fake mission, in an empty directory: code, output, errors."""
+@pytest.fixture(scope="module")
+def four(tmp_path_factory):
+    """Results of `WORDS` on fake missions."""
+    directory = tmp_path_factory.mktemp("four") / "r"
+    with faked_missions():
+        done(*WORDS, "--output", directory)
+    return directory
+
+
+@pytest.fixture(autouse=True)
+def here(fake_missions, monkeypatch, tmp_path):
+    """Be in an empty directory, with fake missions."""
     monkeypatch.chdir(tmp_path)
-    return partial(told, capsys)
 
 
-def _rows(directory: Path) -> list[dict[str, str]]:
-    with (directory / "runs.csv").open(newline="") as file:
-        return list(csv.DictReader(file))
+def _configuration(directory: Path) -> dict:
+    return json.loads((directory / "manifest.json").read_text())["identity"]["configuration"]
 
 
-def _but_for_wall(directory: Path) -> list[str]:
-    return [line.rpartition(",")[0] for line in (directory / "runs.csv").read_text().splitlines()]
-
-
-def test_the_default_is_table_1_on_its_five_start_configurations(run, tmp_path):
-    code, out, err = run("evaluate", "--workers", 1)
-    assert code == 0, err
+def test_the_default_is_table_1_on_its_five_start_configurations_in_a_new_directory(tmp_path):
+    out = done("evaluate", "--workers", 1)
     directory = tmp_path / "results" / "table1-seed0"
     assert {path.name for path in directory.iterdir()} == FILES
     assert str(directory.relative_to(tmp_path)) in out
-    rows = _rows(directory)
-    assert [(r["scenario"], r["condition"]) for r in rows] == [
+    found = runs(directory)
+    assert [(r["scenario"], r["condition"]) for r in found] == [
         (str(k), c) for k in range(1, 6) for c in ("RepulsionFernandez", "RepulsionGradient")
     ]
-    assert {r["experiment"] for r in rows} == {"table1"}
+    assert {r["experiment"] for r in found} == {"table1"}
     assert "846.7" in out
     assert "1484.70" in (directory / "table.md").read_text()
     manifest = json.loads((directory / "manifest.json").read_text())
     assert manifest["identity"]["seed"] == 0
     assert {"python", "numpy", "numba", "pymunk", "clean-swarm"} <= set(manifest["versions"])
-    assert len(manifest["identity"]["configuration"]["starts"]) == 5
+    assert len(_configuration(directory)["starts"]) == 5
     assert "knowledge/cleaning.yaml" in manifest["identity"]["files"]
-
-
-def test_a_second_run_goes_to_a_new_directory(run, tmp_path):
-    for _ in range(2):
-        assert run("evaluate", "--workers", 1)[0] == 0
+    done("evaluate", "--condition", "RepulsionGradient", "--workers", 1)
     assert {path.name for path in (tmp_path / "results").iterdir()} == {"table1-seed0", "table1-seed0-2"}
+    alone = tmp_path / "results" / "table1-seed0-2"
+    assert {r["condition"] for r in runs(alone)} == {"RepulsionGradient"}
+    assert json.loads((alone / "summary.json").read_text())["comparisons"] == []
 
 
-def test_equal_seeds_give_equal_runs_with_one_and_two_workers_and_others_do_not(run, tmp_path):
-    for name, seed, workers in (("a", 7, 1), ("b", 7, 2), ("c", 8, 1)):
-        words = ("--scenarios", 3, "--seed", seed, "--workers", workers, "--output", tmp_path / name)
-        assert run("evaluate", *words)[0] == 0
-    assert _but_for_wall(tmp_path / "a") == _but_for_wall(tmp_path / "b")
-    assert (tmp_path / "a" / "summary.json").read_bytes() == (tmp_path / "b" / "summary.json").read_bytes()
-    assert (tmp_path / "a" / "figure.png").read_bytes() == (tmp_path / "b" / "figure.png").read_bytes()
-    durations = [{r["duration_s"] for r in _rows(tmp_path / name)} for name in "ac"]
+def test_equal_seeds_give_equal_runs_with_one_and_two_workers_and_others_do_not(four, tmp_path):
+    done(*WORDS[:3], "--workers", 2, "--output", "b")
+    assert rows(tmp_path / "b") == rows(four)
+    for name in ("summary.json", "figure.png"):
+        assert (tmp_path / "b" / name).read_bytes() == (four / name).read_bytes()
+    done(*WORDS, "--seed", 1, "--output", "c")
+    durations = [{r["duration_s"] for r in runs(directory)} for directory in (four, tmp_path / "c")]
     assert not durations[0] & durations[1]
 
 
-def test_conditions_share_the_scenarios_and_more_scenarios_keep_the_first(run, tmp_path):
-    for count in (2, 4):
-        run("evaluate", "--scenarios", count, "--workers", 1, "--output", tmp_path / str(count))
-    starts = [
-        json.loads((tmp_path / name / "manifest.json").read_text())["identity"]["configuration"]["starts"]
-        for name in "24"
-    ]
-    assert starts[0] == starts[1][:2]
-    assert _but_for_wall(tmp_path / "2") == _but_for_wall(tmp_path / "4")[:5]
-
-
-def test_one_condition_alone(run, tmp_path):
-    code, _, err = run("evaluate", "--condition", "RepulsionGradient", "--workers", 1, "--output", tmp_path / "r")
-    assert code == 0, err
-    assert {r["condition"] for r in _rows(tmp_path / "r")} == {"RepulsionGradient"}
-    assert json.loads((tmp_path / "r" / "summary.json").read_text())["comparisons"] == []
+def test_conditions_share_the_scenarios_and_more_scenarios_keep_the_first(four, tmp_path):
+    done("evaluate", "--scenarios", 2, "--workers", 1, "--output", "2")
+    assert _configuration(tmp_path / "2")["starts"] == _configuration(four)["starts"][:2]
+    assert rows(tmp_path / "2") == rows(four)[:5]
 
 
 def _starts_file(path: Path) -> Path:
@@ -111,13 +95,11 @@ def _starts_file(path: Path) -> Path:
     return path
 
 
-def test_a_file_of_starts_is_run_and_compared_with_what_was_measured(run, tmp_path):
+def test_a_file_of_starts_is_run_and_compared_with_what_was_measured(tmp_path):
     starts = _starts_file(tmp_path / "starts.json")
-    words = ("evaluate", "table1-reference", "--starts", starts, "--all", "--workers", 1, "--output", tmp_path / "r")
-    code, out, err = run(*words)
-    assert code == 0, err
-    assert [r["scenario"] for r in _rows(tmp_path / "r")] == ["5"] * 3 + ["9"] * 3 + ["30"] * 3
-    assert {r["robots"] for r in _rows(tmp_path / "r")} == {"2"}
+    out = done("evaluate", "table1-reference", "--starts", starts, "--all", "--workers", 1, "--output", "r")
+    assert [r["scenario"] for r in runs(tmp_path / "r")] == ["5"] * 3 + ["9"] * 3 + ["30"] * 3
+    assert {r["robots"] for r in runs(tmp_path / "r")} == {"2"}
     summary = json.loads((tmp_path / "r" / "summary.json").read_text())
     assert {(m["condition"], m["metric"], m["measured"]) for m in summary["reference"]} == {
         (condition, metric, figure)
@@ -127,8 +109,7 @@ def test_a_file_of_starts_is_run_and_compared_with_what_was_measured(run, tmp_pa
     assert {(r["a"], r["b"]) for r in summary["reference_ratios"]} == {("RepulsionFernandez", "RepulsionGradient")}
     for text in (out, (tmp_path / "r" / "table.md").read_text()):
         assert "ours beside measured" in text
-    mission = json.loads((tmp_path / "r" / "manifest.json").read_text())["identity"]["configuration"]["mission"]
-    assert mission["world"]["width"] == 12.0
+    assert _configuration(tmp_path / "r")["mission"]["world"]["width"] == 12.0
 
 
 def _experiment(path: Path, **changes: object) -> Path:
@@ -163,7 +144,7 @@ def _experiment(path: Path, **changes: object) -> Path:
         (["knowledge.yaml"], "unknown expert knowledge 'nothing' (known: avoidance, cleaning"),
     ],
 )
-def test_bad_input_is_one_line_and_exit_code_2_and_writes_nothing(run, tmp_path, words, expected):
+def test_bad_input_is_one_line_and_exit_code_2_and_writes_nothing(tmp_path, words, expected):
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "thesis.txt").write_text("mine")
     (tmp_path / "broken.json").write_text("{")
@@ -173,169 +154,63 @@ def test_bad_input_is_one_line_and_exit_code_2_and_writes_nothing(run, tmp_path,
     _experiment(tmp_path / "goals.yaml", conditions=[{"name": "a", "scores": {"Avoid": {}}}])
     _experiment(tmp_path / "knowledge.yaml", mission={"base": "table1", "knowledge": "nothing"})
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    code, out, err = run("evaluate", *words)
-    assert (code, out) == (2, "")
-    assert err.startswith("error: ")
-    assert err.count("\n") == 1
-    assert expected in err
+    assert expected in refused("evaluate", *words)
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
-def test_resuming_does_only_what_is_missing(run, tmp_path, monkeypatch):
-    words = ("evaluate", "--scenarios", 4, "--workers", 1, "--output", tmp_path / "r")
-    assert run(*words)[0] == 0
-    whole = _but_for_wall(tmp_path / "r")
-    journal = (tmp_path / "r" / "runs.jsonl").read_text().splitlines(keepends=True)
-    (tmp_path / "r" / "runs.jsonl").write_text("".join(journal[:5]))
+def test_resuming_does_only_what_is_missing(four, tmp_path, monkeypatch):
+    cut(four, tmp_path / "r", slice(5))
     monkeypatch.setenv("FAKE_LOG", str(tmp_path / "log"))
-    code, _, err = run(*words, "--resume")
-    assert code == 0, err
+    done(*WORDS, "--output", "r", "--resume")
     assert (tmp_path / "log").read_text().split() == ["3", "4", "4"]
-    assert _but_for_wall(tmp_path / "r") == whole
+    assert rows(tmp_path / "r") == rows(four)
 
 
-@pytest.mark.parametrize("change", [("--seed", 1), ("--scenarios", 3), ("--condition", "RepulsionGradient")])
-def test_resuming_something_else_is_refused(run, tmp_path, change):
-    words = ("evaluate", "--scenarios", 2, "--workers", 1, "--output", tmp_path / "r")
-    assert run(*words)[0] == 0
-    code, _, err = run(*words, *change, "--resume")
-    assert code == 2
-    assert "has other results" in err
+@pytest.mark.parametrize("change", [("--seed", 1), ("--scenarios", 5), ("--condition", "RepulsionGradient")])
+def test_resuming_something_else_is_refused(four, change):
+    assert "has other results" in refused(*WORDS, "--output", four, *change, "--resume")
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(run, tmp_path, monkeypatch, workers):
-    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission_but_not_2)
-    words = ("evaluate", "--scenarios", 3, "--workers", workers, "--output", tmp_path / "r")
-    with pytest.raises(ZeroDivisionError, match="scenario 2"):
+def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(four, tmp_path):
+    words = (*WORDS, "--output", "r")
+    with faked_missions(fake_mission.run_mission_but_not_2), pytest.raises(ZeroDivisionError, match="scenario 2"):
         run(*words)
-    assert {r["scenario"] for r in _rows(tmp_path / "r")} >= ({"1"} if workers == 1 else set())
-    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission)
-    assert run(*words, "--resume")[0] == 0
-    assert len(_rows(tmp_path / "r")) == 6
+    assert {r["scenario"] for r in runs(tmp_path / "r")} == {"1"}
+    done(*words, "--resume")
+    assert rows(tmp_path / "r") == rows(four)
 
 
-def test_a_mission_that_kills_three_workers_is_named_and_keeps_the_finished_runs(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission_but_die_on_2)
-    words = ("evaluate", "--scenarios", 3, "--condition", "RepulsionGradient", "--output", tmp_path / "r")
-    code, _, err = run(*words, "--workers", 2)
+@pytest.mark.long
+def test_a_mission_that_kills_three_workers_is_named_and_keeps_the_finished_runs(four, tmp_path):
+    words = (*WORDS[:3], "--output", "r", "--workers")
+    with faked_missions(fake_mission.run_mission_but_die_on_2):
+        code, _, err = command(*words, 2)
     assert code == 1
-    assert "scenario 2, condition RepulsionGradient: its worker died 3 times: " in err
-    monkeypatch.setattr(trial_task, "run_mission", fake_mission.run_mission)
-    assert run(*words, "--resume", "--workers", 1)[0] == 0
-    assert len(_rows(tmp_path / "r")) == 3
+    assert "scenario 2, condition Repulsion" in err
+    assert ": its worker died 3 times: " in err
+    done(*words, 1, "--resume")
+    assert rows(tmp_path / "r") == rows(four)
 
 
-def test_listing_names_everything_of_each_kind(run):
+def test_listing_names_everything_of_each_kind():
     assert KINDS.keys() < LINES.keys()
     for kind in LINES:
-        code, out, _ = run("list", kind)
-        assert code == 0
+        out = done("list", kind)
         assert all(name in out for name in (files_of(kind) if kind in KINDS else ()))
-    assert "RepulsionFernandez-view1.5" in run("list", "experiments")[1]
+    assert "RepulsionFernandez-view1.5" in done("list", "experiments")
     for kind, name in (("strategy-classes", "UCB1"), ("tasks", "CircleFormation"), ("terms", "encounter")):
-        assert name in run("list", kind)[1]
-    code, out, _ = run("--version")
-    assert (code, out) == (0, f"clean-swarm {__version__}\n")
+        assert name in done("list", kind)
+    assert done("--version") == f"clean-swarm {__version__}\n"
 
 
-def test_a_shell_completes_commands(run):
-    assert "--install-completion" in run("--help")[1]
+def test_a_shell_completes_commands():
+    assert "--install-completion" in done("--help")
     typed = {"_CLEAN_SWARM_COMPLETE": "complete_bash", "COMP_WORDS": "clean-swarm tr", "COMP_CWORD": "1"}
     script = "import sys; sys.argv = ['clean-swarm']; from train.cli import main; main()"
-    command, environment = [sys.executable, "-c", script], {**os.environ, "PYTHONPATH": str(ROOT), **typed}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert done.stdout.split() == ["train"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **typed}
+    assert subprocess.check_output([sys.executable, "-c", script], env=environment, text=True).split() == ["train"]
 
 
 @pytest.mark.parametrize(("command", "config"), [("ppo", "exploring-ppo"), ("es", "es"), ("design", "design")])
-def test_help_names_the_training_that_runs_by_default(run, command, config):
-    assert f"[default: {config}]" in run("train", command, "--help")[1]
-
-
-def _start(tmp_path: Path, *words: str, seconds: str) -> subprocess.Popen[str]:
-    """Start the command line in a process group of its own, as a terminal does."""
-    command = [sys.executable, "-m", "tests.train.fake_mission", "evaluate", *words]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": seconds}
-    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.PIPE}
-    return subprocess.Popen(command, cwd=tmp_path, env=environment, text=True, start_new_session=True, **pipes)
-
-
-def _wait_for_runs(directory: Path, count: int) -> None:
-    journal, end = directory / "runs.jsonl", time.monotonic() + 60.0
-    while not journal.exists() or journal.read_text().count("\n") < count:
-        assert time.monotonic() < end, "no run finished in a minute"
-        time.sleep(0.05)
-
-
-@pytest.mark.parametrize("workers", ["1", "2"])
-def test_ctrl_c_keeps_the_finished_runs_and_says_how_to_go_on(run, tmp_path, workers):
-    words = ["--scenarios", "20", "--output", "r", "--workers", workers]
-    process = _start(tmp_path, *words, seconds="0.3")
-    _wait_for_runs(tmp_path / "r", 3)
-    began = time.monotonic()
-    os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
-    assert time.monotonic() - began < 20.0
-    assert process.returncode == 130
-    kept = _rows(tmp_path / "r")
-    assert 3 <= len(kept) < 40
-    assert f"{len(kept)} of 40 runs are kept" in err
-    assert "Traceback" not in err
-    line = next(line for line in err.splitlines() if line.strip().startswith("clean-swarm evaluate"))
-    code, _, err = run(*line.split()[1:], "--workers", 1)
-    assert code == 0, err
-    assert len(_rows(tmp_path / "r")) == 40
-    run("evaluate", "--scenarios", 20, "--output", "whole", "--workers", 1)
-    assert _but_for_wall(tmp_path / "whole") == _but_for_wall(tmp_path / "r")
-
-
-def test_ctrl_c_while_the_workers_start_is_quiet(tmp_path):
-    process = _start(tmp_path, "--output", "r", "--workers", "2", seconds="0.3")
-    end = time.monotonic() + 60.0
-    while not (tmp_path / "r" / "runs.jsonl").exists():
-        assert time.monotonic() < end
-        time.sleep(0.01)
-    time.sleep(0.3)
-    os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "Traceback" not in err
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-def test_a_worker_that_is_killed_costs_no_finished_run(tmp_path):
-    process = _start(tmp_path, "--scenarios", "20", "--output", "r", "--workers", "2", seconds="0.5")
-    _wait_for_runs(tmp_path / "r", 2)
-    for child in _children(process.pid):
-        if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text():
-            os.kill(int(child), signal.SIGKILL)
-            break
-    _, err = process.communicate(timeout=60)
-    assert process.returncode == 0, err
-    assert len(_rows(tmp_path / "r")) == 40
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-def test_workers_end_with_a_parent_that_is_killed(tmp_path):
-    process = _start(tmp_path, "--scenarios", "20", "--output", "r", "--workers", "2", seconds="0.5")
-    _wait_for_runs(tmp_path / "r", 1)
-    children = _children(process.pid)
-    assert len(children) >= 2
-    process.kill()
-    process.communicate()
-    end = time.monotonic() + 20.0
-    while running := [child for child in children if Path(f"/proc/{child}").exists() and _state(child) != "Z"]:
-        assert time.monotonic() < end, f"{running} still run"
-        time.sleep(0.1)
-
-
-def _children(process: int) -> list[str]:
-    return Path(f"/proc/{process}/task/{process}/children").read_text().split()
-
-
-def _state(process: str) -> str:
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
-    except OSError:
-        return "Z"
+def test_help_names_the_training_that_runs_by_default(command, config):
+    assert f"[default: {config}]" in done("train", command, "--help")

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.recording.reader import RecordedMission
-from train import cli
+from tests.train.commands import done, refused
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 KNOWLEDGE = """
 goals:
   AvoidCollision:
@@ -49,45 +50,28 @@ def directory(tmp_path):
 
 
 @pytest.fixture
-def told(capsys, monkeypatch):
-    def call(*words):
-        monkeypatch.setattr("sys.argv", ["clean-swarm", *map(str, words)])
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as end:
-            code = end.code or 0
-        return code, *capsys.readouterr()
-
-    return call
+def words(directory):
+    """The beginning of an evaluation."""
+    return "evaluate", "mine", "--configs", directory, "--workers", 1, "--output"
 
 
-def test_an_evaluation_with_configurations_of_ones_own_can_be_repeated(directory, tmp_path, told):
+def test_an_evaluation_with_configurations_of_ones_own_can_be_repeated(directory, words, tmp_path):
     run = tmp_path / "run"
-    code, out, err = told("evaluate", "mine", "--configs", directory, "--workers", 1, "--output", run)
-    assert code == 0, err
+    done(*words, run)
     identity = json.loads((run / "manifest.json").read_text())["identity"]
     assert identity["directories"] == [str(directory)]
     assert f"{directory}/mechanisms/Swerve.yaml" in identity["files"]
-    code, out, err = told("explain", run, "--robot", 0, "--time", 0.2, "--json")
-    assert (code, json.loads(out)["options"]) == (0, {"AvoidCollision": "Swerve"})
-    assert "mine " in told("list", "experiments", "--configs", directory)[1]
-    (directory / "mechanisms" / "Swerve.yaml").write_text(SWERVE.replace("2.0", "1.5"))
-    code, _, err = told("explain", run, "--robot", 0, "--time", 0.2)
-    assert code == 2
-    assert "Swerve.yaml has changed since the evaluation" in err
-
-
-def test_options_drawn_anew_in_every_decision_period_are_recorded(directory, tmp_path, told):
-    run, tape = tmp_path / "run", tmp_path / "run.swarm"
-    told("evaluate", "mine", "--configs", directory, "--workers", 1, "--output", run)
-    assert told("record", run, "--condition", "chance", "--output", tape)[0] == 0
-    recording = RecordedMission(tape)
-    held = recording["held/AvoidCollision"]
-    assert {0, 1} == set(np.unique(held))
+    explain = ("explain", run, "--robot", 0, "--time", 0.2)
+    assert json.loads(done(*explain, "--json"))["options"] == {"AvoidCollision": "Swerve"}
+    assert "mine " in done("list", "experiments", "--configs", directory)
+    done("record", run, "--condition", "chance", "--output", tmp_path / "run.swarm")
+    held = RecordedMission(tmp_path / "run.swarm")["held/AvoidCollision"]
+    assert {0, 1} == set(np.unique(held))  # options are drawn anew in every decision period
     changes = np.flatnonzero((np.diff(held, axis=0) != 0).any(axis=1)) + 1
     assert len(changes) > 3
     assert (changes % 5 == changes[0] % 5).all()  # decision periods of five control periods
+    (directory / "mechanisms" / "Swerve.yaml").write_text(SWERVE.replace("2.0", "1.5"))
+    assert "Swerve.yaml has changed since the evaluation" in refused(*explain)
 
 
 @pytest.mark.parametrize(
@@ -100,16 +84,13 @@ def test_options_drawn_anew_in_every_decision_period_are_recorded(directory, tmp
         ("experiments", "mine", "Random", "Radnom", "conditions.1.strategy: unknown strategy 'Radnom'"),
     ],
 )
-def test_a_mistake_is_one_line_before_anything_is_written(directory, tmp_path, told, kind, name, old, new, expected):
+def test_a_mistake_is_one_line_before_anything_is_written(directory, words, tmp_path, kind, name, old, new, expected):
     path = directory / kind / f"{name}.yaml"
     path.write_text(path.read_text().replace(old, new, 1))
-    code, _, err = told("evaluate", "mine", "--configs", directory, "--workers", 1, "--output", tmp_path / "run")
-    assert code == 2
-    assert expected in err
-    assert len(err.splitlines()) == 1
+    assert expected in refused(*words, tmp_path / "run")
     assert not (tmp_path / "run").exists()
 
 
-def test_a_directory_that_does_not_exist_is_named(told, tmp_path):
-    code, _, err = told("evaluate", "--configs", tmp_path / "none")
-    assert (code, err.splitlines()) == (2, [f"error: {tmp_path / 'none'}: no such directory"])
+def test_a_directory_that_does_not_exist_is_named(tmp_path):
+    line = refused("evaluate", "--configs", tmp_path / "none")
+    assert line == f"error: {tmp_path / 'none'}: no such directory\n"

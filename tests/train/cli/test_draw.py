@@ -4,42 +4,33 @@ import pytest
 from matplotlib.patches import FancyArrowPatch
 
 from selector.strategies.machine_file import load_machine
-from train import cli
+from tests.train.commands import command, done, refused
 from train.reports.machine_picture import draw_machine
 
 STARTS = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
 
 
-@pytest.fixture
-def told(capsys, monkeypatch, tmp_path):
-    """Run the command line in an empty directory: code, output, errors."""
+@pytest.fixture(autouse=True)
+def here(monkeypatch, tmp_path):
+    """Be in an empty directory."""
     monkeypatch.chdir(tmp_path)
 
-    def call(*words):
-        monkeypatch.setattr("sys.argv", ["clean-swarm", *map(str, words)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        return int(ended.value.code or 0), *capsys.readouterr()
 
-    return call
-
-
-def test_the_default_is_a_file_of_the_robots_name(told, tmp_path):
-    assert told("look", "draw", "cleaning") == (0, "1 network in cleaning.svg\n", "")
+def test_the_default_is_a_file_of_the_robots_name(tmp_path):
+    assert command("look", "draw", "cleaning") == (0, "1 network in cleaning.svg\n", "")
     assert (tmp_path / "cleaning.svg").read_bytes().startswith(STARTS[".svg"])
 
 
-@pytest.mark.parametrize("suffix", STARTS)
-def test_the_ending_chooses_the_format_and_equal_networks_give_equal_files(told, tmp_path, suffix):
-    for name in ("a", "b"):
-        assert told("look", "draw", "Spacing", "--output", name + suffix)[0] == 0
-    first = (tmp_path / f"a{suffix}").read_bytes()
-    assert first.startswith(STARTS[suffix])
-    assert first == (tmp_path / f"b{suffix}").read_bytes()
+def test_the_ending_chooses_the_format_and_equal_networks_give_equal_files(tmp_path):
+    for suffix, beginning in STARTS.items():
+        done("look", "draw", "Spacing", "--output", f"a{suffix}")
+        assert (tmp_path / f"a{suffix}").read_bytes().startswith(beginning)
+    done("look", "draw", "Spacing", "--output", "b.pdf")
+    assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
 
 
-def test_a_machine_is_drawn_with_its_states_options_and_ways(told, tmp_path):
-    assert told("look", "draw", "rule") == (0, "4 states in rule.svg\n", "")
+def test_a_machine_is_drawn_with_its_states_options_and_ways(tmp_path):
+    assert done("look", "draw", "rule") == "4 states in rule.svg\n"
     figure = draw_machine(load_machine("rule"))
     texts = {text.get_text() for text in figure.axes[0].texts}
     assert {"free far", "RepulsionFernandez-\nview1.5", "3: carrying_near > 0.5", "4: free_far > 0.5\nstays"} <= texts
@@ -47,12 +38,12 @@ def test_a_machine_is_drawn_with_its_states_options_and_ways(told, tmp_path):
     assert len(arrows) == 4 * 3
 
 
-def test_a_path_and_a_directory_of_ones_own_are_found(told, tmp_path):
+def test_a_path_and_a_directory_of_ones_own_are_found(tmp_path):
     (tmp_path / "my" / "mechanisms").mkdir(parents=True)
     shy = tmp_path / "my" / "mechanisms" / "Shy.yaml"
     shy.write_text("mechanisms: {shy: {type: AvoidAll}}\nbehaviours: {Flee: {action: {type: Move, mechanism: shy}}}\n")
-    assert told("look", "draw", "Shy", "--configs", "my", "--output", "shy.png")[0] == 0
-    assert told("look", "draw", shy)[1] == "1 network in Shy.svg\n"
+    done("look", "draw", "Shy", "--configs", "my", "--output", "shy.png")
+    assert done("look", "draw", shy) == "1 network in Shy.svg\n"
 
 
 @pytest.mark.parametrize(
@@ -69,9 +60,6 @@ def test_a_path_and_a_directory_of_ones_own_are_found(told, tmp_path):
         (["cleaning", "--configs", "none"], "none: no such directory"),
     ],
 )
-def test_bad_input_is_one_line_and_code_2(told, tmp_path, words, said):
-    code, out, err = told("look", "draw", *words)
-    assert (code, out) == (2, "")
-    assert said in err
-    assert err.count("\n") == 1
+def test_bad_input_is_one_line_and_code_2(tmp_path, words, said):
+    assert said in refused("look", "draw", *words)
     assert not list(tmp_path.iterdir())

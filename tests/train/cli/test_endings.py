@@ -7,42 +7,56 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from selector.documents.writing import remove_parts, write_whole
 from tests.paths import ROOT
+from tests.train.commands import command, done, living, rows, runs, start, wait_for_end, wait_for_runs
 from tests.train.records import record
 from train.running.finished_runs import Results
 from train.running.run_folder import RunFolder
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
+pytestmark = [
+    pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX"),
+    pytest.mark.usefixtures("undrawn"),
+]
+on_linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 IDENTITY = {"identity": {"experiment": "x"}}
+TWENTY = ("--scenarios", "20", "--output", "r", "--workers")
 
 
-def start(directory, *words, seconds="0.1", most_bytes=None):
-    """Start the command line on the fake mission; files grow to `most_bytes`, as on a disk that is full then."""
-    command = [sys.executable, "-m", "tests.train.fake_mission", "evaluate", *words]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": seconds}
-    limit = None if most_bytes is None else lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes,) * 2)
-    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-    return subprocess.Popen(command, cwd=directory, env=environment, start_new_session=True, preexec_fn=limit, **pipes)
+@pytest.mark.parametrize("workers", ["1", pytest.param("2", marks=pytest.mark.long)])
+def test_ctrl_c_keeps_the_finished_runs_and_says_how_to_go_on(fake_missions, tmp_path, monkeypatch, workers):
+    monkeypatch.chdir(tmp_path)
+    process = start(tmp_path, *TWENTY, workers, seconds="0.3")
+    wait_for_runs(process, tmp_path / "r", 3)
+    began = time.monotonic()
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=120)
+    assert time.monotonic() - began < 60.0
+    assert process.returncode == 130
+    kept = runs(tmp_path / "r")
+    assert 3 <= len(kept) < 40
+    assert f"{len(kept)} of 40 runs are kept" in err
+    assert "Traceback" not in err
+    line = next(line for line in err.splitlines() if line.strip().startswith("clean-swarm evaluate"))
+    done(*line.split()[1:], "--workers", 1)
+    assert len(runs(tmp_path / "r")) == 40
+    done("evaluate", *TWENTY[:2], "--output", "whole", "--workers", 1)
+    assert rows(tmp_path / "whole") == rows(tmp_path / "r")
 
 
-def rows(directory):
-    return [line.rpartition(",")[0] for line in (directory / "runs.csv").read_text().splitlines()]
-
-
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
-def test_signals_that_end_programs_end_an_evaluation_like_ctrl_c(tmp_path, name):
-    process = start(tmp_path, "--scenarios", "20", "--output", "r", "--workers", "2", seconds="0.3")
-    end = time.monotonic() + 120.0
-    while not (tmp_path / "r" / "runs.jsonl").exists() or not (tmp_path / "r" / "runs.jsonl").read_text():
-        assert time.monotonic() < end
-        time.sleep(0.05)
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "count"), [("SIGTERM", 1), ("SIGHUP", 1), ("SIGINT", 0)])
+def test_signals_that_end_programs_end_an_evaluation_with_workers(tmp_path, name, count):
+    """While the workers start, too: SIGINT, with no run that is kept."""
+    process = start(tmp_path, *TWENTY, "2", seconds="0.3")
+    wait_for_runs(process, tmp_path / "r", count)
     os.kill(process.pid, getattr(signal, name))
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=120)
     assert process.returncode == 130
     assert "interrupted: " in err
     assert "Traceback" not in err
@@ -50,18 +64,46 @@ def test_signals_that_end_programs_end_an_evaluation_like_ctrl_c(tmp_path, name)
     assert not list((tmp_path / "r").glob(".*"))
 
 
-def test_a_full_disk_is_one_line_and_what_was_done_stays(tmp_path):
-    words = ("--scenarios", "8", "--output", "r", "--workers", "1")
-    process = start(tmp_path, *words, seconds="0", most_bytes=16_000)
-    _, err = process.communicate(timeout=120)
-    assert process.returncode == 1
-    assert "cannot be written (File too large); earlier results stay" in err.replace("\n", " ")
-    assert "Traceback" not in err
+@on_linux
+@pytest.mark.long
+def test_workers_end_with_a_parent_that_is_killed(tmp_path):
+    process = start(tmp_path, *TWENTY, "2", seconds="0.5")
+    wait_for_runs(process, tmp_path / "r", 1)
+    assert len(living(process.pid)) >= 3
+    process.kill()
+    process.communicate()
+    wait_for_end(process.pid)
+
+
+def test_a_reader_that_goes_away_ends_a_command_without_a_word():
+    """As `clean-swarm list mechanisms | head -1` does."""
+    line = [sys.executable, "-m", "clean_swarm_env", "list", "mechanisms"]
+    process = subprocess.Popen(line, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.close()
+    assert process.stderr.read() == ""
+    assert process.wait(timeout=120) == 1
+
+
+@contextmanager
+def full_disk(most: int):
+    """Let no file grow beyond that number of bytes, as on a disk that is full then."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disk_is_one_line_and_what_was_done_stays(fake_missions, tmp_path):
+    words = ("evaluate", "--scenarios", 8, "--workers", 1, "--output")
+    with full_disk(16_000):
+        code, _, err = command(*words, tmp_path / "r")
+    assert code == 1
+    assert "cannot be written (File too large); earlier results stay" in err
     assert not list((tmp_path / "r").glob(".*"))
-    process = start(tmp_path, *words, "--resume", seconds="0")
-    assert process.wait(timeout=120) == 0
-    process = start(tmp_path, *words[:2], "--output", "whole", "--workers", "1", seconds="0")
-    assert process.wait(timeout=120) == 0
+    done(*words, tmp_path / "r", "--resume")
+    done(*words, tmp_path / "whole")
     assert rows(tmp_path / "r") == rows(tmp_path / "whole")
 
 

@@ -1,5 +1,6 @@
 """Faults from outside: kills at random moments, two commands on one directory, a clock that jumps."""
 
+import itertools
 import os
 import random
 import signal
@@ -10,24 +11,17 @@ import time
 import pytest
 
 from selector.documents.errors import DocumentError
-from tests.paths import ROOT
-from tests.train.cli.test_endings import rows, start
+from tests.train.commands import done, refused, rows, start, wait_for_runs
 from train.running.run_folder import RunFolder
 
 fcntl = pytest.importorskip("fcntl", reason="signals and locks of POSIX")
+pytestmark = pytest.mark.usefixtures("undrawn")
 WORDS = ("--scenarios", "6", "--output", "r", "--workers", "2")
+THREE = ("evaluate", "--scenarios", 3, "--workers", 1, "--output")
 
 
-def wait_for_runs(process, directory, count):
-    """Wait until that number of runs is kept."""
-    end = time.monotonic() + 600.0
-    while not (directory / "runs.jsonl").exists() or (directory / "runs.jsonl").read_text().count("\n") < count:
-        assert process.poll() is None
-        assert time.monotonic() < end
-        time.sleep(0.01)
-
-
-def test_kills_at_random_moments_after_the_first_run_cost_no_kept_run(tmp_path):
+@pytest.mark.long
+def test_kills_at_random_moments_after_the_first_run_cost_no_kept_run(fake_missions, tmp_path):
     draws = random.Random(17)
     process = start(tmp_path, *WORDS, seconds="0.3")
     kept = 0
@@ -42,24 +36,19 @@ def test_kills_at_random_moments_after_the_first_run_cost_no_kept_run(tmp_path):
         process = start(tmp_path, *WORDS, "--resume", seconds="0.3")
     _, err = process.communicate(timeout=600)
     assert process.returncode == 0, err
-    whole = start(tmp_path, *WORDS[:2], "--output", "whole", "--workers", "1", seconds="0")
-    assert whole.wait(timeout=600) == 0
+    done("evaluate", *WORDS[:2], "--output", tmp_path / "whole", "--workers", 1)
     assert rows(tmp_path / "r") == rows(tmp_path / "whole")
 
 
-def test_a_second_command_on_the_same_directory_is_refused_in_one_line(tmp_path):
-    assert start(tmp_path, *WORDS, seconds="0").wait(timeout=600) == 0
-    before = (tmp_path / "r" / "runs.jsonl").read_bytes()
-    number = os.open(tmp_path / "r", os.O_RDONLY)
+def test_a_second_command_on_the_same_directory_is_refused_in_one_line(fake_missions, tmp_path):
+    done(*THREE, tmp_path)
+    before = (tmp_path / "runs.jsonl").read_bytes()
+    number = os.open(tmp_path, os.O_RDONLY)
     fcntl.flock(number, fcntl.LOCK_EX)  # as a command does that writes there
-    second = start(tmp_path, *WORDS, "--resume", seconds="0")
-    _, err = second.communicate(timeout=600)
+    assert "another command writes these results now" in refused(*THREE, tmp_path, "--resume")
     os.close(number)
-    assert second.returncode == 2
-    assert "r: another command writes these results now" in err.replace("\n", " ")
-    assert "Traceback" not in err
-    assert (tmp_path / "r" / "runs.jsonl").read_bytes() == before
-    assert start(tmp_path, *WORDS, "--resume", seconds="0").wait(timeout=600) == 0
+    assert (tmp_path / "runs.jsonl").read_bytes() == before
+    done(*THREE, tmp_path, "--resume")
 
 
 def test_a_directory_is_free_again_when_its_command_ends_or_is_killed(tmp_path):
@@ -78,17 +67,11 @@ def test_a_directory_is_free_again_when_its_command_ends_or_is_killed(tmp_path):
             pass
 
 
-def test_a_clock_that_jumps_changes_neither_rows_nor_times(tmp_path):
-    jumping = "import time, itertools; c = itertools.cycle((4e9, 0.0, 1.7e9)); time.time = lambda: next(c); "
-    command = jumping + (
-        "from tests.train import fake_mission; from train.evaluation import trial_task; from train.cli import main; "
-        "trial_task.run_mission = fake_mission.run_mission; main()"
-    )
-    words = ("evaluate", "--scenarios", "3", "--workers", "1", "--output")
-    environment = {**os.environ, "FAKE_SECONDS": "0", "PYTHONPATH": str(ROOT)}
-    for name, code in (("jumping", command), ("steady", command.removeprefix(jumping))):
-        done = subprocess.run([sys.executable, "-c", code, *words, name], cwd=tmp_path, env=environment)
-        assert done.returncode == 0
+def test_a_clock_that_jumps_changes_neither_rows_nor_times(fake_missions, tmp_path, monkeypatch):
+    done(*THREE, tmp_path / "steady")
+    monkeypatch.setattr(time, "time", itertools.cycle((4e9, 0.0, 1.7e9)).__next__)
+    done(*THREE, tmp_path / "jumping")
+    monkeypatch.undo()
     assert rows(tmp_path / "jumping") == rows(tmp_path / "steady")
-    walls = [float(line.rpartition(",")[2]) for line in (tmp_path / "jumping" / "runs.csv").read_text().split()[1:]]
-    assert all(0.0 <= wall < 60.0 for wall in walls)
+    walls = (line.rpartition(",")[2] for line in (tmp_path / "jumping" / "runs.csv").read_text().split()[1:])
+    assert all(0.0 <= float(wall) < 60.0 for wall in walls)

@@ -1,18 +1,34 @@
-"""Plug-ins: installed packages, and modules that a command line names, in commands, files and worker processes."""
+"""Plug-ins: installed packages, and modules that a command line names, in commands, files and worker processes.
+
+Each command runs in a fork of this process.
+"""
 
 import json
-import os
 import shutil
 import subprocess
 import sys
-import zipfile
+from contextlib import chdir
+from functools import partial
 
 import pytest
 
-from selforg.plugins import NAMED
+from clean_swarm_env import Batch
+from selector.documents.find import plugin_names
+from selforg import plugins
 from tests.paths import ROOT
+from tests.train import commands
+from tests.train.commands import apart
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 TEMPLATE = ROOT / "examples" / "plugin"
+READ = "return np.hypot(*self.source.vectors[rows].T) > self.speed"
+"""What the sensor of the template does."""
+FORMULA = "class KeepDistance(FormulaMechanism):"
+PLAIN = (
+    "class KeepDistance(__import__('selforg.mechanisms').mechanisms.MovementMechanism):\n"
+    "    def move_into(self, now, rows, vectors, active):\n        vectors[rows] = 0.0\n"
+)
+"""The head of the template's mechanism, and a mechanism in its place that takes no seconds to compile."""
 
 
 @pytest.fixture
@@ -22,96 +38,79 @@ def site(tmp_path):
     return tmp_path / "site"
 
 
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    pytest.importorskip("hatchling")
-    source, built = tmp_path_factory.mktemp("source") / "plugin", tmp_path_factory.mktemp("wheel")
-    shutil.copytree(TEMPLATE, source)
-    options = ["--no-deps", "--no-build-isolation", "--no-index", "--quiet", "--wheel-dir", str(built)]
-    subprocess.run([sys.executable, "-m", "pip", "wheel", *options, str(source)], check=True, capture_output=True)
-    return next(built.glob("*.whl"))
-
-
 @pytest.fixture
-def installed(tmp_path, wheel):
-    """A folder of packages with the wheel of the template."""
-    zipfile.ZipFile(wheel).extractall(tmp_path / "site")
-    return tmp_path / "site"
+def installed(site):
+    """A folder of packages with the template as pip installs it."""
+    described(site, "my-swarm", "0.1.0", "my_swarm = my_swarm")
+    return site
 
 
-def run(site, *words, start=("-m", "clean_swarm_env")):
-    environment = {name: value for name, value in os.environ.items() if name != "CLEAN_SWARM_IMPORT"}
-    environment["PYTHONPATH"] = os.pathsep.join((str(ROOT), str(site)))
-    command = [sys.executable, *start, *words]
-    return subprocess.run(command, cwd=site.parent, capture_output=True, text=True, check=False, env=environment)
+def described(site, name, version, entries):
+    """Write what an installer writes beside a package: its name, its version, its entry points."""
+    folder = site / f"{name.replace('-', '_')}-{version}.dist-info"
+    folder.mkdir(exist_ok=True)
+    (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+    (folder / "entry_points.txt").write_text(f"[clean_swarm]\n{entries}\n")
 
 
-def refused(done):
-    """Return the one line of a command that was refused."""
-    assert done.returncode == 2, done.stdout + done.stderr
-    (line,) = done.stderr.strip().splitlines()
-    return line
+def rewrite(site, *changes):
+    """Change the code of the template: pairs of old and new text."""
+    path = site / "my_swarm" / "__init__.py"
+    code = path.read_text()
+    for old, new in changes:
+        assert old in code
+        code = code.replace(old, new)
+    path.write_text(code)
 
 
-def test_an_installed_plugin_is_known_to_commands_and_their_workers(installed):
-    done = run(installed, "run", "KeepApart", "--runs", "3", "--json")
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["option"] == "KeepDistance"
-    compared = ("--strategy", "fixed:KeepDistance", "--strategy", "Second", "--scenarios", "2", "--workers", "2")
-    done = run(installed, "evaluate", "--family", "parting", *compared, "--output", "r")
-    assert done.returncode == 0, done.stderr
+def run(work, site, *words):
+    """Return what a function of `tests.train.commands` returns for words, beside a folder of packages."""
+    with chdir(site.parent):
+        return apart(lambda: work(*words), site)
+
+
+done, refused = partial(run, commands.done), partial(run, commands.refused)
+
+
+def test_the_template_names_its_entry_point():
+    project = (TEMPLATE / "pyproject.toml").read_text()
+    assert '[project.entry-points.clean_swarm]\nmy_swarm = "my_swarm"\n' in project
+
+
+@pytest.mark.extra
+@pytest.mark.long
+def test_a_wheel_of_the_template_has_its_entry_point_and_its_files(tmp_path):
+    pytest.importorskip("hatchling")
+    shutil.copytree(TEMPLATE, tmp_path / "plugin")
+    options = ["--no-deps", "--no-build-isolation", "--no-index", "--quiet", "--target", str(tmp_path / "site")]
+    install = [sys.executable, "-m", "pip", "install", *options, str(tmp_path / "plugin")]
+    subprocess.run(install, check=True, capture_output=True)
+    assert "(from my-swarm 0.1.0)" in done(tmp_path / "site", "list", "families")
+    assert json.loads(done(tmp_path / "site", "run", "KeepApart", "--json"))["option"] == "KeepDistance"
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "workers"), [(PLAIN, "1"), pytest.param(FORMULA, "2", marks=pytest.mark.long)], ids=["1", "2"]
+)
+def test_an_installed_plugin_is_known_to_commands_and_their_workers(installed, mechanism, workers):
+    rewrite(installed, (FORMULA, mechanism))
+    words = ("--strategy", "fixed:KeepDistance", "--strategy", "Second", "--scenarios", "2", "--workers", workers)
+    done(installed, "evaluate", "--family", "parting", *words, "--output", "r")
     table = (installed.parent / "r" / "table.md").read_text()
     assert "Second" in table
     assert "KeepDistance" in table
 
 
-def test_the_list_says_where_names_come_from(installed):
+def test_names_say_where_they_come_from(installed):
     names = {
         "mechanism-classes": "KeepDistance", "families": "parting", "tasks": "KeepApart", "sensor-classes": "Pushed",
         "strategy-classes": "Second",
     }  # fmt: skip
     for kind, name in names.items():
-        (line,) = [line for line in run(installed, "list", kind).stdout.splitlines() if line.startswith(f"{name} ")]
+        (line,) = [line for line in done(installed, "list", kind).splitlines() if line.startswith(f"{name} ")]
         assert line.endswith("(from my-swarm 0.1.0)")
-
-
-def test_ppo_learns_on_the_family_of_an_installed_plugin(installed):
-    pytest.importorskip("stable_baselines3")
-    (installed.parent / "training").mkdir()
-    (installed.parent / "training" / "mine.yaml").write_text(
-        "{name: mine, description: Few., tasks: [{family: parting, worlds: 2}], goal: KeepApart, checkpoints: 1, "
-        "decisions: 200, validation: {scenarios: 2}, ppo: {minibatch: 64}}"
-    )
-    done = run(installed, "train", "ppo", "--config", "mine", "--configs", ".", "--output", "r")
-    assert done.returncode == 0, done.stderr
-    assert (installed.parent / "r" / "policy" / "policy.json").is_file()
-
-
-def test_a_plugin_that_is_only_named_is_known_as_well_and_not_without(site):
-    assert "unknown task 'KeepApart'" in refused(run(site, "run", "KeepApart"))
-    words = ("--strategy", "my_swarm:Second", "--strategy", "fixed", "--scenarios", "2", "--workers", "2")
-    done = run(site, "evaluate", "--family", "my_swarm:KeepApart", *words, "--output", "r")
-    assert done.returncode == 0, done.stderr
-    assert "my_swarm:Second" in (site.parent / "r" / "table.md").read_text()
-
-
-def test_a_file_names_a_class_only_of_a_module_that_the_command_names(site):
-    mission = "{task: 'my_swarm:KeepApart', time_limit: 10.0}"
-    (site.parent / "own.yaml").write_text(
-        f"name: own\ndescription: Few.\nmission: {mission}\nrobots: [3, 3]\nitems: [0, 0]\n"
-    )
-    words = ("evaluate", "--family", "own.yaml", "--strategy", "fixed", "--scenarios", "1", "--output", "r")
-    line = refused(run(site, *words))
-    assert "own.yaml: mission: task: " in line
-    assert "only a file asks to import my_swarm:KeepApart; --import my_swarm (imports= in Python) allows it" in line
-    done = run(site, *words, "--import", "my_swarm")
-    assert done.returncode == 0, done.stderr
-
-
-def test_names_have_their_origin(installed):
-    code = "import json; from selector.documents.find import plugin_names; print(json.dumps(plugin_names()))"
     origin = "my-swarm 0.1.0"
-    assert json.loads(run(installed, start=("-c", code)).stdout) == {
+    assert apart(plugin_names, installed) == {
         "mechanism": {"KeepDistance": origin},
         "sensor": {"Pushed": origin},
         "strategy": {"Second": origin},
@@ -120,6 +119,26 @@ def test_names_have_their_origin(installed):
         "knowledge": {"my_swarm": origin},
         "families": {"parting": origin},
     }
+
+
+def test_a_plugin_that_is_only_named_is_known_as_well_and_not_without(site):
+    """By the command line; a file may name it only if the command line does."""
+    rewrite(site, (FORMULA, PLAIN))
+    assert "unknown task 'KeepApart'" in refused(site, "run", "KeepApart")
+    family = ("evaluate", "--family", "my_swarm:KeepApart", "--strategy")
+    assert "unknown strategy 'Nothing'" in refused(site, *family, "Nothing")
+    words = (*family, "my_swarm:Second", "--scenarios", "1", "--workers", "1", "--output", "r")
+    done(site, *words)
+    assert "my_swarm:Second" in (site.parent / "r" / "table.md").read_text()
+    mission = "{task: 'my_swarm:KeepApart', time_limit: 10.0}"
+    (site.parent / "own.yaml").write_text(
+        f"name: own\ndescription: Few.\nmission: {mission}\nrobots: [3, 3]\nitems: [0, 0]\n"
+    )
+    words = ("evaluate", "--family", "own.yaml", "--strategy", "fixed", "--scenarios", "1", "--workers", "1")
+    line = refused(site, *words)
+    assert "own.yaml: mission: task: " in line
+    assert "only a file asks to import my_swarm:KeepApart; --import my_swarm (imports= in Python) allows it" in line
+    done(site, *words, "--import", "my_swarm")
 
 
 KINDS = """
@@ -195,32 +214,37 @@ def kinds(tmp_path):
 
 def test_every_kind_comes_from_a_file_that_a_command_names(site, kinds):
     words = ("evaluate", "--family", "kinds", "--configs", ".", "--strategy", "fixed", "--strategy", "MaxScore")
-    words = (*words, "--scenarios", "2", "--workers", "2", "--output", "r")
-    assert "unknown activator 'Low' (known: Boolean, " in refused(run(site, *words))
-    done = run(site, *words, "--import", "kinds.py")
-    assert done.returncode == 0, done.stderr
+    words = (*words, "--scenarios", "2", "--workers", "1")
+    assert "unknown activator 'Low' (known: Boolean, " in refused(site, *words)
+    done(site, *words, "--import", "kinds.py")
     for kind, name in {"action-classes": "North", "activator-classes": "Low", "terms": "east"}.items():
-        (line,) = [line for line in run(site, "list", kind, "--import", "kinds.py").stdout.splitlines() if name in line]
+        (line,) = [line for line in done(site, "list", kind, "--import", "kinds.py").splitlines() if name in line]
         assert line.endswith(f"(from {kinds / 'kinds.py'})")
-    code = """
-from clean_swarm_env import Batch
-batch = Batch(observation={"terms": ["cargo", "east"]}, reward={"cost": 0.0, NAME: 2.0}, imports=["kinds.py"])
-batch.reset([1])
-step = batch.step([0] * batch.rows)
-north = batch.worlds.physics.positions[:, 1]
-print(batch.observer.names, (step.rewards * 5.5).round(6).tolist() == north.round(6).tolist())
-"""
-    for name in ('"northward"', '"kinds.py:northward"'):
-        done = run(site, start=("-c", code.replace("NAME", name)))
-        assert done.stdout.split(") ")[-1].strip() == "True", done.stderr
 
 
-def test_ppo_learns_with_terms_of_a_plugin(installed, kinds):
+@pytest.mark.parametrize("name", ["northward", "kinds.py:northward"])
+def test_a_term_and_a_reward_of_a_file_are_those_of_a_batch(kinds, monkeypatch, name):
+    def rewards():
+        terms = {"terms": ["cargo", "east"]}
+        batch = Batch(observation=terms, reward={"cost": 0.0, name: 2.0}, imports=["kinds.py"])
+        batch.reset([1])
+        step = batch.step([0] * batch.rows)
+        return batch.observer.names, step.rewards * 5.5, batch.worlds.physics.positions[:, 1]
+
+    monkeypatch.chdir(kinds)
+    names, paid, north = apart(rewards)
+    assert names[-1] == "east"
+    assert paid == pytest.approx(north, abs=1e-6)
+
+
+@pytest.mark.extra
+@pytest.mark.long
+def test_ppo_learns_on_the_family_and_with_the_terms_of_plugins(installed, kinds):
     pytest.importorskip("stable_baselines3")
     words = ("train", "ppo", "--config", "kinds", "--configs", ".", "--output", "r")
-    assert "northward: unknown key 'northward'" in refused(run(installed, *words))
-    done = run(installed, *words, "--import", "kinds.py")
-    assert done.returncode == 0, done.stderr
+    assert "northward: unknown key 'northward'" in refused(installed, *words)
+    done(installed, *words, "--import", "kinds.py")
+    assert (installed.parent / "r" / "policy" / "policy.json").is_file()
 
 
 @pytest.mark.parametrize(
@@ -232,19 +256,17 @@ def test_ppo_learns_with_terms_of_a_plugin(installed, kinds):
     ],
 )
 def test_entry_points_that_lead_nowhere_are_one_line_and_two_to_one_module_are_one_plugin(installed, entries, said):
-    (path,) = installed.glob("*.dist-info/entry_points.txt")
-    path.write_text(f"[clean_swarm]\n{entries}\n")
-    done = run(installed, "run", "KeepApart", "--runs", "2")
-    assert said in refused(done) if said else done.returncode == 0
+    described(installed, "my-swarm", "0.1.0", entries)
+    if said:
+        assert said in refused(installed, "run", "KeepApart")
+    else:
+        assert "parting" in done(installed, "list", "families")
 
 
 def test_a_package_that_brings_names_of_another_is_one_line(installed):
-    other = installed / "other_swarm-1.dist-info"
-    other.mkdir()
-    (other / "METADATA").write_text("Metadata-Version: 2.1\nName: other-swarm\nVersion: 1\n")
-    (other / "entry_points.txt").write_text("[clean_swarm]\nother = other_swarm\n")
+    described(installed, "other-swarm", "1", "other = other_swarm")
     shutil.copytree(installed / "my_swarm", installed / "other_swarm")
-    line = refused(run(installed, "run", "KeepApart"))
+    line = refused(installed, "run", "KeepApart")
     assert "other_swarm/__init__.py:" in line
     assert "mechanism 'KeepDistance' is registered already, by my_swarm" in line
 
@@ -277,38 +299,38 @@ def test_a_package_that_brings_names_of_another_is_one_line(installed):
 )
 def test_a_plugin_that_cannot_be_imported_is_one_line_once_it_is_needed(installed, code, said):
     (installed / "my_swarm" / "__init__.py").write_text(code)
-    assert run(installed, "--help").returncode == 0
-    assert said in refused(run(installed, "run", "KeepApart"))
-    assert said in refused(run(installed, "run", "Foraging", "--import", "my_swarm"))
+    done(installed, "--help")
+    assert said in refused(installed, "run", "KeepApart")
+    assert said in refused(installed, "run", "Foraging", "--import", "my_swarm")
 
 
 def test_a_file_of_a_plugin_has_a_name_of_its_own(installed):
     (installed / "my_swarm" / "families" / "crowded.yaml").write_text("name: crowded\n")
-    line = refused(run(installed, "evaluate", "--family", "parting", "--strategy", "fixed"))
+    line = refused(installed, "evaluate", "--family", "parting", "--strategy", "fixed")
     assert "my-swarm 0.1.0: " in line
     assert "families/crowded.yaml: the family 'crowded' exists already: " in line
 
 
 def test_words_that_are_no_plugin_are_one_line(site):
-    assert "no_swarm: No module named 'no_swarm'" in refused(run(site, "list", "--import=no_swarm"))
-    assert "--import: expected a module, or a file of Python code" in refused(run(site, "list", "--import"))
+    assert "no_swarm: No module named 'no_swarm'" in refused(site, "list", "--import=no_swarm")
+    assert "--import: expected a module, or a file of Python code" in refused(site, "list", "--import")
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         (
-            "return np.hypot(*self.source.vectors[rows].T) > self.speed",
+            READ,
             "return np.full(len(rows), np.nan)",
             "my-swarm 0.1.0: Pushed.read: expected finite numbers (24,), got float64 (24,) with NaN or infinity",
         ),
         (
-            "return np.hypot(*self.source.vectors[rows].T) > self.speed",
+            READ,
             "return np.zeros(3)",
             "my-swarm 0.1.0: Pushed.read: expected finite numbers (24,), got float64 (3,)",
         ),
         (
-            "return np.hypot(*self.source.vectors[rows].T) > self.speed",
+            READ,
             "rows[:] = 0; return np.zeros(len(rows))",
             "my-swarm 0.1.0: Pushed.read: expected to change no array that it reads, got a change",
         ),
@@ -318,55 +340,48 @@ def test_words_that_are_no_plugin_are_one_line(site):
             "task KeepApart: result: distance to the nearest neighbour: expected",
         ),
         (
-            "class KeepDistance(FormulaMechanism):",
-            "class KeepDistance(__import__('selforg.mechanisms').mechanisms.MovementMechanism):\n"
-            "    def move_into(self, now, rows, vectors, active):\n        vectors[rows] = np.nan\n",
+            "vectors[rows] = 0.0",
+            "vectors[rows] = np.nan",
             "my-swarm 0.1.0: KeepDistance.move_into: expected finite numbers (24, 2), got float64 (24, 2) with NaN",
         ),
     ],
 )
 def test_a_plugin_that_breaks_its_contract_is_one_line(installed, old, new, said):
-    code = (installed / "my_swarm" / "__init__.py").read_text()
-    assert old in code
-    (installed / "my_swarm" / "__init__.py").write_text(code.replace(old, new))
-    assert said in refused(run(installed, "run", "KeepApart", "--runs", "4"))
+    rewrite(installed, (FORMULA, PLAIN), (old, new))
+    assert said in refused(installed, "run", "KeepApart", "--runs", "4")
 
 
 @pytest.mark.parametrize(
-    ("new", "said"),
+    ("new", "said", "workers"),
     [
-        ("return first + 9", "Second._select: expected options 0..1, got 9..9"),
+        ("return first + 99", "Second._select: expected options 0..", 1),
         (
             "decisions.context[:] = 0.0\n        return first",
             "__init__.py:54: ValueError: assignment destination is read",
+            2,
         ),
     ],
 )
-def test_a_strategy_that_breaks_its_contract_is_one_line_from_a_worker_too(installed, new, said):
-    path = installed / "my_swarm" / "__init__.py"
-    head, _, rest = path.read_text().partition("        others = decisions.allowed")
-    path.write_text(f"{head}        {new}\n\n\n@TASKS.register{rest.partition('@TASKS.register')[2]}")
-    words = ("--strategy", "Second", "--scenarios", "2", "--workers", "2", "--output", "r")
-    done = run(installed, "evaluate", "--family", "parting", *words)
-    assert done.returncode == 2
-    assert said in done.stderr.splitlines()[-1]
-    assert "Traceback" not in done.stderr
+def test_a_strategy_that_breaks_its_contract_is_one_line_from_a_worker_too(installed, new, said, workers):
+    rewrite(installed, ("        others =", f"        {new}\n        others ="))
+    words = ("--strategy", "Second", "--scenarios", "2", "--workers", workers)
+    code, _, err = run(commands.command, installed, "evaluate", "--family", "table1", *words)
+    assert code == 2
+    assert said in err.splitlines()[-1]
+    assert "Traceback" not in err
 
 
-def test_a_plugin_that_broke_half_way_is_the_same_line_at_every_lookup(tmp_path):
-    broken = tmp_path / "broken.py"
-    broken.write_text(KINDS + "\nraise RuntimeError('half way')\n")
-    code = """
-from selforg import plugins
-for _ in range(2):
-    try:
-        plugins.load()
-    except plugins.PluginError as error:
-        print(error)
-"""
-    done = subprocess.run(
-        [sys.executable, "-c", code], env={**os.environ, NAMED: str(broken)}, capture_output=True, text=True
-    )
-    first, second = done.stdout.splitlines()
+def test_a_plugin_that_broke_half_way_is_the_same_line_at_every_lookup(tmp_path, monkeypatch):
+    def lines():
+        said = []
+        for _ in range(2):
+            with pytest.raises(plugins.PluginError) as error:
+                plugins.load()
+            said.append(str(error.value))
+        return said
+
+    (tmp_path / "broken.py").write_text(KINDS + "\nraise RuntimeError('half way')\n")
+    monkeypatch.setenv(plugins.NAMED, str(tmp_path / "broken.py"))
+    first, second = apart(lines)
     assert first == second
     assert first.endswith("RuntimeError: half way")

@@ -9,33 +9,6 @@ import pytest
 from tests.paths import ROOT
 
 SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "pettingzoo")
-CODE = f"""
-import sys
-from train.cli.app import run_app
-try:
-    run_app()
-finally:
-    print("imported", *[name for name in {SLOW} if name in sys.modules])
-"""
-
-
-def told(*words):
-    """Run a command in a process of its own; return its code, what it said, and which slow libraries it imported."""
-    done = subprocess.run([sys.executable, "-c", CODE, *words], cwd=ROOT, capture_output=True, text=True, check=False)
-    said, _, imported = (done.stdout + done.stderr).partition("imported")
-    return done.returncode, said + imported.partition("\n")[2], imported.partition("\n")[0].split()
-
-
-REGISTERED = """
-import json
-from clean_swarm_env.learning.observation.config import TERMS
-from clean_swarm_env.config.task_names import task_names
-from selector.strategies.registry import STRATEGIES
-from selforg.mechanisms import MECHANISMS
-names = {"strategies": STRATEGIES.names(), "mechanisms": MECHANISMS.names()}
-print(json.dumps(names | {"goals": sorted(task_names()), "terms": sorted(TERMS.names())}))
-"""
-"""What we ship, in a process in which no test registers anything."""
 MISTAKES = [
     ("evaluate tabel1", "did you mean 'table1'"),
     ("evaluate --family crowdde", "did you mean 'crowded'"),
@@ -66,32 +39,59 @@ MISTAKES = [
     ("video none none.webp", "none: cannot be read"),
     ("report none", "none: cannot be read"),
     ("look picture none none.png --time 1", "none: cannot be read"),
+    ("list familys", "did you mean 'families'"),
 ]
+LISTS = [(f"list {kind}".strip(), "") for kind in ("", "strategy-classes", "mechanism-classes", "terms", "tasks")]
+CODE = """
+import io, json, sys
+from contextlib import redirect_stderr, redirect_stdout
+from train.cli.app import run_app
+for line in json.loads(sys.stdin.read()):
+    before = set(sys.modules)
+    sys.argv = ["clean-swarm", *line.split()]
+    with redirect_stdout(io.StringIO()) as said, redirect_stderr(said):
+        try:
+            run_app()
+        except SystemExit as end:
+            code = end.code
+    print(json.dumps([code, said.getvalue(), sorted(sys.modules.keys() - before)]))
+"""
+"""Runs commands in turn; prints the code of each, what it said, and the modules that it imported first."""
+REGISTERED = """
+import json
+from clean_swarm_env.learning.observation.config import TERMS
+from selector.strategies.registry import STRATEGIES
+from selforg.mechanisms import MECHANISMS
+names = {"strategy-classes": STRATEGIES.names(), "mechanism-classes": MECHANISMS.names(), "terms": TERMS.names()}
+print(json.dumps(names))
+"""
+"""What we ship, in a process in which no test registers anything."""
+
+
+@pytest.fixture(scope="module")
+def told():
+    """What each command of `MISTAKES` and `LISTS` comes to in one process: code, output, slow libraries."""
+    lines = [words for words, _ in MISTAKES + LISTS]
+    given = {"input": json.dumps(lines), "cwd": ROOT, "text": True}
+    out = subprocess.run([sys.executable, "-c", CODE], **given, stdout=subprocess.PIPE, check=True).stdout
+    ended = map(json.loads, out.splitlines())
+    return {line: (code, said, set(SLOW) & set(new)) for line, (code, said, new) in zip(lines, ended, strict=True)}
 
 
 @pytest.mark.parametrize(("words", "expected"), MISTAKES, ids=[words for words, _ in MISTAKES])
-def test_a_mistake_in_the_words_is_told_before_slow_libraries_are_imported(words, expected):
-    code, said, imported = told(*words.split())
-    assert (code, imported) == (2, [])
+def test_a_mistake_in_the_words_is_told_before_slow_libraries_are_imported(told, words, expected):
+    code, said, imported = told[words]
+    assert (code, imported) == (2, set())
     assert expected in said
     assert len(said.strip().splitlines()) == 1
 
 
-def test_the_list_imports_nothing_slow_and_names_all_that_is_registered():
-    code, said, imported = told("list")
-    assert (code, imported) == (0, [])
-    kinds = {line.split()[0]: int(line.split()[1]) for line in said.strip().splitlines()[:-2]}
+def test_the_list_imports_nothing_slow_and_names_all_that_is_registered(told):
+    assert all((code, imported) == (0, set()) for code, _, imported in (told[words] for words, _ in LISTS))
+    kinds = {line.split()[0]: int(line.split()[1]) for line in told["list"][1].strip().splitlines()[:-2]}
     known = json.loads(subprocess.check_output([sys.executable, "-c", REGISTERED], cwd=ROOT, text=True))
-    for kind, names in (("strategy-classes", "strategies"), ("mechanism-classes", "mechanisms"), ("terms", "terms")):
-        code, said, imported = told("list", kind)
-        assert (code, imported) == (0, [])
-        assert [line.split()[0] for line in said.splitlines() if line[:1].strip()][:-1] == sorted(known[names])
-        assert kinds[kind] == len(known[names])
-    assert "12 robots bring food" in told("list", "tasks")[1]
-
-
-def test_an_unknown_kind_is_one_line():
-    code, said, imported = told("list", "familys")
-    assert (code, imported) == (2, [])
-    assert "did you mean 'families'" in said
-    assert len(said.strip().splitlines()) == 1
+    for kind, names in known.items():
+        lines = told[f"list {kind}"][1].splitlines()
+        assert [line.split()[0] for line in lines if line[:1].strip()][:-1] == sorted(names)
+        assert kinds[kind] == len(names)
+    assert "12 robots bring food" in told["list tasks"][1]

@@ -1,50 +1,38 @@
 """`clean-swarm run`: a task by an option and by its baseline; tasks of files of the user's own."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from clean_swarm_env.config.tasks import find_task
-from clean_swarm_env.config.types import ConfigurationError
 from docs.figures import write_original
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
+from tests.train.commands import apart, done, refused
 from train.analysis.statistics import summarise
 from train.analysis.task_report import MeasuredStrategy
-from train.cli.app import app
 from train.cli.evaluate import ARENAS
 from train.evaluation import task_run
 from train.evaluation.task_run import TaskOutcome, TaskRun, as_page, run_task, tasks_to_run
 
-runner = CliRunner()
 ORIGINAL = load_knowledge("original")
 
 
-def call(*arguments):
-    return runner.invoke(app, ["run", *arguments])
-
-
 def test_a_task_prints_its_measures_with_target_and_baseline():
-    result = call("MaxValue", "--runs", "3")
-    assert result.exit_code == 0, result.output
-    assert "MaxValue by GossipMax: 20 robots, 12 s, open, 3 runs of seed 0" in result.output
-    row = next(line for line in result.output.splitlines() if "rounds to agreement" in line)
+    out = done("run", "MaxValue", "--runs", "3")
+    assert "MaxValue by GossipMax: 20 robots, 12 s, open, 3 runs of seed 0" in out
+    row = next(line for line in out.splitlines() if "rounds to agreement" in line)
     assert re.search(r"≤ 6 .* yes +(yes|no)", row), row
-    assert "target of rounds to agreement: 13 m across" in result.output
+    assert "target of rounds to agreement: 13 m across" in out
 
 
 def test_json_holds_the_same_figures_for_equal_seeds():
-    first, again = (call("FindBarycenter", "--runs", "2", "--seed", "4", "--json") for _ in range(2))
-    assert first.exit_code == 0, first.output
-    assert first.stdout == again.stdout
-    given = json.loads(first.stdout)
+    first, again = (done("run", "FindBarycenter", "--runs", "2", "--seed", "4", "--json") for _ in range(2))
+    assert first == again
+    given = json.loads(first)
     assert (given["option"], given["seed"], given["runs"]) == ("Barycenter", 4, 2)
     assert given["targets_are_for_this_setting"]
     assert [measure["unit"] for measure in given["measures"]] == ["m", "-"]
@@ -52,11 +40,10 @@ def test_json_holds_the_same_figures_for_equal_seeds():
 
 def test_options_of_the_command_reach_the_mission():
     options = ("--robots", "4", "--seconds", "2", "--arena", "open", "--option", "RepulsionGradient", "--runs", "1")
-    result = call("AgentCollisionAvoidance", *options)
-    assert result.exit_code == 0, result.output
-    assert "by RepulsionGradient: 4 robots, 2 s, open, 1 run of seed 0" in result.output
-    assert "targets are stated for 10 robots, 120 s, torus" in result.output
-    given = json.loads(call("AgentCollisionAvoidance", *options, "--json").stdout)
+    out = done("run", "AgentCollisionAvoidance", *options)
+    assert "by RepulsionGradient: 4 robots, 2 s, open, 1 run of seed 0" in out
+    assert "targets are stated for 10 robots, 120 s, torus" in out
+    given = json.loads(done("run", "AgentCollisionAvoidance", *options, "--json"))
     assert given["measures"][0]["beats_baseline"] is None  # one run has no interval
     assert not given["targets_are_for_this_setting"]
 
@@ -71,7 +58,7 @@ def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
         "behaviours: {Tell: {action: {type: Decide, mechanism: gossip}}}\n"
     )
     (tmp_path / "mechanisms" / "Mine.yaml").write_text(mine)
-    given = json.loads(call("MaxValue", "--configs", str(tmp_path), "--runs", "2", "--json").stdout)
+    given = json.loads(done("run", "MaxValue", "--configs", tmp_path, "--runs", "2", "--json"))
     assert given["option"] == "Mine"
     assert given["measures"][0]["own"]["mean"] == 1.0  # everybody hears everybody
 
@@ -90,25 +77,22 @@ def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
         (("Cleaning",), "unknown task with a baseline 'Cleaning'"),
         (("MaxValue", "--option", "Shout"), "goal MaxValue: unknown option 'Shout'"),
         (("MaxValue", "--configs", "/nowhere"), "/nowhere: no such directory"),
+        (("CircleFormation", "--knowledge", "cleaning"), "cleaning.yaml: unknown goal 'CircleFormation'"),
     ],
 )
 def test_what_cannot_be_meant_is_one_line(arguments, expected):
-    result = call(*arguments)
-    assert isinstance(result.exception, ConfigurationError)
-    assert expected in str(result.exception)
-    assert "\n" not in str(result.exception)
+    assert expected in refused("run", *arguments)
 
 
 def test_all_tasks_go_into_one_page(tmp_path, monkeypatch):
     monkeypatch.setattr(task_run, "tasks_to_run", lambda: ["FindBarycenter", "MaxValue"])
     page = tmp_path / "tasks.md"
-    result = call("--all", "--runs", "2", "--output", str(page))
-    assert result.exit_code == 0, result.output
+    done("run", "--all", "--runs", "2", "--output", page)
     text = page.read_text(encoding="utf-8")
     assert "| FindBarycenter, Barycenter | distance of the elected robot" in text
     assert find_task("MaxValue").baseline in text
     assert re.search(r"\d of 2 tasks meet", " ".join(text.split()))
-    assert call("--all", "--runs", "1", "--output", str(tmp_path / "new" / "x.md")).exit_code == 0
+    done("run", "--all", "--runs", "1", "--output", tmp_path / "new" / "x.md")
     assert (tmp_path / "new" / "x.md").exists()
 
 
@@ -158,15 +142,10 @@ def test_the_page_in_the_docs_is_about_the_tasks_as_they_are():
 
 
 def test_a_task_runs_by_another_expert_knowledge_beside_its_own_baseline():
-    result = call("AgentCollisionAvoidance", "--knowledge", "original", "--runs", "1", "--seconds", "2")
-    assert "AgentCollisionAvoidance by RepulsionGradient" in result.output  # of equal scores the first is taken
-    assert call("Foraging", "--knowledge", "original", "--runs", "1", "--seconds", "2").exit_code == 0
-
-
-def test_expert_knowledge_that_does_not_cover_a_goal_names_those_that_it_does():
-    result = call("CircleFormation", "--knowledge", "cleaning")
-    assert isinstance(result.exception, ConfigurationError)
-    assert "cleaning.yaml: unknown goal 'CircleFormation'" in str(result.exception)
+    words = ("--knowledge", "original", "--runs", "1", "--seconds", "2")
+    out = done("run", "AgentCollisionAvoidance", *words)
+    assert "AgentCollisionAvoidance by RepulsionGradient" in out  # of equal scores the first is taken
+    done("run", "Foraging", *words)
 
 
 def test_every_option_of_the_original_can_be_built_and_serves_a_goal_with_a_task():
@@ -189,56 +168,58 @@ def test_the_page_of_the_original_shows_the_option_that_is_taken():
 
 
 def test_a_run_gives_the_scores_of_its_option_to_a_store_once(tmp_path):
-    asked = ("MaxValue", "--runs", "2", "--store", str(tmp_path / "s.sqlite"))
-    assert call(*asked, "--learn").exit_code == 0
-    assert "holds what" in str(call(*asked, "--learn").exception)
-    known = json.loads(call(*asked, "--seed", "9", "--json").stdout)["known"]
+    asked = ("run", "MaxValue", "--runs", "2", "--store", tmp_path / "s.sqlite")
+    done(*asked, "--learn")
+    assert "holds what" in refused(*asked, "--learn")
+    known = json.loads(done(*asked, "--seed", "9", "--json"))["known"]
     assert known["MaxValue"]["GossipMax"]["count"] == 2
-
-
-def own(*words, cwd):
-    environment = {name: value for name, value in os.environ.items() if name != "CLEAN_SWARM_IMPORT"}
-    command = [sys.executable, "-m", "clean_swarm_env", *words]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, env=environment)
 
 
 EXAMPLE = str(ROOT / "examples" / "own_task.py")
 
 
-def test_a_task_of_a_users_own_runs_and_is_evaluated_recorded_and_replayed(tmp_path):
-    done = own("run", "Shepherding", "--import", EXAMPLE, "--runs", "5", "--json", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    (measure,) = json.loads(done.stdout)["measures"]
+def own(*words):
+    """Run a command in a fork, which ends with what it imports, and return its output."""
+    return apart(lambda: done(*words))
+
+
+def test_a_task_of_a_users_own_runs_and_is_evaluated_recorded_and_replayed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (measure,) = json.loads(own("run", "Shepherding", "--import", EXAMPLE, "--runs", "5", "--json"))["measures"]
     assert measure["own"]["mean"] > measure["baseline"]["mean"]
-    words = ("evaluate", "--family", "Shepherding", "--scenarios", "3", "--workers", "2", "--output", "r", "--record")
-    done = own(f"--import={EXAMPLE}", *words, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    words = ("evaluate", "--family", "Shepherding", "--scenarios", "3", "--workers", "1", "--output", "r", "--record")
+    own(f"--import={EXAMPLE}", *words)
     assert "sheep in the ring" in (tmp_path / "r" / "table.md").read_text()
     assert (tmp_path / "r" / "runs.csv").read_text().splitlines()[0].endswith("wall_s,sheep in the ring")
     assert f"--import={EXAMPLE}" in json.loads((tmp_path / "r" / "manifest.json").read_text())["command"]
-    done = own("--import", EXAMPLE, "replay", "r", "--html", "page.html", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    own("--import", EXAMPLE, "replay", "r", "--html", "page.html")
     assert (tmp_path / "page.html").stat().st_size > 10_000
-    assert re.search("(?m)^Shepherding +12 robots", own("list", "tasks", "--import", EXAMPLE, cwd=tmp_path).stdout)
+    assert re.search("(?m)^Shepherding +12 robots", own("list", "tasks", "--import", EXAMPLE))
 
 
-def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_path):
-    (tmp_path / "own.yaml").write_text(f"name: own\ntask: {EXAMPLE}:Shepherding\n")
-    for mission in ("own.yaml", "Shepherding"):
-        done = own("evaluate", "--family", mission, cwd=tmp_path)
-        assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done.stderr
-    assert "unknown mission, family or task 'Shepherding'" in done.stderr
-    assert "a task of your own: --import MODULE or FILE.py" in done.stderr
-    done = own("list", "--import", "no.py", cwd=tmp_path)
-    assert "no.py: expected a module, or a file of Python code" in done.stderr
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("evaluate --family own.yaml", f"only a file asks to import {EXAMPLE}:Shepherding"),
+        ("evaluate --family Shepherding", "unknown mission, family or task 'Shepherding'"),
+        ("evaluate --family Shepherding", "a task of your own: --import MODULE or FILE.py"),
+        ("list --import no.py", "no.py: expected a module, or a file of Python code"),
+        ("run Foraging --import broken.py", "broken.py:1: SyntaxError"),
+        ("run Foraging --import raises.py", "raises.py:2: ValueError: two lines"),
+        ("run Foraging --import ends.py", "ends.py:2: SystemExit: 3"),
+        ("run Foraging --import taken.py", "'Foraging' is registered already"),
+    ],
+)
+def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_path, monkeypatch, words, said):
+    monkeypatch.chdir(tmp_path)
+    mission = f"{{task: '{EXAMPLE}:Shepherding', time_limit: 10.0}}"
+    (tmp_path / "own.yaml").write_text(f"{{name: own, description: Few., mission: {mission}, robots: [3, 3]}}")
     example = (ROOT / "examples" / "own_task.py").read_text()
-    for code, said in (
-        ("def broken(:", "own.py:1: SyntaxError"),
-        ("\nraise ValueError('two\\nlines')", "own.py:2: ValueError: two lines"),
-        ("import sys\nsys.exit(3)", "own.py:2: SystemExit: 3"),
-        (example.replace("class Shepherding", "class Foraging"), "'Foraging' is registered already"),
-    ):
-        (tmp_path / "own.py").write_text(code)
-        done = own("run", "Foraging", "--import", "own.py", cwd=tmp_path)
-        assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done.stderr
-        assert said in done.stderr
+    for name, code in {
+        "broken": "def broken(:",
+        "raises": "\nraise ValueError('two\\nlines')",
+        "ends": "import sys\nsys.exit(3)",
+        "taken": example.replace("class Shepherding", "class Foraging"),
+    }.items():
+        (tmp_path / f"{name}.py").write_text(code)
+    assert said in apart(lambda: refused(*words.split()))

@@ -1,6 +1,7 @@
 """`clean-swarm video` and `picture`: files that are what was asked for, and one line for what cannot be."""
 
 import importlib.util
+import os
 import shutil
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -19,26 +20,38 @@ from clean_swarm_env.drawing.video import write_video
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
-from tests.train.commands import run
+from tests.train.commands import done, refused, run
 from train.cli import look
 from train.running import needs
 
 OPENCV = importlib.util.find_spec("cv2") is not None
 
 
-@pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("recorded")
-    mission = load_mission("table1").model_copy(update={"time_limit": 6.0})
+def recording(folder, seconds):
+    """Record a mission of so many seconds and return the file."""
+    mission = load_mission("table1").model_copy(update={"time_limit": seconds})
     record_mission(MissionRun(mission, random_start(mission, 1, 0), 2, {}), RecordSettings(folder, name="run"), {})
     return folder / "run.swarm"
 
 
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    return recording(tmp_path_factory.mktemp("recorded"), seconds=6.0)
+
+
+@pytest.fixture
+def copied(recorded, tmp_path, monkeypatch):
+    """Be in a directory with nothing but the recording."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(recorded, "run.swarm")
+    return tmp_path
+
+
 @pytest.mark.parametrize("suffix", ["webp", "gif"])
-def test_a_video_has_twenty_pictures_a_second_of_the_run(recorded, tmp_path, suffix, capsys):
+def test_a_video_has_twenty_pictures_a_second_of_the_run(recorded, tmp_path, suffix):
     output = tmp_path / "new" / f"out.{suffix}"
-    assert run("video", recorded, output, "--from", 1, "--to", 3, "--size", 200) == 0
-    assert capsys.readouterr().out == f"{output}: 41 pictures, 2.05 s\n"
+    out = done("video", recorded, output, "--from", 1, "--to", 3, "--size", 200)
+    assert out == f"{output}: 41 pictures, 2.05 s\n"
     shown = Image.open(output)
     assert (shown.n_frames, shown.info["loop"]) == (41, 0)
     course = RecordedCourse(RecordedMission(recorded))
@@ -48,44 +61,36 @@ def test_a_video_has_twenty_pictures_a_second_of_the_run(recorded, tmp_path, suf
     own, other = (np.abs(pixels - pixels_of(course.at(time), 200)).mean() for time in (2.0, 3.0))
     assert own < 4.0
     assert own < 0.8 * other
-    assert run("video", recorded, output, "--speed", 4) == 0
-    assert "30 pictures" in capsys.readouterr().out
+    assert "30 pictures" in done("video", recorded, output, "--speed", 4, "--size", 200)
     assert [path.name for path in output.parent.iterdir()] == [output.name]
 
 
-def test_a_run_becomes_a_video_of_thirty_seconds_unless_a_speed_is_given(recorded, tmp_path, capsys, monkeypatch):
+def test_a_run_becomes_a_video_of_thirty_seconds_unless_a_speed_is_given(recorded, tmp_path, monkeypatch):
     monkeypatch.setattr(look, "USUAL_LENGTH", 2.0)  # of the 5.8 s, as 30 s of a whole mission
     output = tmp_path / "out.webp"
-    assert run("video", recorded, output, "--size", 200) == 0
-    assert capsys.readouterr().out == f"{output}: 39 pictures, 1.95 s, 3 times as fast as the mission (--speed)\n"
-    assert run("video", recorded, output, "--size", 200, "--to", 1.5) == 0
-    assert capsys.readouterr().out == f"{output}: 31 pictures, 1.55 s\n"
+    words = ("video", recorded, output, "--size", 200)
+    assert done(*words) == f"{output}: 39 pictures, 1.95 s, 3 times as fast as the mission (--speed)\n"
+    assert done(*words, "--to", 1.5) == f"{output}: 31 pictures, 1.55 s\n"
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (
-            ("look", "picture", "RUN", "a.png", "--time", 1),
+            ("look", "picture", "run.swarm", "a.png", "--time", 1),
             "run.swarm: expected at most 8 numbers, for the memory, got more",
         ),
-        (("video", "RUN", "a.webp"), "run.swarm: expected at most 8 numbers, for the memory, got more"),
-        (("replay", "RUN", "--html", "a.html"), "a.html: a page of "),
+        (("video", "run.swarm", "a.webp"), "run.swarm: expected at most 8 numbers, for the memory, got more"),
+        (("replay", "run.swarm", "--html", "a.html"), "a.html: a page of "),
     ],
 )
-def test_what_this_machine_is_too_small_for_is_refused_before_it_begins(
-    recorded, tmp_path, words, message, capsys, monkeypatch
-):
-    monkeypatch.chdir(tmp_path)
-    shutil.copy(recorded, "run.swarm")
+def test_what_this_machine_is_too_small_for_is_refused_before_it_begins(copied, words, message, monkeypatch):
     monkeypatch.setattr(needs, "memory_of_machine", lambda: needs.PROCESS + 100.0)
     monkeypatch.setattr(needs, "disk_usage", lambda place: SimpleNamespace(free=1000))
-    assert run(*("run.swarm" if word == "RUN" else word for word in words)) == 2
-    error = capsys.readouterr().err
-    assert error.startswith(f"error: {message}")
-    assert "expected at most" in error
-    assert error.count("\n") == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["run.swarm"]
+    line = refused(*words)
+    assert line.startswith(f"error: {message}")
+    assert "expected at most" in line
+    assert os.listdir(copied) == ["run.swarm"]
 
 
 def test_a_gif_keeps_the_colours_of_options(tmp_path):
@@ -101,8 +106,9 @@ def test_a_gif_keeps_the_colours_of_options(tmp_path):
         assert np.array_equal(shown[there], picture[there]), colour
 
 
+@pytest.mark.extra
 @pytest.mark.skipif(not OPENCV, reason="needs the extra 'video'")
-@pytest.mark.parametrize(("suffix", "codec"), [("webm", "VP80"), ("mp4", "VP90")])
+@pytest.mark.parametrize(("suffix", "codec"), [("webm", "VP80"), pytest.param("mp4", "VP90", marks=pytest.mark.long)])
 def test_a_video_of_opencv_can_be_read_again(recorded, tmp_path, suffix, codec, capfd):
     import cv2
 
@@ -121,15 +127,15 @@ def test_a_video_of_opencv_can_be_read_again(recorded, tmp_path, suffix, codec, 
 
 
 @pytest.mark.skipif(OPENCV, reason="the extra 'video' is installed")
-def test_without_opencv_its_videos_are_one_line(recorded, tmp_path, capsys):
-    assert run("video", recorded, tmp_path / "out.mp4") == 2
-    assert "needs OpenCV, which is not installed: pip install 'clean-swarm[video]'" in capsys.readouterr().err
+def test_without_opencv_its_videos_are_one_line(recorded, tmp_path):
+    line = refused("video", recorded, tmp_path / "out.mp4")
+    assert "needs OpenCV, which is not installed: pip install 'clean-swarm[video]'" in line
 
 
 @pytest.mark.parametrize("suffix", ["svg", "png", "webp"])
 def test_a_picture_is_the_moment_that_was_asked_for(recorded, tmp_path, suffix):
     output = tmp_path / f"out.{suffix}"
-    assert run("look", "picture", recorded, output, "--time", 2.5, "--size", 300) == 0
+    done("look", "picture", recorded, output, "--time", 2.5, "--size", 300)
     if suffix == "svg":
         assert ElementTree.parse(output).getroot().get("viewBox").startswith("0 0 300 ")
     else:
@@ -140,45 +146,40 @@ def test_a_picture_is_the_moment_that_was_asked_for(recorded, tmp_path, suffix):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("look", "picture", "RUN", "a.jpeg", "--time", 1), "a.jpeg: expected a name that ends with .svg, .png, .webp"),
-        (("look", "picture", "RUN", "a.svg", "--time", 6), "--time: expected seconds from 0 to 5.8, got 6"),
-        (("look", "picture", "RUN", "a.svg", "--time", "nan"), "--time: expected seconds from 0 to 5.8, got nan"),
         (
-            ("look", "picture", "RUN", "a.svg", "--time", 1, "--size", 9999),
+            ("look", "picture", "run.swarm", "a.jpeg", "--time", 1),
+            "a.jpeg: expected a name that ends with .svg, .png, .webp",
+        ),
+        (("look", "picture", "run.swarm", "a.svg", "--time", 6), "--time: expected seconds from 0 to 5.8, got 6"),
+        (("look", "picture", "run.swarm", "a.svg", "--time", "nan"), "--time: expected seconds from 0 to 5.8, got nan"),
+        (
+            ("look", "picture", "run.swarm", "a.svg", "--time", 1, "--size", 9999),
             "--size: expected a whole number of at most 4000",
         ),
-        (("video", "RUN", "a.avi"), "a.avi: expected a name that ends with .webp, .gif, .webm, .mp4"),
-        (("video", "RUN", "a.webp", "--from", 3, "--to", 2), "--to: expected at least --from, 3, got 2"),
-        (("video", "RUN", "a.webp", "--speed", 0), "--speed: expected a positive number up to 1000, got 0"),
+        (("video", "run.swarm", "a.avi"), "a.avi: expected a name that ends with .webp, .gif, .webm, .mp4"),
+        (("video", "run.swarm", "a.webp", "--from", 3, "--to", 2), "--to: expected at least --from, 3, got 2"),
+        (("video", "run.swarm", "a.webp", "--speed", 0), "--speed: expected a positive number up to 1000, got 0"),
         (
-            ("video", "RUN", "a.gif", "--speed", 1e-9),
+            ("video", "run.swarm", "a.gif", "--speed", 1e-9),
             "a.gif: 116000000001 pictures: expected at most 7.0 days of time, got about",
         ),
         (
-            ("video", "RUN", "a.webp", "--speed", 0.0001, "--size", 4000),
+            ("video", "run.swarm", "a.webp", "--speed", 0.0001, "--size", 4000),
             "a.webp: 1160001 pictures: expected at most 7.0 days of time, got about",
         ),
-        (("video", "RUN", "run.swarm/a.webp"), "run.swarm/a.webp: cannot be written (File exists)"),
+        (("video", "run.swarm", "run.swarm/a.webp"), "run.swarm/a.webp: cannot be written (File exists)"),
         (("video", "nowhere", "a.webp"), "nowhere: cannot be read (No such file or directory)"),
     ],
 )
-def test_what_cannot_be_is_one_line(recorded, tmp_path, words, message, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    shutil.copy(recorded, "run.swarm")
-    assert run(*("run.swarm" if word == "RUN" else word for word in words)) == 2
-    error = capsys.readouterr().err
-    assert error.startswith(f"error: {message}")
-    assert error.count("\n") == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["run.swarm"]
+def test_what_cannot_be_is_one_line(copied, words, message):
+    assert refused(*words).startswith(f"error: {message}")
+    assert os.listdir(copied) == ["run.swarm"]
 
 
-def test_a_truncated_recording_is_shown_as_far_as_it_goes(tmp_path, capsys):
-    mission = load_mission("table1").model_copy(update={"time_limit": 120.0})
-    settings = RecordSettings(tmp_path, name="run")
-    record_mission(MissionRun(mission, random_start(mission, 1, 0), 2, {}), settings, {})
-    path = tmp_path / "run.swarm"
+def test_a_truncated_recording_is_shown_as_far_as_it_goes(tmp_path):
+    path = recording(tmp_path, seconds=120.0)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) * 3 // 4])
-    assert run("look", "picture", path, tmp_path / "a.png", "--time", 10) == 0
-    assert run("look", "picture", path, tmp_path / "a.png", "--time", 119) == 2
-    assert "--time: expected seconds from 0 to" in capsys.readouterr().err
+    words = ("look", "picture", path, tmp_path / "a.png", "--time")
+    done(*words, 10)
+    assert "--time: expected seconds from 0 to" in refused(*words, 119)

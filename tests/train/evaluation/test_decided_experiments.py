@@ -1,6 +1,7 @@
 """An experiment's condition takes any decider: an option, a machine, a policy, as the command line names them."""
 
 import json
+from pathlib import Path
 
 import pytest
 import yaml
@@ -9,11 +10,12 @@ from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
-from tests.train.commands import run
+from tests.train.commands import changed, command, done, refused, run
 from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.trial_task import experiment_tasks
 from train.request import Request
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient}\n"
 
 
@@ -42,7 +44,7 @@ MACHINE = {"name": "machine", "strategy": "fsm:one.yaml"}
 
 def test_an_option_and_a_machine_of_one_state_have_the_bits_of_the_highest_score(folder):
     path = written(folder, FORCED, {"name": "option", "strategy": "fixed:RepulsionGradient"}, MACHINE)
-    assert run("evaluate", path, "--workers", 1, "--output", "done") == 0
+    done("evaluate", path, "--workers", 1, "--output", "done")
     rows = [json.loads(line) for line in (folder / "done" / "runs.jsonl").read_text().splitlines()]
     figures = {}
     for row in rows:
@@ -51,8 +53,8 @@ def test_an_option_and_a_machine_of_one_state_have_the_bits_of_the_highest_score
     assert len(figures) == 6
     for (scenario, _), own in figures.items():
         assert own == figures[scenario, "forced"]
-    assert run("explain", "done", "--condition", "machine", "--robot", 1, "--time", 20) == 0
-    assert run("record", "done", "--condition", "machine", "--output", "run.swarm") == 0
+    done("explain", "done", "--condition", "machine", "--robot", 1, "--time", 20)
+    done("record", "done", "--condition", "machine", "--output", "run.swarm")
 
 
 def test_a_policy_decides_for_its_own_goal(folder):
@@ -95,40 +97,45 @@ def test_what_does_not_fit_is_one_line(folder, condition, message):
     assert "\n" not in str(told.value)
 
 
-def test_a_machine_that_has_changed_is_no_longer_the_same_evaluation(folder, capsys):
+@pytest.fixture
+def machine(folder):
+    """Results `done` of a machine; returns the file of its experiment."""
     path = written(folder, MACHINE)
-    assert run("evaluate", path, "--workers", 1, "--output", "done") == 0
+    done("evaluate", path, "--workers", 1, "--output", "done")
+    return path
+
+
+EXPLAIN = ("--robot", 1, "--time", 2)
+
+
+def test_a_machine_that_has_changed_is_no_longer_the_same_evaluation(folder, machine):
     (folder / "one.yaml").write_text(ONE.replace("RepulsionGradient", "Off"))
-    assert run("explain", "done", "--robot", 1, "--time", 20) == 2
-    assert "condition 'machine' has changed since the evaluation" in capsys.readouterr().err
-    assert run("evaluate", path, "--workers", 1, "--output", "done", "--resume") == 2
+    line = refused("explain", "done", *EXPLAIN)
+    assert "condition 'machine' has changed since the evaluation" in line
+    assert run("evaluate", machine, "--workers", 1, "--output", "done", "--resume") == 2
 
 
-@pytest.mark.parametrize("held", [None, [1], {}, {"machine": "fsm:one.yaml", "more": "Random"}])
-def test_a_manifest_whose_deciders_are_not_those_of_its_conditions_is_refused(folder, held, capsys):
-    path = written(folder, MACHINE)
-    assert run("evaluate", path, "--workers", 1, "--output", "done") == 0
-    manifest = json.loads((folder / "done" / "manifest.json").read_text())
-    manifest["identity"]["deciders"] = held
-    (folder / "done" / "manifest.json").write_text(json.dumps(manifest))
-    assert run("explain", "done", "--robot", 1, "--time", 20) == 2
-    error = capsys.readouterr().err.splitlines()[-1]
-    assert "identity: deciders: expected" in error or "condition 'machine' has changed since" in error
+def test_a_manifest_whose_deciders_are_not_those_of_its_conditions_is_refused(machine):
+    for number, held in enumerate((None, [1], {}, {"machine": "fsm:one.yaml", "more": "Random"})):
+        results = Path(f"changed-{number}")
+        changed(Path("done"), results, lambda manifest, held=held: manifest["identity"].update(deciders=held))
+        line = refused("explain", results, *EXPLAIN)
+        assert "identity: deciders: expected" in line or "condition 'machine' has changed since" in line, held
 
 
-def test_a_condition_is_explained_though_another_one_names_code(folder, capsys):
-    path = written(folder, MACHINE)
-    assert run("evaluate", path, "--workers", 1, "--output", "done") == 0
-    manifest = json.loads((folder / "done" / "manifest.json").read_text())
+def test_a_condition_is_explained_though_another_one_names_code(machine):
     stranger = {"name": "stranger", "strategy": {"name": "canary:Own"}}
-    manifest["identity"]["configuration"]["conditions"].append(stranger)
-    (folder / "done" / "manifest.json").write_text(json.dumps(manifest))
-    assert run("explain", "done", "--robot", 1, "--time", 2) == 0
-    assert run("explain", "done", "--robot", 1, "--time", 2, "--condition", "stranger") == 2
-    assert "only a file asks to import canary:Own" in capsys.readouterr().err
+    results = Path("changed")
+    changed(
+        Path("done"), results, lambda manifest: manifest["identity"]["configuration"]["conditions"].append(stranger)
+    )
+    done("explain", results, *EXPLAIN)
+    line = refused("explain", results, *EXPLAIN, "--condition", "stranger")
+    assert "only a file asks to import canary:Own" in line
 
 
-def test_a_bandit_that_does_not_learn_is_named(folder, capsys):
+def test_a_bandit_that_does_not_learn_is_named(folder):
     path = written(folder, {"name": "bandit", "strategy": "UCB1"}, FORCED)
-    assert run("evaluate", path, "--workers", 1, "--scenarios", 1, "--output", "done") == 0
-    assert "bandit: has learned nothing and learns nothing; --learn" in capsys.readouterr().err
+    code, _, err = command("evaluate", path, "--workers", 1, "--scenarios", 1, "--output", "done")
+    assert code == 0
+    assert "bandit: has learned nothing and learns nothing; --learn" in err

@@ -1,6 +1,8 @@
 """`clean-swarm explain` and `record`: a run repeated with explained robots takes the same course and tells why."""
 
 import json
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, run_mission
 from tests.clean_swarm_env.courses import difference, snapshot
-from tests.train.commands import run
+from tests.train.commands import changed, command, done, refused
 from train.evaluation.repeat import steps_of, task_of
 
 CONDITIONS = [
@@ -27,7 +29,7 @@ def evaluated(tmp_path_factory) -> Path:
     experiment = {"name": "short", "mission": mission, "conditions": CONDITIONS}
     (directory / "short.yaml").write_text(json.dumps(experiment))
     words = ["evaluate", directory / "short.yaml", "--scenarios", 2, "--seed", 5, "--workers", 1]
-    assert run(*words, "--output", directory / "run") == 0
+    done(*words, "--output", directory / "run")
     return directory / "run"
 
 
@@ -45,21 +47,14 @@ def changing(tmp_path_factory) -> Path:
         json.dumps({"name": "short", "mission": mission, "conditions": CONDITIONS[:1]})
     )
     words = ["evaluate", directory / "short.yaml", "--scenarios", 1, "--workers", 1]
-    assert run(*words, "--output", directory / "run") == 0
+    done(*words, "--output", directory / "run")
     return directory / "run"
 
 
-@pytest.fixture
-def told(capsys, monkeypatch):
-    """Run the command line: code, output, errors."""
+@pytest.fixture(autouse=True)
+def narrow(monkeypatch):
+    """Have a terminal of 80 columns."""
     monkeypatch.setenv("COLUMNS", "80")
-
-    def call(*words: object) -> tuple[int, str, str]:
-        capsys.readouterr()
-        code = run(*words)
-        return code, *capsys.readouterr()
-
-    return call
 
 
 def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
@@ -85,7 +80,7 @@ def test_a_repeated_run_comes_to_what_the_evaluation_wrote(evaluated):
 
 
 @pytest.mark.parametrize("time", [0.0, 0.2, 7.0, 30.0])
-def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, told, time):
+def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, time):
     task, step = task_of(evaluated), round(time / 0.2)
     course = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "1"), task.scores))
     places, runs = [np.array(task.first.start.robots)[:, :2]], []
@@ -98,9 +93,7 @@ def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, to
         way = np.abs([place[robot] - places[step][robot] for place in places[: step + 1]])
         away = np.hypot(*np.minimum(way, course.worlds.extent - way).T) >= 0.1
         since = max([-1, *(k for k in range(step + 1) if away[k])]) + 1
-        code, out, err = told("explain", evaluated, "--robot", robot, "--time", time, "--json")
-        assert code == 0, err
-        shown = json.loads(out)
+        shown = json.loads(done("explain", evaluated, "--robot", robot, "--time", time, "--json"))
         assert shown["stayed_s"] == pytest.approx((step - since) * 0.2)
         assert shown["running_s"].keys() == {name for b, name in enumerate(names) if runs[step][robot, b]}
         for name, seconds in shown["running_s"].items():
@@ -108,22 +101,18 @@ def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, to
             assert seconds == pytest.approx((step - began + 1) * 0.2)
 
 
-def test_robots_that_join_are_explained_from_then_on(changing, told):
-    code, out, err = told("explain", changing, "--robot", 5, "--time", 1.8)
-    assert (code, out) == (2, "")
-    assert err == (
+def test_robots_that_join_are_explained_from_then_on(changing):
+    assert refused("explain", changing, "--robot", 5, "--time", 1.8) == (
         "error: robot 5: expected a robot that is in the team at 1.8 s; "
         "it joins at 2 s, or later if its place is not free\n"
     )
-    code, out, err = told("explain", changing, "--robot", 6, "--time", 1.0)
-    assert (code, err) == (2, "error: --robot: expected a number from 0 to 5, got 6\n")
+    line = refused("explain", changing, "--robot", 6, "--time", 1.0)
+    assert line == "error: --robot: expected a number from 0 to 5, got 6\n"
     path = changing.parent / "run.swarm"
-    assert told("record", changing, "--output", path)[0] == 0
+    done("record", changing, "--output", path)
     places = np.stack([RecordedMission(path)["x"][:, 5], RecordedMission(path)["y"][:, 5]], axis=1)
     for frame in (10, 11, 20, 39):
-        code, out, err = told("explain", changing, "--robot", 5, "--time", frame * 0.2, "--json")
-        assert code == 0, err
-        step = json.loads(out)
+        step = json.loads(done("explain", changing, "--robot", 5, "--time", frame * 0.2, "--json"))
         near = np.linalg.norm(places[10:frame] - places[frame], axis=1) < 0.1
         since = max([-1, *np.flatnonzero(~near)]) + 1
         assert (step["robot"], step["state"]) == (5, "at work")
@@ -131,7 +120,7 @@ def test_robots_that_join_are_explained_from_then_on(changing, told):
         assert all(0.2 <= seconds <= (frame - 9) * 0.2 + 1e-9 for seconds in step["running_s"].values())
 
 
-def test_robots_that_are_not_at_work_are_said_to_be(changing, told):
+def test_robots_that_are_not_at_work_are_said_to_be(changing):
     for robot, time, state, said in (
         (1, 2.8, "at work", ""),
         (1, 3.0, "failed", "it has failed: its body stays"),
@@ -139,16 +128,14 @@ def test_robots_that_are_not_at_work_are_said_to_be(changing, told):
         (2, 4.0, "taken away", "it has been taken away"),
     ):
         words = ("explain", changing, "--robot", robot, "--time", time)
-        assert json.loads(told(*words, "--json")[1])["state"] == state
-        lines = told(*words)[1].splitlines()
+        assert json.loads(done(*words, "--json"))["state"] == state
+        lines = done(*words).splitlines()
         assert not said or said in lines
         assert not said or not any("has run for" in line or "has stayed" in line for line in lines)
 
 
-def test_a_step_is_a_table_and_a_tree_of_80_columns(evaluated, told):
-    code, out, err = told("explain", evaluated, "--robot", 3, "--time", 4.1)
-    assert code == 0, err
-    lines = out.splitlines()
+def test_a_step_is_a_table_and_a_tree_of_80_columns(evaluated):
+    lines = done("explain", evaluated, "--robot", 3, "--time", 4.1).splitlines()
     assert max(map(len, lines)) <= 80
     assert lines[0] == "short, seed 5, RepulsionFernandez, scenario 1"
     assert lines[1].startswith("robot 3 at 4 s (step 20); AvoidCollision by RepulsionFernandez")
@@ -162,14 +149,12 @@ def test_a_step_is_a_table_and_a_tree_of_80_columns(evaluated, told):
     assert any(line.startswith("goal ") for line in lines)
 
 
-def test_json_holds_the_same_step_of_every_robot(evaluated, told):
+def test_json_holds_the_same_step_of_every_robot(evaluated):
     worlds = next(w for w in steps_of(task_of(evaluated, "2", "RepulsionGradient")) if w.ticks[0] == 51)
     names = [behaviour.name for behaviour in worlds.network.model.behaviours]
     for robot in range(5):
         words = ("--scenario", 2, "--condition", "RepulsionGradient", "--json")
-        code, out, _ = told("explain", evaluated, "--robot", robot, "--time", 10, *words)
-        assert code == 0
-        step = json.loads(out)
+        step = json.loads(done("explain", evaluated, "--robot", robot, "--time", 10, *words))
         assert (step["scenario"], step["condition"], step["robot"]) == ("2", "RepulsionGradient", robot)
         assert (step["step"], step["time_s"]) == (50, 10.0)
         assert step["options"] == {"AvoidCollision": "RepulsionGradient"}
@@ -193,14 +178,13 @@ def test_the_plan_from_finding_to_dumping_is_seen(evaluated):
     pytest.fail(f"no robot ever planned {wanted}")
 
 
-def test_the_last_step_is_the_one_that_dumps_the_last_item(evaluated, told):
+def test_the_last_step_is_the_one_that_dumps_the_last_item(evaluated):
     first = json.loads((evaluated / "runs.jsonl").read_text().splitlines()[0])
     end = first["duration_s"]
     words = ("--robot", 0, "--scenario", first["scenario"], "--condition", first["condition"])
-    assert told("explain", evaluated, *words, "--time", end)[0] == 0
-    code, _, err = told("explain", evaluated, *words, "--time", end + 0.2)
-    assert code == 2
-    assert f"this mission was completed after {end:g} s" in err
+    done("explain", evaluated, *words, "--time", end)
+    line = refused("explain", evaluated, *words, "--time", end + 0.2)
+    assert f"this mission was completed after {end:g} s" in line
 
 
 @pytest.mark.parametrize(
@@ -215,90 +199,83 @@ def test_the_last_step_is_the_one_that_dumps_the_last_item(evaluated, told):
         (["--time", "1e9"], "--time 1e+09: this mission was completed after "),
     ],
 )
-def test_what_does_not_exist_is_one_line(evaluated, told, words, expected):
-    code, out, err = told("explain", evaluated, "--robot", 0, "--time", 1.0, *words)
-    assert code == 2
-    assert out == ""
-    assert expected in err
-    assert err.startswith("error: ")
-    assert len(err.splitlines()) == 1
+def test_what_does_not_exist_is_one_line(evaluated, words, expected):
+    assert expected in refused("explain", evaluated, "--robot", 0, "--time", 1.0, *words)
 
 
-def test_directories_without_results_are_refused(tmp_path, told):
-    words = ("--robot", 0, "--time", 1)
-    code, _, err = told("explain", tmp_path / "none", *words)
-    missing = f"error: {tmp_path / 'none'}: cannot be read (No such file or directory)"
-    assert (code, err.splitlines()) == (2, [missing])
-    code, _, err = told("explain", tmp_path, *words)
-    assert code == 2
-    assert "has no manifest.json; expected the results of an evaluation" in err
+FIRST = ("--robot", 0, "--time", 1)
+
+
+def test_what_is_no_directory_of_results_is_refused(tmp_path):
+    missing = f"error: {tmp_path / 'none'}: cannot be read (No such file or directory)\n"
+    assert refused("explain", tmp_path / "none", *FIRST) == missing
+    line = refused("explain", tmp_path, *FIRST)
+    assert "has no manifest.json; expected the results of an evaluation" in line
     (tmp_path / "run.swarm").write_bytes(b"")
-    code, _, err = told("explain", tmp_path / "run.swarm", *words)
-    assert (code, err) == (2, f"error: {tmp_path / 'run.swarm'}: expected a directory of results, got a file\n")
-    cases = {
-        "{": "manifest.json: line 1: ",
-        "[]": "manifest.json: expected a mapping of keys, got list",
-        "{}": "expected the manifest of an evaluation",
-        '{"identity": {"learner": "ppo"}}': "expected the results of an evaluation, got those of a training",
-        '{"identity": {"study": {}, "family": {}}}': "expected the results of an evaluation, got those of a study",
-    }
-    for content, expected in cases.items():
-        (tmp_path / "manifest.json").write_text(content)
-        code, _, err = told("explain", tmp_path, *words)
-        assert code == 2
-        assert expected in err
-        assert len(err.splitlines()) == 1
+    line = refused("explain", tmp_path / "run.swarm", *FIRST)
+    assert line == f"error: {tmp_path / 'run.swarm'}: expected a directory of results, got a file\n"
 
 
-def _with_manifest(evaluated, directory, change) -> Path:
-    manifest = json.loads((evaluated / "manifest.json").read_text())
-    change(manifest)
-    (directory / "manifest.json").write_text(json.dumps(manifest))
-    return directory
+@pytest.mark.parametrize(
+    ("manifest", "expected"),
+    [
+        ("{", "manifest.json: line 1: "),
+        ("[]", "manifest.json: expected a mapping of keys, got list"),
+        ("{}", "expected the manifest of an evaluation"),
+        ('{"identity": {"learner": "ppo"}}', "expected the results of an evaluation, got those of a training"),
+        (
+            '{"identity": {"study": {}, "family": {}}}',
+            "expected the results of an evaluation, got those of a study",
+        ),
+    ],
+)
+def test_a_manifest_of_something_else_is_refused(tmp_path, manifest, expected):
+    (tmp_path / "manifest.json").write_text(manifest)
+    assert expected in refused("explain", tmp_path, *FIRST)
 
 
-def test_a_run_of_other_mechanisms_is_not_repeated(evaluated, tmp_path, told):
-    def change(manifest):
-        manifest["identity"]["files"]["mechanisms/RepulsionGradient.yaml"] = "0"
+@pytest.mark.parametrize(
+    ("keys", "value", "expected"),
+    [
+        (
+            ("identity", "files", "mechanisms/RepulsionGradient.yaml"),
+            "0",
+            "mechanisms/RepulsionGradient.yaml has changed since the evaluation",
+        ),
+        (
+            ("identity", "configuration", "mission", "robots", "radius"),
+            -1.0,
+            "manifest.json: identity.configuration: mission.robots.radius: expected",
+        ),
+        (
+            ("identity", "configuration", "mission", "time_limit"),
+            1.0,
+            "this mission ended uncompleted at its time limit of 1 s",
+        ),
+    ],
+)
+def test_a_manifest_that_was_changed_is_refused(evaluated, tmp_path, keys, value, expected):
+    assert expected in refused("explain", changed(evaluated, tmp_path / "run", putting(keys, value)), *FIRST)
 
-    code, _, err = told("explain", _with_manifest(evaluated, tmp_path, change), "--robot", 0, "--time", 1)
-    assert code == 2
-    assert "mechanisms/RepulsionGradient.yaml has changed since the evaluation" in err
+
+def putting(keys, value):
+    """Return what puts a value into a tree of mappings."""
+    *above, last = keys
+    return lambda tree: reduce(getitem, above, tree).__setitem__(last, value)
 
 
-def test_a_manifest_with_a_mistake_names_file_and_key(evaluated, tmp_path, told):
-    def change(manifest):
-        manifest["identity"]["configuration"]["mission"]["robots"]["radius"] = -1.0
-
-    code, _, err = told("explain", _with_manifest(evaluated, tmp_path, change), "--robot", 0, "--time", 1)
-    assert code == 2
-    assert "manifest.json: identity.configuration: mission.robots.radius: expected" in err
-
-
-def test_other_versions_are_noted(evaluated, tmp_path, told):
-    def change(manifest):
-        manifest["versions"]["numba"] = "0.1"
-
-    code, _, err = told("explain", _with_manifest(evaluated, tmp_path, change), "--robot", 0, "--time", 1)
+def test_other_versions_and_the_last_step_before_the_time_limit_are_explained(evaluated, tmp_path):
+    other = changed(evaluated, tmp_path / "other", putting(("versions", "numba"), "0.1"))
+    code, _, err = command("explain", other, *FIRST)
     assert code == 0
     assert "the course may differ from the one then: numba 0.1, now " in err
+    limit = ("identity", "configuration", "mission", "time_limit")
+    done("explain", changed(evaluated, tmp_path / "short", putting(limit, 3.0)), "--robot", 0, "--time", 2.9)
 
 
-def test_a_mission_that_ran_out_of_time_says_so(evaluated, tmp_path, told):
-    def change(manifest):
-        manifest["identity"]["configuration"]["mission"]["time_limit"] = 3.0
-
-    directory = _with_manifest(evaluated, tmp_path, change)
-    assert told("explain", directory, "--robot", 0, "--time", 2.9)[0] == 0
-    code, _, err = told("explain", directory, "--robot", 0, "--time", 3.0)
-    assert code == 2
-    assert "this mission ended uncompleted at its time limit of 3 s" in err
-
-
-def test_a_recording_holds_what_explain_says(evaluated, tmp_path, told):
+def test_a_recording_holds_what_explain_says(evaluated, tmp_path):
     path = tmp_path / "run.swarm"
-    code, out, err = told("record", evaluated, "--output", path, "--scenario", "2")
-    assert code == 0, err
+    out = done("record", evaluated, "--output", path, "--scenario", "2")
     recording = RecordedMission(path)
     assert recording.head["about"] == {
         "scenario": "2",
@@ -313,7 +290,7 @@ def test_a_recording_holds_what_explain_says(evaluated, tmp_path, told):
     names = recording.head["networks"]["robot"]
     for frame, robot in ((0, 0), (40, 1), (recording.frames - 1, 4)):
         time = frame * recording.period
-        step = json.loads(told("explain", evaluated, "--scenario", 2, "--robot", robot, "--time", time, "--json")[1])
+        step = json.loads(done("explain", evaluated, "--scenario", 2, "--robot", robot, "--time", time, "--json"))
         values = recording["robot/values"][frame, robot]
         for account in step["behaviours"]:
             b = names["behaviours"].index(account["name"])
@@ -329,31 +306,25 @@ def test_a_recording_holds_what_explain_says(evaluated, tmp_path, told):
         assert dict(zip(names["sensors"], recording["robot/readings"][frame, robot], strict=True)) == pytest.approx(
             step["readings"], abs=0.00051
         )
-    code, _, err = told("record", evaluated, "--output", path)
-    assert (code, "exists already; expected a new file" in err) == (2, True)
-    code, _, err = told("record", evaluated, "--output", tmp_path / "run.npz")
-    assert (code, "expected a name that ends with .swarm" in err) == (2, True)
+    for name, expected in (
+        ("run.swarm", "exists already; expected a new file"),
+        ("run.npz", "expected a name that ends with .swarm"),
+        ("none/run.swarm", "cannot be written"),
+    ):
+        assert expected in refused("record", evaluated, "--output", tmp_path / name)
 
 
-def test_a_running_coordinator_is_explained_from_inside(evaluated, told):
+def test_a_running_coordinator_is_explained_from_inside(evaluated):
     for worlds in steps_of(task_of(evaluated)):
         running = np.flatnonzero(worlds.network.executing[:, worlds.minds.coordinator_of(GOAL).index])
         if len(running):
             break
     robot, time = running[0], (worlds.ticks[0] - 1) * 0.2
-    _, out, _ = told("explain", evaluated, "--robot", robot, "--time", time)
-    assert "inside AvoidCollision: RepulsionFernandez" in out
-    _, out, _ = told("explain", evaluated, "--robot", robot, "--time", time, "--json")
-    (coordinator,) = json.loads(out)["coordinators"]
+    words = ("explain", evaluated, "--time", time, "--robot")
+    assert "inside AvoidCollision: RepulsionFernandez" in done(*words, robot)
+    (coordinator,) = json.loads(done(*words, robot, "--json"))["coordinators"]
     assert (coordinator["goal"], coordinator["option"]) == ("AvoidCollision", "RepulsionFernandez")
     (inside,) = coordinator["inner"]["behaviours"]
     assert (inside["name"], inside["running"], inside["why"]) == ("Avoid", True, "started: ready and active enough")
     idle = next(row for row in range(5) if row not in running)
-    _, out, _ = told("explain", evaluated, "--robot", idle, "--time", time, "--json")
-    assert json.loads(out)["coordinators"][0]["inner"] is None
-
-
-def test_a_recording_needs_a_directory(evaluated, tmp_path, told):
-    code, _, err = told("record", evaluated, "--output", tmp_path / "none" / "run.swarm")
-    assert code == 2
-    assert "cannot be written" in err
+    assert json.loads(done(*words, idle, "--json"))["coordinators"][0]["inner"] is None

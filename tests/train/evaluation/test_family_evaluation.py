@@ -1,9 +1,7 @@
 """Strategies on a family, by the command line: same results in any number of processes, going on, mistakes."""
 
-import csv
 import json
 import shutil
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +19,7 @@ from selector.strategies.problem import Problem
 from selector.strategies.registry import create
 from selector.strategies.streams import row_keys
 from tests.paths import TRAINED
-from train import cli
+from tests.train.commands import command, cut, done, refused, runs
 from train.analysis.statistics import share_cell
 from train.deciders.named import decider_named
 from train.evaluation.claims import claims_over, claims_table
@@ -45,37 +43,23 @@ def family(tmp_path):
 
 
 @pytest.fixture
-def evaluate(monkeypatch, capsys, tmp_path, family):
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["clean-swarm", "evaluate", "--family", str(family), *map(str, words)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capsys.readouterr()
-        return int(ended.value.code or 0), out, err
-
-    return call
+def words(family):
+    """The beginning of the commands."""
+    return "evaluate", "--family", family, "--workers", 1
 
 
-def rows_of(directory):
-    with (directory / "runs.csv").open(newline="") as file:
-        return [{k: v for k, v in row.items() if k != "wall_s"} for row in csv.DictReader(file)]
-
-
-def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(evaluate, tmp_path):
-    words = ("--strategy", "fixed", "--strategy", "fsm:rule", "--strategy", "Random", "--workers", "1")
-    words += ("--scenarios", "3", "--world-seeds", "2")
-    code, out, _ = evaluate(*words, "--output", tmp_path / "whole", "--all")
-    assert code == 0
+def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(words, tmp_path):
+    words += ("--strategy", "fixed", "--strategy", "fsm:rule", "--strategy", "Random")
+    words += ("--scenarios", 3, "--world-seeds", 2)
+    out = done(*words, "--output", tmp_path / "whole", "--all")
     assert "the oracle chose on other world seeds" in out or "no gap" in out
-    assert {row["scenario"] for row in rows_of(tmp_path / "whole")} == {
+    assert {row["scenario"] for row in runs(tmp_path / "whole")} == {
         f"test-{k}{w}" for k in (1, 2, 3) for w in ("", ".2")
     }
     assert (tmp_path / "whole" / "figure.png").stat().st_size > 1000
-    code, _, _ = evaluate(*words, "--output", tmp_path / "cut")
-    journal = tmp_path / "cut" / "runs.jsonl"
-    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[::3]))
-    assert evaluate(*words, "--output", tmp_path / "cut", "--resume")[0] == 0
-    assert rows_of(tmp_path / "cut") == rows_of(tmp_path / "whole")
+    cut(tmp_path / "whole", tmp_path / "cut", slice(None, None, 3))
+    done(*words, "--output", tmp_path / "cut", "--resume")
+    assert runs(tmp_path / "cut") == runs(tmp_path / "whole")
     summary = json.loads((tmp_path / "whole" / "summary.json").read_text())
     assert summary == json.loads((tmp_path / "cut" / "summary.json").read_text())
     assert set(summary["strategies"]) >= {"fsm:rule", "Random", *summary["best_fixed"]}
@@ -83,31 +67,30 @@ def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(evaluate, tmp
     assert all(one["ratio"]["p"] is None for one in summary["comparison"])
 
 
-def test_strategies_and_scenarios_can_be_added_later(evaluate, tmp_path):
-    assert evaluate("--strategy", "Random", "--scenarios", "1", "--output", tmp_path / "grown")[0] == 0
-    words = ("--strategy", "fsm:rule", "--strategy", "Random", "--scenarios", "2")
-    code, out, _ = evaluate(*words, "--output", tmp_path / "grown", "--resume")
-    assert code == 0
-    assert evaluate(*words, "--output", tmp_path / "whole")[1] == out.replace("grown", "whole")
-    assert rows_of(tmp_path / "grown") == rows_of(tmp_path / "whole")
+def test_strategies_and_scenarios_can_be_added_later(words, undrawn, tmp_path):
+    done(*words, "--strategy", "Random", "--scenarios", 1, "--output", tmp_path / "grown")
+    words += ("--strategy", "fsm:rule", "--strategy", "Random", "--scenarios", 2)
+    out = done(*words, "--output", tmp_path / "grown", "--resume")
+    assert done(*words, "--output", tmp_path / "whole") == out.replace("grown", "whole")
+    assert runs(tmp_path / "grown") == runs(tmp_path / "whole")
     manifest = json.loads((tmp_path / "grown" / "manifest.json").read_text())
     assert set(manifest["identity"]["strategies"]) == {"Random", "fsm:rule", "fixed:Off"}
 
 
-def test_a_strategy_that_was_trained_again_is_another_one(evaluate, tmp_path):
+def test_a_strategy_that_was_trained_again_is_another_one(words, undrawn, tmp_path):
     policy = tmp_path / "policy"
     shutil.copytree(find_policy("general", (TRAINED,)), policy)
-    words = ("--strategy", f"P=policy:{policy}", "--scenarios", "1", "--output", tmp_path / "results")
-    assert evaluate(*words)[0] == 0
+    words += ("--strategy", f"P=policy:{policy}", "--scenarios", 1, "--output", tmp_path / "results")
+    done(*words)
     learned = load_policy(policy)
     learned.weights["options.bias"][0] += 1.0
     save_policy(policy, learned)
-    code, _, err = evaluate(*words, "--resume")
+    code, _, err = command(*words, "--resume")
     assert code == 2
     assert "has other results: strategies.P differ" in err
 
 
-def test_what_strategies_learned_is_taken_from_their_files(evaluate, tmp_path):
+def test_what_strategies_learned_is_taken_from_their_files(words, undrawn, tmp_path):
     problem = Problem.of(load_knowledge("avoidance"), "AvoidCollision", ("free_far",))
     scores = np.arange(len(problem.options)) == problem.options.index("RepulsionGradient")
     told = replace(problem, scores=np.where(scores, 1.0, 0.0))
@@ -116,12 +99,11 @@ def test_what_strategies_learned_is_taken_from_their_files(evaluate, tmp_path):
     for name in ("a", "b"):
         save_strategy(tmp_path / f"{name}.safetensors", strategy)
     files = f"learned:{tmp_path / 'a.safetensors'}+{tmp_path / 'b.safetensors'}"
-    words = ("--strategy", files, "--strategy", "fixed:RepulsionGradient", "--scenarios", "1")
-    assert evaluate(*words, "--output", tmp_path / "results")[0] == 0
-    rows = rows_of(tmp_path / "results")
-    runs = {row.pop("condition"): row for row in rows}
-    assert set(runs) == {"learned#1", "learned#2", "fixed:RepulsionGradient", "fixed:Off", "Random"}
-    assert runs["learned#1"] == runs["learned#2"] == runs["fixed:RepulsionGradient"]
+    words += ("--strategy", files, "--strategy", "fixed:RepulsionGradient", "--scenarios", 1)
+    done(*words, "--output", tmp_path / "results")
+    found = {row.pop("condition"): row for row in runs(tmp_path / "results")}
+    assert set(found) == {"learned#1", "learned#2", "fixed:RepulsionGradient", "fixed:Off", "Random"}
+    assert found["learned#1"] == found["learned#2"] == found["fixed:RepulsionGradient"]
 
 
 def test_a_mission_takes_the_same_course_beside_any_others(family):
@@ -138,7 +120,7 @@ def test_a_mission_takes_the_same_course_beside_any_others(family):
 
 
 @pytest.mark.parametrize(
-    ("words", "line"),
+    ("more", "line"),
     [
         (("--strategy", "UCB2"), "unknown strategy 'UCB2'"),
         (("--strategy", "policy:none"), "unknown policy 'none'"),
@@ -148,11 +130,8 @@ def test_a_mission_takes_the_same_course_beside_any_others(family):
         (("--starts", "x.json"), "--starts: expected without --family only"),
     ],
 )
-def test_mistakes_are_one_line_and_nothing_is_written(evaluate, tmp_path, words, line):
-    code, _, err = evaluate(*words, "--output", tmp_path / "none")
-    assert code == 2
-    assert line in err
-    assert len(err.strip().splitlines()) == 1
+def test_mistakes_are_one_line_and_nothing_is_written(words, tmp_path, more, line):
+    assert line in refused(*words, *more, "--output", tmp_path / "none")
     assert not (tmp_path / "none").exists()
 
 
@@ -184,35 +163,33 @@ def test_a_learned_strategy_fits_the_families_and_explores_no_more():
     assert trial(0)[0].completed
 
 
-def test_claims_over_two_families_are_those_of_their_directories(evaluate, tmp_path, family):
+def test_claims_over_two_families_are_those_of_their_directories(words, undrawn, tmp_path, family):
     for name in ("small", "other"):
         family.write_text(yaml.safe_dump({**FAMILY, "name": name}))
-        words = ("--strategy", "fixed:RepulsionGradient", "--scenarios", "2", "--workers", "1")
-        assert evaluate(*words, "--output", tmp_path / name)[0] == 0
+        done(*words, "--strategy", "fixed:RepulsionGradient", "--scenarios", 2, "--output", tmp_path / name)
     claims, shares = claims_over([tmp_path / "small", tmp_path / "other"], ["Random"], "fixed:Off")
     assert [(claim.family, claim.strategy, claim.against) for claim in claims] == [
         ("small", "Random", "fixed:Off"),
         ("other", "Random", "fixed:Off"),
     ]
-    rows = rows_of(tmp_path / "small")
+    rows = runs(tmp_path / "small")
     summary = json.loads((tmp_path / "small" / "summary.json").read_text())["strategies"]
     ratio = summary["Random"]["excess_s"]["mean"] / summary["fixed:Off"]["excess_s"]["mean"]
     assert claims[0].ratio == pytest.approx(ratio)
     assert [(claim.p, claim.holm) for claim in claims] == [(None, None)] * 2
     table = markdown(claims_table(claims, shares))
     assert "2 scenarios: no statement; about " in table
-    done = {name: [row["completed"] for row in rows if row["condition"] == name] for name in ("Random", "fixed:Off")}
-    left = [share_cell(1.0 - np.mean([completed == "True" for completed in own])) for own in done.values()]
+    ended = {name: [row["completed"] for row in rows if row["condition"] == name] for name in ("Random", "fixed:Off")}
+    left = [share_cell(1.0 - np.mean([completed == "True" for completed in own])) for own in ended.values()]
     assert f"| {' / '.join(left)} |" in table
     best = json.loads((tmp_path / "small" / "summary.json").read_text())["best_fixed"]
     (claim,), shares = claims_over([tmp_path / "small"], ["Random"], "")
     assert claim.against == " / ".join(dict.fromkeys(best))
     assert set(shares["small"]) == {"Random", "fixed:Off", "fixed:RepulsionGradient", claim.against}
-    journal = tmp_path / "other" / "runs.jsonl"
-    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[1:]))
+    cut(tmp_path / "other", tmp_path / "cut", slice(1, None))
     for directories, message in (
         ([tmp_path / "small"] * 2, "expected each family once, got small twice"),
-        ([tmp_path / "other"], "1 are missing"),
+        ([tmp_path / "cut"], "1 are missing"),
     ):
         with pytest.raises(ConfigurationError, match=message):
             claims_over(directories, ["Random"], "")

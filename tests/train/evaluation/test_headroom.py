@@ -1,13 +1,11 @@
 """The headroom of a family: the search finds what is planted, and is judged on other scenarios."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
-from tests.train.commands import run, told
+from tests.train.commands import cut, done, refused
 from tests.train.records import record
 from train.evaluation import headroom
 from train.evaluation.headroom import (
@@ -19,6 +17,7 @@ from train.evaluation.headroom import (
 )
 from train.request import Request
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 SITUATIONS = ("free_far", "free_near", "carrying_far", "carrying_near")
 
 
@@ -136,24 +135,23 @@ def test_rules_may_be_told_what_no_robot_senses():
     assert "true_spots" in HeadroomEvaluation(asked, situations, 2, told=("true_season",)).problem.features
 
 
-def test_a_search_that_was_cut_off_goes_on_to_the_same_results(tmp_path, monkeypatch, capsys):
+def test_a_search_that_was_cut_off_goes_on_to_the_same_results(tmp_path, monkeypatch):
     monkeypatch.setattr(headroom, "MOST_ROUNDS", 1)
     family = load_family("random-bumpers")
     family = family.model_copy(update={"mission": family.mission.model_copy(update={"time_limit": 5.0})})
     monkeypatch.setattr("train.evaluation.family.load_family", lambda *_: family)
-    words = ["study", "headroom", "random-bumpers", "--searched", 2, "--judged", 2, "--workers", 1, "--output"]
-    for name in ("whole", "cut"):
-        assert told(capsys, *words, tmp_path / name)[0] == 0
-    journal: Path = tmp_path / "cut" / "runs.jsonl"
-    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[::5]))
-    assert told(capsys, *words, tmp_path / "cut", "--resume")[0] == 0
-    whole, cut = ((tmp_path / name / "table.md").read_text() for name in ("whole", "cut"))
-    assert whole == cut
+    words = ["study", "headroom", "random-bumpers", "--knowledge", "repulsion", "--situations", "free_far,free_near"]
+    words += ["--searched", 2, "--judged", 2, "--workers", 1, "--output"]
+    done(*words, tmp_path / "whole")
+    cut(tmp_path / "whole", tmp_path / "cut", slice(None, None, 5))
+    done(*words, tmp_path / "cut", "--resume")
+    whole, again = ((tmp_path / name / "table.md").read_text() for name in ("whole", "cut"))
+    assert whole == again
 
 
-def test_unknown_situations_are_one_line(capsys):
-    assert run("study", "headroom", "random", "--situations", "free_far,asleep") == 2
-    assert "--situations: unknown component 'asleep'" in capsys.readouterr().err
+def test_unknown_situations_are_one_line():
+    line = refused("study", "headroom", "random", "--situations", "free_far,asleep")
+    assert "--situations: unknown component 'asleep'" in line
 
 
 def test_situations_may_come_from_the_terms_of_a_mission():

@@ -8,7 +8,7 @@ import yaml
 
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.paths import TRAINED
-from tests.train.commands import run
+from tests.train.commands import changed, done, refused
 
 FAMILY = {
     "name": "small",
@@ -20,24 +20,13 @@ FAMILY = {
 STRATEGIES = ("fsm:rule", "policy:general", "Random", "fixed:RepulsionGradient")
 
 
-@pytest.fixture
-def told(capsys):
-    """Run the command line: code, output, errors."""
-
-    def call(*words: object) -> tuple[int, str, str]:
-        capsys.readouterr()
-        return run(*words), *capsys.readouterr()
-
-    return call
-
-
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     directory = tmp_path_factory.mktemp("family")
     (directory / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     words = [word for name in STRATEGIES for word in ("--strategy", name)]
     words += ["--scenarios", 2, "--workers", 1, "--minds", "--configs", TRAINED, "--output", directory / "run"]
-    assert run("evaluate", "--family", directory / "small.yaml", *words) == 0
+    done("evaluate", "--family", directory / "small.yaml", *words)
     return directory / "run"
 
 
@@ -53,17 +42,16 @@ def test_every_run_has_a_recording_with_its_result(results):
 
 
 @pytest.mark.parametrize("condition", STRATEGIES)
-def test_a_run_that_is_repeated_has_the_same_recording(results, tmp_path, told, condition):
+def test_a_run_that_is_repeated_has_the_same_recording(results, tmp_path, condition):
     first = RecordedMission(results / "recordings" / f"test-2-{condition.replace(':', '_')}.swarm")
     words = ("--scenario", "test-2", "--condition", condition, "--output", tmp_path / "again.swarm")
-    code, _, err = told("record", results, *words)
-    assert code == 0, err
+    done("record", results, *words)
     again = RecordedMission(tmp_path / "again.swarm")
     assert again.checksums() == first.checksums()
     assert again.head["about"] == first.head["about"]
     frame, robot = first.frames // 2, 1
     words = ("--scenario", "test-2", "--condition", condition, "--robot", robot, "--time", frame * first.period)
-    step = json.loads(told("explain", results, *words, "--json")[1])
+    step = json.loads(done("explain", results, *words, "--json"))
     options = first.head["options"]["AvoidCollision"]
     assert step["options"]["AvoidCollision"] == options[first["held/AvoidCollision"][frame, robot]]
     readings = dict(zip(first.head["networks"]["robot"]["sensors"], first["robot/readings"][frame, robot], strict=True))
@@ -86,15 +74,11 @@ def test_what_each_strategy_thinks_of_the_options_is_recorded(results):
         assert set(np.unique(opinions[name])) == {0.0, 1.0}
 
 
-def test_runs_that_do_not_exist_or_have_changed_give_one_line(results, tmp_path, told):
+def test_runs_that_do_not_exist_or_have_changed_give_one_line(results, tmp_path):
     words = ("--robot", 0, "--time", 1)
-    code, _, err = told("explain", results, *words, "--scenario", "test-3")
-    assert (code, "unknown scenario 'test-3' (known: test-1, test-2; 2 in all)" in err) == (2, True)
-    manifest = json.loads((results / "manifest.json").read_text())
-    (tmp_path / "runs.jsonl").write_text((results / "runs.jsonl").read_text())
-    manifest["identity"]["strategies"]["policy:general"] = ["policy:general sha256:0"]
-    (tmp_path / "manifest.json").write_text(json.dumps(manifest))
-    code, _, err = told("explain", tmp_path, *words, "--condition", "policy:general")
-    assert code == 2
-    assert "condition 'policy:general' has changed since the evaluation; its runs cannot be repeated" in err
-    assert len(err.splitlines()) == 1
+    line = refused("explain", results, *words, "--scenario", "test-3")
+    assert "unknown scenario 'test-3' (known: test-1, test-2; 2 in all)" in line
+    trained_again = {"policy:general": ["policy:general sha256:0"]}
+    changed(results, tmp_path / "run", lambda manifest: manifest["identity"]["strategies"].update(trained_again))
+    line = refused("explain", tmp_path / "run", *words, "--condition", "policy:general")
+    assert "condition 'policy:general' has changed since the evaluation; its runs cannot be repeated" in line

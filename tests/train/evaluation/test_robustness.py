@@ -9,13 +9,14 @@ import yaml
 from clean_swarm_env.config.load import load_robustness
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import DocumentError
-from tests.train.commands import run
+from tests.train.commands import cut, done, refused, runs
 from tests.train.records import record
 from train.analysis.family_report import FamilyRuns
 from train.analysis.robustness_report import RobustnessReport, wilson
 from train.evaluation.repeat import task_of
 from train.running.runs import under
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 SMALL = {
     "name": "small",
     "description": "Two disturbances.",
@@ -63,26 +64,24 @@ def test_the_shipped_experiment_has_the_disturbances_that_are_asked_for():
 
 def test_figures_have_intervals_and_an_evaluation_goes_on_to_the_same_results(tmp_path):
     words = ("evaluate", written(tmp_path / "small.yaml"), "--workers", 1, "--output")
-    assert run(*words, tmp_path / "whole") == 0
-    assert run(*words, tmp_path / "cut") == 0
-    journal = tmp_path / "cut" / "runs.jsonl"
-    assert len(journal.read_text().splitlines()) == 2 * 3 * len((*SMALL["strategies"], *BESIDE))
-    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[::3]))
-    assert run(*words, tmp_path / "cut", "--resume") == 0
-    whole, cut = ((tmp_path / name / "summary.json").read_text() for name in ("whole", "cut"))
-    assert whole == cut
+    done(*words, tmp_path / "whole")
+    assert len(runs(tmp_path / "whole")) == 2 * 3 * len((*SMALL["strategies"], *BESIDE))
+    cut(tmp_path / "whole", tmp_path / "cut", slice(None, None, 3))
+    done(*words, tmp_path / "cut", "--resume")
+    whole, again = ((tmp_path / name / "summary.json").read_text() for name in ("whole", "cut"))
+    assert whole == again
     for by_strategy in json.loads(whole)["disturbances"].values():
         for figures in by_strategy.values():
             assert all(each["ci95"][0] <= each["value"] <= each["ci95"][1] for each in figures.values())
     repeated = task_of(tmp_path / "whole", "test-2", "loss all - fsm:rule")
     assert (repeated.scenarios[0].mission.delivery.loss, repeated.member) == (1.0, "fsm:rule")
-    assert run("explain", tmp_path / "whole", "--condition", "failing 1 - fsm:rule", "--robot", 1, "--time", 3) == 0
+    done("explain", tmp_path / "whole", "--condition", "failing 1 - fsm:rule", "--robot", 1, "--time", 3)
 
 
 def test_the_interval_of_a_share_is_by_the_scenarios_however_many_members_do_them():
-    for scenarios, done in ((20, 18), (25, 25), (7, 0)):
-        expected = scipy.stats.binomtest(done, scenarios).proportion_ci(method="wilson")
-        assert wilson(done / scenarios, scenarios) == pytest.approx((expected.low, expected.high))
+    for scenarios, ended in ((20, 18), (25, 25), (7, 0)):
+        expected = scipy.stats.binomtest(ended, scenarios).proportion_ci(method="wilson")
+        assert wilson(ended / scenarios, scenarios) == pytest.approx((expected.low, expected.high))
     family = load_robustness("robustness")
     records = [
         record(name, under(disturbance, member), completed=name != "test-1")
@@ -99,9 +98,9 @@ def test_the_interval_of_a_share_is_by_the_scenarios_however_many_members_do_the
 def test_strategies_can_be_added_later(tmp_path):
     path = written(tmp_path / "small.yaml", scenarios=1, disturbances=SMALL["disturbances"][:1])
     words = ("evaluate", path, "--workers", 1, "--output", tmp_path / "grown")
-    assert run(*words) == 0
+    done(*words)
     written(path, scenarios=1, disturbances=SMALL["disturbances"][:1], strategies=[*SMALL["strategies"], "MaxScore"])
-    assert run(*words, "--resume") == 0
+    done(*words, "--resume")
     summary = json.loads((tmp_path / "grown" / "summary.json").read_text())
     assert list(summary["disturbances"]["none"]) == [*SMALL["strategies"], "MaxScore", *BESIDE]
 
@@ -123,10 +122,9 @@ def test_mistakes_are_one_line_before_anything_runs(tmp_path, changes, message):
     assert len(str(error.value).splitlines()) == 1
 
 
-def test_options_that_have_no_meaning_here_are_refused(tmp_path, capsys):
-    path = written(tmp_path / "small.yaml")
-    assert run("evaluate", path, "--condition", "fsm:rule") == 2
-    assert "--condition: expected with experiments without disturbances only" in capsys.readouterr().err
+def test_options_that_have_no_meaning_here_are_refused(tmp_path):
+    line = refused("evaluate", written(tmp_path / "small.yaml"), "--condition", "fsm:rule")
+    assert "--condition: expected with experiments without disturbances only" in line
 
 
 def test_events_of_a_family_happen_in_each_of_its_scenarios():

@@ -11,7 +11,8 @@ import pytest
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
-from train.cli.app import app
+from tests.train.commands import done
+from train.deciders.decided_goal import DecidedGoal
 from train.deciders.models import ModelDecider, TrainedOn, remembered, write_names
 from train.deciders.named import decider_named
 from train.evaluation.family import FamilyEvaluation
@@ -24,8 +25,14 @@ from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
 from clean_swarm_env.sb3 import RobotVecEnv
 
+pytestmark = pytest.mark.extra
 KINDS = {"family": files_of("families"), "mission": files_of("missions")}
-SHIPPED = [(kind, name) for kind, names in KINDS.items() for name in names]
+FEW = [("family", "clustered"), ("mission", "table1")]
+SHIPPED = [
+    pytest.param(kind, name, marks=[] if (kind, name) in FEW else pytest.mark.long)
+    for kind, names in KINDS.items()
+    for name in names
+]
 
 
 def made(path, algorithm=PPO, **settings):
@@ -40,6 +47,14 @@ def made(path, algorithm=PPO, **settings):
     model.save(path)
     envs.save(path.with_suffix(".pkl"))
     return envs
+
+
+@pytest.fixture(scope="module")
+def clustered(tmp_path_factory):
+    """The file of a model of the family `clustered`."""
+    path = tmp_path_factory.mktemp("clustered") / "sb3_ppo.zip"
+    made(path, family="clustered")
+    return path
 
 
 def task(request):
@@ -67,7 +82,15 @@ def test_a_model_of_any_mission_and_family_is_evaluated(kind, name, tmp_path):
     assert own.settings.goal == "+".join(Batch(**settings_of(kind, name)).options)
 
 
-@pytest.mark.parametrize(("mode", "algorithm"), [("velocity", PPO), ("velocity", SAC), ("both", PPO), ("both", SAC)])
+@pytest.mark.parametrize(
+    ("mode", "algorithm"),
+    [
+        ("velocity", SAC),
+        ("both", PPO),
+        pytest.param("velocity", PPO, marks=pytest.mark.long),
+        pytest.param("both", SAC, marks=pytest.mark.long),
+    ],
+)
 def test_models_that_steer_or_correct_are_evaluated(mode, algorithm, tmp_path):
     for name, goals in (("exploring", 2), ("bumpers", 1)):
         path = tmp_path / f"{name}.zip"
@@ -79,17 +102,13 @@ def test_models_that_steer_or_correct_are_evaluated(mode, algorithm, tmp_path):
         assert envs.action_space.shape == ((2 + (mode == "both") * sum(envs.unwrapped.batches[0].choices.counts)),)
 
 
-def test_the_command_of_the_first_example_runs(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    made(tmp_path / "sb3_ppo.zip", family="clustered")
+def test_the_command_of_the_first_example_runs(clustered, tmp_path):
     (tmp_path / "families").mkdir()
     text = "name: near\ndescription: short\nmission: {base: exploring, time_limit: 3.0}\n"
     (tmp_path / "families" / "near.yaml").write_text(text)
-    words = ["evaluate", "--family", "near", "--configs", ".", "--scenarios", "1", "--workers", "1"]
-    with pytest.raises(SystemExit) as end:
-        app([*words, "--strategy", "policy:sb3_ppo.zip", "--strategy", "fixed:ORCA"])
-    assert end.value.code == 0
-    assert "policy:sb3_ppo.zip" in capsys.readouterr().out
+    words = ["evaluate", "--family", "near", "--configs", tmp_path, "--scenarios", 1, "--workers", 1]
+    words += ["--strategy", f"policy:{clustered}", "--strategy", "fixed:ORCA", "--output", tmp_path / "r"]
+    assert "sb3_ppo.zip" in done(*words)
 
 
 def test_options_and_observations_go_by_their_names(tmp_path):
@@ -100,7 +119,7 @@ def test_options_and_observations_go_by_their_names(tmp_path):
     batch.reset([1])
     (goal,), names = batch.options, envs.observation_space.names
     evaluation = FamilyEvaluation(Request("table1", (f"policy:{path}",), 0, 1, knowledge="avoidance"))
-    problem = evaluation_problem(batch)
+    problem = DecidedGoal(batch).problem
     decider, model = ModelDecider(path, "option", problem, np.zeros(1)), PPO.load(path, device="cpu")
     columns = [batch.observer.names.index(name) for name in names]
     own = envs.normalize_obs(batch.observations[:, columns])
@@ -112,17 +131,10 @@ def test_options_and_observations_go_by_their_names(tmp_path):
     assert evaluation.goal == goal
 
 
-def evaluation_problem(batch):
-    from train.deciders.decided_goal import DecidedGoal
-
-    return DecidedGoal(batch).problem
-
-
-def test_a_mismatch_names_what_is_missing(tmp_path):
-    made(tmp_path / "m.zip", family="clustered")
-    member = f"policy:{tmp_path / 'm.zip'}"
+def test_a_mismatch_names_what_is_missing(clustered, tmp_path):
+    member = f"policy:{clustered}"
     assert decider_named(member).goal == "ExplorationPatrol+AvoidCollision"
-    with pytest.raises(DocumentError, match=r"m\.zip: .*ExplorationPatrol") as told:
+    with pytest.raises(DocumentError, match=r"sb3_ppo\.zip: .*ExplorationPatrol") as told:
         FamilyEvaluation(Request("crowded", (member,), 0, 1))
     assert "\n" not in str(told.value)
     made(tmp_path / "n.zip", mission="table1", knowledge="avoidance")
@@ -133,16 +145,15 @@ def test_a_mismatch_names_what_is_missing(tmp_path):
         FamilyEvaluation(Request("clustered", (f"policy:{tmp_path / 'o.zip'}",), 0, 1))
 
 
-def test_names_are_read_without_running_anything_and_damage_has_none(tmp_path):
-    made(tmp_path / "m.zip", mission="table1")
-    with zipfile.ZipFile(tmp_path / "m.zip") as archive:
+def test_names_are_read_without_running_anything_and_damage_has_none(clustered, tmp_path):
+    with zipfile.ZipFile(clustered) as archive:
         content = json.loads(archive.read("data"))
     for space in ("observation_space", "action_space"):
         content[space][":serialized:"] = "never unpickled"
     with zipfile.ZipFile(tmp_path / "hostile.zip", "w") as archive:
         archive.writestr("data", json.dumps(content))
-    assert remembered(tmp_path / "hostile.zip") == remembered(tmp_path / "m.zip") != TrainedOn()
-    (tmp_path / "cut.zip").write_bytes((tmp_path / "m.zip").read_bytes()[:500])
+    assert remembered(tmp_path / "hostile.zip") == remembered(clustered) != TrainedOn()
+    (tmp_path / "cut.zip").write_bytes(clustered.read_bytes()[:500])
     (tmp_path / "odd.zip").write_bytes(b"")
     (tmp_path / "list.json").write_text("[1]")
     for name in ("cut.zip", "odd.zip", "none.zip", "list.pt"):
@@ -164,8 +175,6 @@ def test_names_beside_a_module_of_torch_make_it_an_entrant_of_several_goals_and_
     (record,) = task(Request("exploring", (f"policy:{path}",), 0, 1)).run()
     assert record.result.duration_s <= 3.0
     seen = np.zeros((3, width), np.float32)
-    from train.deciders.decided_goal import DecidedGoal
-
     batch = Batch("exploring", action={"mode": "both"})
     problem = DecidedGoal(batch, known.goal).problem
     decider = ModelDecider(path, known.mode, problem, np.zeros(1))

@@ -1,6 +1,5 @@
 """The report: its numbers are those of the runs, it needs nothing else, and what cannot be is one line."""
 
-import csv
 import json
 import re
 import shutil
@@ -12,7 +11,7 @@ import numpy as np
 import pytest
 import yaml
 
-from tests.train.commands import run
+from tests.train.commands import done, refused, runs
 from tests.train.records import record
 from train.analysis.statistics import by_scenario, summarise
 from train.report_page.charts import distributions, profile
@@ -62,26 +61,32 @@ def results(tmp_path_factory) -> Path:
     (folder / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     words = [word for name in CONDITIONS for word in ("--strategy", name)]
     words += ["--scenarios", "3", "--workers", "1", "--record", "--output", str(folder / "run")]
-    assert run("evaluate", "--family", folder / "small.yaml", *words) == 0
+    done("evaluate", "--family", folder / "small.yaml", *words)
     return folder / "run"
 
 
 def costs_in(results):
-    with (results / "runs.csv").open() as file:
-        return {(row["scenario"], row["condition"]): float(row["cost_s"]) for row in csv.DictReader(file)}
+    return {(row["scenario"], row["condition"]): float(row["cost_s"]) for row in runs(results)}
 
 
-def test_a_report_keeps_what_it_draws_and_is_refused_where_that_fills_the_memory(results, monkeypatch, capsys):
+def trained(folder, history=HISTORY):
+    """Write what a training leaves and return its directory."""
+    folder.mkdir()
+    (folder / "manifest.json").write_text(json.dumps({"identity": {"configuration": {"name": "mine"}}}))
+    (folder / "history.jsonl").write_text("".join(json.dumps(entry) + "\n" for entry in history))
+    return folder
+
+
+def test_a_report_keeps_what_it_draws_and_is_refused_where_that_fills_the_memory(results, monkeypatch):
     kept = {name for recording in results_in(results).recordings for name in recording}
     assert kept == {"held/AvoidCollision", *SELECTION_CHANNELS}
     monkeypatch.setattr(needs, "memory_of_machine", lambda: needs.PROCESS + 12.0 * 5000)
-    assert run("report", results) == 2
-    assert "numbers, for the memory, got more" in capsys.readouterr().err
+    assert "numbers, for the memory, got more" in refused("report", results)
 
 
 def test_the_figures_are_those_of_the_runs_and_links_lead_to_replays(results, tmp_path):
     page = tmp_path / "page.html"
-    assert run("report", results, "--output", page, "--replays") == 0
+    done("report", results, "--output", page, "--replays")
     text, costs = Text(page.read_text()), costs_in(results)
     for value in costs.values():
         assert f"{value:.4g}" in text.found["a"]
@@ -110,7 +115,7 @@ def test_two_directories_are_compared_on_the_same_scenarios(results, tmp_path):
     other = shutil.copytree(results, tmp_path / "other")
     lines = [json.loads(line) | {"cost_s": 1.0} for line in (other / "runs.jsonl").read_text().splitlines()]
     (other / "runs.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
-    assert run("report", results, other, "--output", tmp_path / "two.html") == 0
+    done("report", results, other, "--output", tmp_path / "two.html")
     text, costs = Text((tmp_path / "two.html").read_text()), costs_in(results)
     for (scenario, condition), value in costs.items():
         assert {f"{value:.4g}", "1"} <= set(text.found["td"]), (scenario, condition)
@@ -119,44 +124,36 @@ def test_two_directories_are_compared_on_the_same_scenarios(results, tmp_path):
         assert f"{name}: Random: AvoidCollision, 3 recorded runs" in text.found["h3"]
 
 
-def test_a_training_has_its_curves_and_checkpoints(results, tmp_path, capsys):
-    for name in ("first", "second"):
-        folder = tmp_path / name
-        folder.mkdir()
-        (folder / "manifest.json").write_text(json.dumps({"identity": {"configuration": {"name": "mine"}}}))
-        (folder / "history.jsonl").write_text("".join(json.dumps(entry) + "\n" for entry in HISTORY))
-    assert run("report", tmp_path / "first") == 0
-    text = Text((tmp_path / "first" / "report.html").read_text())
+def test_a_training_has_its_curves_and_checkpoints(results, tmp_path):
+    first, second = (trained(tmp_path / name) for name in ("first", "second"))
+    done("report", first)
+    text = Text((first / "report.html").read_text())
     assert {"crowded", "excess on validation [s]"} <= set(text.found["text"])
     assert {"200", "40.5"} <= set(text.found["td"])
     assert "No run was recorded: train with --record, and make the report again." in text.found["p"]
     for number in (2, 10):
-        shutil.copytree(results / "recordings", tmp_path / "first" / "recordings" / f"checkpoint-{number}" / "small")
-    next((tmp_path / "first" / "recordings" / "checkpoint-10" / "small").glob("*Random*")).unlink()
-    assert run("report", tmp_path / "first") == 0
-    text = Text((tmp_path / "first" / "report.html").read_text())
+        shutil.copytree(results / "recordings", first / "recordings" / f"checkpoint-{number}" / "small")
+    next((first / "recordings" / "checkpoint-10" / "small").glob("*Random*")).unlink()
+    done("report", first)
+    text = Text((first / "report.html").read_text())
     assert "Random: AvoidCollision, 2 recorded runs" in text.found["h3"]  # those of the last checkpoint
-    assert run("report", tmp_path / "first", "--replays") == 2
-    assert "--replays: expected an evaluation, got a training" in capsys.readouterr().err
-    assert run("report", tmp_path / "first", tmp_path / "second", "--output", tmp_path / "both.html") == 0
+    assert "--replays: expected an evaluation, got a training" in refused("report", first, "--replays")
+    done("report", first, second, "--output", tmp_path / "both.html")
     text = Text((tmp_path / "both.html").read_text())
     assert "mine, 2 seeds" in text.found["text"]
 
 
-def test_trainings_stand_beside_the_best_fixed_options(tmp_path, capsys):
+def test_trainings_stand_beside_the_best_fixed_options(tmp_path):
     lost = {
         "learned": {"crowded": [30.0 + k for k in range(31)]},
         "yardstick": {"crowded": [60.0 + k for k in range(31)]},
     }
+    folders = []
     for number in (1, 2, 3):
-        folder = tmp_path / f"seed{number}"
-        folder.mkdir()
-        (folder / "manifest.json").write_text(json.dumps({"identity": {"configuration": {"name": "mine"}}}))
         entries = [entry | {"crowded/excess_s": entry["crowded/excess_s"] + number} for entry in HISTORY]
-        (folder / "history.jsonl").write_text("".join(json.dumps(entry) + "\n" for entry in entries))
-        (folder / "validation.json").write_text(json.dumps({**lost, "held": "ORCA"}))
-    folders = [tmp_path / f"seed{number}" for number in (1, 2, 3)]
-    assert run("report", *folders, "--figure", tmp_path / "curves.svg") == 0
+        folders.append(trained(tmp_path / f"seed{number}", entries))
+        (folders[-1] / "validation.json").write_text(json.dumps({**lost, "held": "ORCA"}))
+    done("report", *folders, "--figure", tmp_path / "curves.svg")
     page = (folders[0] / "report.html").read_text()
     assert "seed2: Validation on 31 scenarios of crowded" in page
     assert "the best checkpoint costs least: 45 s a mission" in page
@@ -165,9 +162,7 @@ def test_trainings_stand_beside_the_best_fixed_options(tmp_path, capsys):
     assert "fixed: ORCA" in curves
     for damaged in ("{}", '{"learned": {"crowded": []}, "yardstick": {"crowded": [1]}, "held": "ORCA"}', "[" * 100_000):
         (folders[1] / "validation.json").write_text(damaged)
-        assert run("report", *folders) == 2
-        (line,) = capsys.readouterr().err.strip().splitlines()
-        assert "validation.json: " in line
+        assert "validation.json: " in refused("report", *folders)
 
 
 @pytest.mark.parametrize(
@@ -181,32 +176,28 @@ def test_trainings_stand_beside_the_best_fixed_options(tmp_path, capsys):
         ),
     ],
 )
-def test_a_directory_that_is_none_of_results_is_one_line(tmp_path, monkeypatch, capsys, make, message):
+def test_a_directory_that_is_none_of_results_is_one_line(tmp_path, monkeypatch, make, message):
     monkeypatch.chdir(tmp_path)
     make(Path("nowhere"))
-    assert run("report", "nowhere") == 2
-    assert capsys.readouterr().err == f"error: {message}\n"
+    assert refused("report", "nowhere") == f"error: {message}\n"
 
 
-def test_damaged_foreign_and_unlike_results_are_one_line(results, tmp_path, capsys):
+def test_damaged_foreign_and_unlike_results_are_one_line(results, tmp_path):
     broken = shutil.copytree(results, tmp_path / "broken")
     recording = next((broken / "recordings").iterdir())
     recording.write_bytes(recording.read_bytes()[:8] + b"\x09\0\0\0")
     other = shutil.copytree(results, tmp_path / "other")
     text = (other / "runs.jsonl").read_text()
     (other / "runs.jsonl").write_text(text.replace('"experiment": "small"', '"experiment": "large"'))
-    cut = shutil.copytree(results, tmp_path / "cut")
-    (cut / "runs.jsonl").write_text(text[20:])
+    torn = shutil.copytree(results, tmp_path / "torn")
+    (torn / "runs.jsonl").write_text(text[20:])
     for words, message in (
         ((broken,), f"{recording}: expected a recording of version 1, got version 9"),
         ((results, other), f"{other}: expected results of small to compare, got large"),
-        ((cut,), f"{cut / 'runs.jsonl'}: line 1: expected a finished run"),
+        ((torn,), f"{torn / 'runs.jsonl'}: line 1: expected a finished run"),
         ((results, results, results), "report: expected one or two evaluations, got 3"),
     ):
-        assert run("report", *words, "--output", tmp_path / "page.html") == 2
-        error = capsys.readouterr().err
-        assert error.startswith(f"error: {message}")
-        assert error.count("\n") == 1
+        assert refused("report", *words, "--output", tmp_path / "page.html").startswith(f"error: {message}")
     assert not (tmp_path / "page.html").exists()
 
 
@@ -215,17 +206,18 @@ def test_recordings_that_were_stopped_stop_neither_report_nor_replay(results, tm
     recording = killed / "recordings" / "test-1-Random.swarm"
     data = recording.read_bytes()
     recording.write_bytes(data[: 12 + 12 + int.from_bytes(data[16:20], "little")])  # the head alone
-    assert run("report", killed) == 0
+    done("report", killed)
     assert "Random: AvoidCollision, 2 recorded runs" in Text((killed / "report.html").read_text()).found["h3"]
     for condition in ("Random", "fixed:Off"):  # that which was stopped is run again
-        assert run("replay", killed, "--condition", condition, "--html", tmp_path / "page.html") == 0
+        done("replay", killed, "--condition", condition, "--html", tmp_path / "page.html")
 
 
 @pytest.mark.page
-@pytest.mark.parametrize("scheme", ["dark", "light"])
+@pytest.mark.extra
+@pytest.mark.parametrize("scheme", ["dark", pytest.param("light", marks=pytest.mark.long)])
 def test_a_browser_shows_it_without_errors_or_requests(results, tmp_path, watched, scheme):
     page = tmp_path / "page.html"
-    assert run("report", results, "--output", page) == 0
+    done("report", results, "--output", page)
     shown, told, asked = watched(color_scheme=scheme)
     shown.goto(page.as_uri())
     assert (told, asked) == ([], [page.as_uri()])
