@@ -45,6 +45,19 @@ def worlds_at_start(config: MissionConfig, seeds: list[int], option: int = 2) ->
     return worlds
 
 
+def begun(made, *arguments, **settings):
+    """Reset a batch or an environment and return it."""
+    made.reset(*arguments, **settings)
+    return made
+
+
+def ticked(worlds, ticks: int = 1):
+    """Tick worlds or a course and return them."""
+    for _ in range(ticks):
+        worlds.tick()
+    return worlds
+
+
 def begin(worlds: Worlds, world: int, seed: int) -> None:
     worlds.reset(world, random_start(worlds.mission, seed, 0), run_seed(seed, "test"))
 

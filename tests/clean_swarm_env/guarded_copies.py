@@ -16,8 +16,8 @@ from clean_swarm_env.learning.warm_up import run_through
 from clean_swarm_env.tasks import TASKS
 from selforg.arrays import Floats
 from selforg.compiler.decorators import lean_kernel
-from tests.clean_swarm_env.copies import advance, random_batch
-from tests.clean_swarm_env.test_copies import WAYS
+from tests.clean_swarm_env.copies import WAYS, advance, random_batch
+from tests.clean_swarm_env.courses import begun
 from tests.guard_pages import guard
 from tests.soaking import report, rounds
 
@@ -35,9 +35,8 @@ def random_kind(rng: np.random.Generator) -> Batch:
     if rng.random() < 0.7:
         return random_batch(rng)
     others = [name for name in TASKS.names() if name != "Cleaning"]
-    batch = Batch({"task": others[int(rng.integers(len(others)))], "time_limit": 10.0})
-    batch.reset([int(rng.integers(1 << 30))])
-    return batch
+    task = others[int(rng.integers(len(others)))]
+    return begun(Batch({"task": task, "time_limit": 10.0}), [int(rng.integers(1 << 30))])
 
 
 def check(number: int, fault: str) -> None:

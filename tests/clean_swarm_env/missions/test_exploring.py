@@ -12,7 +12,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 from selforg.gradients.queries import Filter, Queries
-from tests.clean_swarm_env.courses import snapshot
+from tests.clean_swarm_env.courses import begun, snapshot, ticked
 
 FIND = np.array([8.0, 8.0])
 
@@ -27,8 +27,12 @@ def exploring(option, robots, items=()):
             "task": CleaningMissions.with_items(mission, count=len(items)),
         }
     )
-    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
-    worlds.reset(0, StartConfiguration(id="own", robots=robots, items=items), 3)
+    worlds = begun(
+        Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library())),
+        0,
+        StartConfiguration(id="own", robots=robots, items=items),
+        3,
+    )
     goals = [coordinator.model for coordinator in worlds.coordinators]
     held = [goals[0].options.index(option), goals[1].options.index("Off")]
     worlds.hold(np.tile(held, (len(robots), 1)))
@@ -36,8 +40,7 @@ def exploring(option, robots, items=()):
 
 
 def run(worlds, seconds):
-    for _ in range(round(5 * seconds)):
-        worlds.tick()
+    ticked(worlds, round(5 * seconds))
 
 
 def test_who_finds_garbage_tells_where_for_a_while():
