@@ -15,6 +15,7 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.world.worlds import Worlds
 from tests.clean_swarm_env.courses import CROWD, begun, mission, ticked, worlds_at_start
 from tests.object_graph import arrays_of, differing, pointing_into, shared_in
@@ -25,6 +26,7 @@ WAYS = {
     "cloudpickle": lambda thing: pickle.loads(cloudpickle.dumps(thing)),
 }
 FAMILIES = ("crowded", "shifting", "continuous", "unseen")
+OTHER_TASKS = [name for name in TASKS.names() if name != "Cleaning"]
 MISSIONS = {
     "crowd": CROWD,
     "pass through": mission(world={"contacts": "pass_through"}),
@@ -69,21 +71,18 @@ def changing(name: str) -> FamilyConfig:
     return family.model_copy(update={"mission": family.mission.model_copy(update={"time_limit": 120.0})})
 
 
-def random_batch(rng: np.random.Generator, worlds: int | None = None, velocity: bool | None = None) -> Batch:
+def random_batch(rng: np.random.Generator) -> Batch:
     """Return a batch of a random kind that has just begun."""
-    worlds = int(rng.integers(1, 4)) if worlds is None else worlds
-    velocity = rng.random() < 0.25 if velocity is None else velocity
-    correcting = rng.random() < 0.25
-    action = ActionConfig(mode="velocity" if velocity else "both" if correcting else "option")
-    kinds = [*MISSIONS, *FAMILIES]
+    worlds = int(rng.integers(1, 4))
+    action = ActionConfig(mode=("velocity", "both", "option", "option")[int(rng.integers(4))])
+    kinds = [*MISSIONS, *FAMILIES, *OTHER_TASKS]
     kind = kinds[int(rng.integers(len(kinds)))]
-    if kind in MISSIONS:
-        batch = Batch(MISSIONS[kind], worlds, action=action)
-    else:
+    if kind in FAMILIES:
         family = changing(kind)
-        batch = Batch(
-            worlds=worlds, family=family, size=family.tori[0] if len(family.tori) > 1 else None, action=action
-        )
+        size = family.tori[0] if len(family.tori) > 1 else None
+        batch = Batch(worlds=worlds, family=family, size=size, action=action)
+    else:
+        batch = Batch(MISSIONS.get(kind) or {"task": kind, "time_limit": 10.0}, worlds, action=action)
     return begun(batch, rng.integers(1 << 30, size=worlds).tolist())
 
 

@@ -9,12 +9,9 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.progress import PICKINGS, RECYCLINGS, MissionProgress
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN
-from clean_swarm_env.world.task import coordinators_of
-from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
-from selector.knowledge import load_knowledge
-from tests.clean_swarm_env.courses import begun, long_course, ticked
+from tests.clean_swarm_env.courses import begun, coordinated, long_course, ticked
 
 SPAN, NEAR, BLIND = 4.0, 4.0, 50  # of the option Chain: [m], [m], [ticks]
 RECYCLING, DUMP = np.array([[10.0, 10.0]]), np.array([[10.0, 1.0]])
@@ -31,7 +28,7 @@ def mission_of(robots, items, **settings):
 
 def worlds_of(mission, count=1):
     """Return worlds in which all robots explore by Patrol, carry by Chain, and avoid by ORCA."""
-    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()), count)
+    worlds = coordinated(mission, count)
     _, carry, avoid = (coordinator.model for coordinator in worlds.coordinators)
     worlds.hold(np.tile([0, carry.options.index("Chain"), avoid.options.index("ORCA")], (worlds.rows, 1)))
     return worlds

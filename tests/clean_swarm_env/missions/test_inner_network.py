@@ -37,20 +37,14 @@ PAUSE = {"sensors": {"roamed": "fact"}, "behaviours": {"Rest": {"preconditions":
 
 @pytest.fixture
 def robot(tmp_path):
-    """Write the shipped robot with a behaviour Search in place of Patrol, with or without a network inside."""
+    """Write the shipped robot with Search in place of Patrol: the network in it searches, or leaves the robot alone."""
 
     def write(nested):
         document = yaml.safe_load((SHIPPED / "robots" / "cleaning.yaml").read_text())
         behaviours = document["networks"]["robot"]["behaviours"]
-        document["networks"]["robot"]["behaviours"] = {"Search": behaviours.pop("Patrol"), **behaviours}
-        if nested:
-            behaviours = document["networks"]["robot"]["behaviours"]
-            behaviours["Search"]["network"] = "search"
-            document["networks"] |= {"search": SEARCH, "pause": PAUSE}
-        else:  # a network that leaves the robot alone
-            behaviours = document["networks"]["robot"]["behaviours"]
-            behaviours["Search"]["network"] = "search"
-            document["networks"] |= {"search": IDLE}
+        search = behaviours.pop("Patrol") | {"network": "search"}
+        document["networks"]["robot"]["behaviours"] = {"Search": search, **behaviours}
+        document["networks"] |= {"search": SEARCH, "pause": PAUSE} if nested else {"search": IDLE}
         (tmp_path / "robots").mkdir(exist_ok=True)
         (tmp_path / "robots" / "searching.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
         return tmp_path

@@ -64,9 +64,7 @@ def test_standing_still_costs_more_than_anything_that_dumps_an_item(hits, touche
 def test_no_option_that_dumps_an_item_is_as_dear_as_standing_still(name):
     family = load_family(name)
     scenario = family.scenario(3, 0, "test")
-    standing = begun(
-        Batch(family=family, source=lambda _: scenario, action={"mode": "velocity"}),
-    )
+    standing = begun(Batch(family=family, source=lambda _: scenario, action={"mode": "velocity"}))
     while not standing.step(np.zeros((standing.rows, 2))).truncated[0]:
         pass
     (end,) = standing.finished
