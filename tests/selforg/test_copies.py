@@ -17,6 +17,7 @@ from selforg.parameters import parameters_of
 from selforg.randomness import next_direction
 from tests.selforg.worlds import directions, make_world, scatter, set_pose
 
+gc.freeze()  # else each `gc.collect` below looks through all that was imported
 TICKS = 4
 
 
