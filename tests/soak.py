@@ -38,7 +38,6 @@ class Soak(NamedTuple):
 SOAKS = (
     Soak("hours of a week of one mission", ("tests.clean_swarm_env.soak_week",), 168, 700.0),
     Soak("copies and states of random missions", ("tests.clean_swarm_env.soak_copies",), 1000, 350.0),
-    Soak("damaged states", ("tests.clean_swarm_env.soak_states",), 10_000, 200.0),
     Soak("copies between guard pages", ("tests.clean_swarm_env.guarded_copies",), 100, 150.0),
     Soak("random networks, 50 steps", ("tests.selforg.network.soak",), 10_000, 250.0),
     Soak("sequences of messages", ("tests.selforg.gradients.fuzz",), 100_000, 250.0),

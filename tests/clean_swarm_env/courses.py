@@ -8,8 +8,11 @@ import pytest
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
+from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
@@ -36,6 +39,11 @@ def avoidance() -> CoordinatorModel:
     return CoordinatorModel(GOAL, load_knowledge("cleaning"), Library())
 
 
+def coordinated(config: MissionConfig, count: int = 1) -> Worlds:
+    """Return worlds of a mission whose goals are coordinated by the knowledge that it names."""
+    return Worlds(config, coordinators_of(config, load_knowledge(config.knowledge), Library()), count)
+
+
 def worlds_at_start(config: MissionConfig, seeds: list[int], option: int = 2) -> Worlds:
     """Return one world per seed, each at the random start of its seed, all robots holding `option`."""
     worlds = Worlds(config, avoidance(), len(seeds))
@@ -43,6 +51,32 @@ def worlds_at_start(config: MissionConfig, seeds: list[int], option: int = 2) ->
         begin(worlds, world, seed)
     worlds.hold(np.full(worlds.rows, option))
     return worlds
+
+
+def begun(made, *arguments, **settings):
+    """Reset a batch or an environment and return it."""
+    made.reset(*arguments, **settings)
+    return made
+
+
+def ticked(worlds, ticks: int = 1):
+    """Tick worlds or a course and return them."""
+    for _ in range(ticks):
+        worlds.tick()
+    return worlds
+
+
+def recorded(course, folder, seen=lambda: None, room=0, **settings):
+    """Run a mission to its end; return its recording, and what `seen` returns at the start and after each tick."""
+    recorder = MissionRecorder(course.worlds, RecordSettings(folder, **settings))
+    recorder.frames.room = room or recorder.frames.room
+    path, told = recorder.open(0, {"scenario": "1"}), [seen()]
+    while course.in_progress:
+        course.tick()
+        recorder.record()
+        told.append(seen())
+    recorder.close()
+    return RecordedMission(path), told
 
 
 def begin(worlds: Worlds, world: int, seed: int) -> None:

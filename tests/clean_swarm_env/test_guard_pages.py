@@ -10,6 +10,7 @@ from selforg.compiler.switches import COMPILED
 from tests.paths import ROOT
 
 pytestmark = [
+    pytest.mark.long,
     pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs Linux's mmap"),
     pytest.mark.skipif(not COMPILED, reason="arrays of plain Python check their bounds"),
 ]

@@ -10,8 +10,7 @@ import pytest
 from tests.paths import ROOT
 
 USERS = "raise RuntimeError('a file of the user was imported')\n"
-STEP = "env = clean_swarm_v0.parallel_env(); env.reset(seed=1); print('agents', len(env.agents))\n"
-IMPORT = f"from clean_swarm_env import clean_swarm_v0\n{STEP}"
+IMPORT = "from clean_swarm_env import clean_swarm_v0\nprint(len(clean_swarm_v0.parallel_env().possible_agents))\n"
 TASKS = """
 import multiprocessing
 from clean_swarm_env.siblings import own
@@ -44,24 +43,31 @@ def python(folder, *words, packages=ROOT):
     return done.stdout
 
 
-def test_a_script(folder):
-    (folder / "mine.py").write_text(IMPORT)
-    assert python(folder, "mine.py") == "agents 5\n"
-    assert python(folder, "-m", "mine") == "agents 5\n"
-    assert python(folder, "-c", IMPORT) == "agents 5\n"
+WAYS = [
+    ("mine.py",),
+    pytest.param(("-m", "mine"), marks=pytest.mark.long),
+    pytest.param(("-c", IMPORT), marks=pytest.mark.long),
+    pytest.param(("train.py",), marks=pytest.mark.long),
+    ("-m", "train"),
+]
 
 
-def test_a_script_called_as_our_package(folder):
-    (folder / "train.py").write_text(IMPORT)
-    assert python(folder, "train.py") == "agents 5\n"
-    assert python(folder, "-m", "train") == "agents 5\n"
+@pytest.mark.parametrize("words", WAYS)
+def test_a_script_also_one_that_is_called_as_our_package(folder, words):
+    for name in ("mine", *(["train"] if "train" in words[-1] else [])):
+        (folder / f"{name}.py").write_text(IMPORT)
+    assert python(folder, *words) == "5\n"
 
 
-def test_the_users_own_modules_stay_importable(folder):
+@pytest.mark.parametrize(
+    "code",
+    [f"import train, configs\n{IMPORT}", pytest.param(f"{IMPORT}\nimport train, configs", marks=pytest.mark.long)],
+    ids=["before", "after"],
+)
+def test_the_users_own_modules_stay_importable(folder, code):
     (folder / "train.py").write_text("WHOSE = 'the user'\n")
     (folder / "configs" / "__init__.py").write_text("WHOSE = 'the user'\n")
-    for words in (f"import train, configs\n{IMPORT}", f"{IMPORT}\nimport train, configs\n"):
-        assert python(folder, "-c", f"{words}\nprint(train.WHOSE, configs.WHOSE)") == "agents 5\nthe user the user\n"
+    assert python(folder, "-c", f"{code}\nprint(train.WHOSE, configs.WHOSE)") == "5\nthe user the user\n"
 
 
 def test_the_command_line_as_a_module_and_as_the_installed_script(folder):
@@ -71,12 +77,15 @@ def test_the_command_line_as_a_module_and_as_the_installed_script(folder):
         assert "\npatrol " in python(folder, *words)
 
 
+@pytest.mark.long
 def test_worker_processes_of_a_script(folder):
     (folder / "mine.py").write_text(TASKS)
     expected = f"['{ROOT / 'train' / '__init__.py'}']\n"
     assert python(folder, "mine.py") == python(folder, "-m", "mine") == expected
 
 
+@pytest.mark.long
+@pytest.mark.extra
 def test_the_installed_wheel(folder, tmp_path):
     pytest.importorskip("hatchling")
     from tests.releases.build import build
@@ -84,7 +93,7 @@ def test_the_installed_wheel(folder, tmp_path):
     _, wheel = build(ROOT, tmp_path / "dist", moment=1_795_000_000)
     site = tmp_path / "site"
     zipfile.ZipFile(wheel).extractall(site)
-    assert python(folder, "-c", IMPORT, packages=site) == "agents 5\n"
+    assert python(folder, "-c", IMPORT, packages=site) == "5\n"
     assert "\npatrol " in python(folder, "-m", "clean_swarm_env", "list", "experiments", packages=site)
 
 

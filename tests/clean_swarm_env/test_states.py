@@ -1,18 +1,18 @@
-"""States: bytes from which a world goes on, in its own batch, in another one, as many copies, in another process."""
+"""Copies and states at every border: whatever takes them goes on with the same bits, also in another process."""
 
-import copy
 import pickle
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from clean_swarm_env import clean_swarm_v0
-from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
-from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
+from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
@@ -22,192 +22,110 @@ from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
 from selforg.sealing import sealed, unsealed
 from selforg.space import Torus
-from tests.clean_swarm_env.copies import actions_of, advance, random_batch
-from tests.clean_swarm_env.courses import CROWD, avoidance, long_course, mission, snapshot, worlds_at_start
-from tests.clean_swarm_env.soak_states import BORDERS, tried
+from tests.clean_swarm_env import soak_copies
+from tests.clean_swarm_env.copies import BORDERS, PICKLED, SHORT, check_copy, played
+from tests.clean_swarm_env.courses import CROWD, avoidance, begun, ticked
 from tests.paths import ROOT
 
-SHORT = mission(garbage={"count": 2}, time_limit=30.0)
+each_border = pytest.mark.parametrize("border", BORDERS)
 
 
-def check_state(seed):
-    """Put a world of a random batch into all worlds of another one, at another time of its clock."""
-    rng = np.random.default_rng(seed)
-    batch = random_batch(rng)
-    advance(batch, rng, int(rng.integers(0, 60)))
-    world, robots = int(rng.integers(batch.worlds.worlds)), batch.robots
-    state = batch.get_state([world])
-    other = copy.deepcopy(batch)
-    advance(other, rng, int(rng.integers(1, 30)))
-    other.set_state(state)
-    own, copies = slice(world * robots, (world + 1) * robots), other.worlds.worlds
-    if batch.action.mode == "option":
-        assert np.array_equal(other.masks(), np.tile(batch.masks()[own], (copies, 1)))
-    for _ in range(12):
-        actions = actions_of(batch, rng)
-        one, many = batch.step(actions), other.step(np.tile(actions[own], (copies, 1)))
-        assert np.array_equal(many.rewards, np.tile(one.rewards[own], copies))
-        assert np.array_equal(many.observations, np.tile(one.observations[own], (copies, 1)))
-        assert np.array_equal(many.terminated, np.full(copies, one.terminated[world]))
-        assert np.array_equal(many.truncated, np.full(copies, one.truncated[world]))
+@pytest.mark.parametrize(
+    ("border", "way"), [*((border, "pickle") for border in BORDERS), ("parallel_env of a family", "cloudpickle")]
+)
+def test_a_copy_has_all_further_bits_also_without_its_original(border, way):
+    """SuperSuit makes its copies of an environment by cloudpickle."""
+    made = BORDERS[border]()
+    played(made, 1, 8)
+    check_copy(made, PICKLED[way], 2)
 
 
-@long_course
-@pytest.mark.parametrize("seed", range(8))
-def test_all_worlds_of_another_batch_go_on_from_one_world_with_its_bits(seed):
-    check_state((seed, 99))
+@each_border
+def test_a_state_is_gone_back_to_and_gone_on_from_elsewhere(border):
+    """Over the ends of missions, and while agents leave and join."""
+    made, other = BORDERS[border](), BORDERS[border]()
+    played(made, 1, 8)
+    played(other, 2, 15)
+    state = made.get_state()
+    course = played(made, 3, 35)
+    for one in (made, other):
+        one.set_state(state)
+        assert played(one, 3, 35) == course
 
 
-@pytest.mark.parametrize("ticks", [0, 1, 57])
-def test_a_world_goes_on_in_another_place_at_any_tick_also_while_robots_touch(ticks):
-    worlds, others = worlds_at_start(CROWD, [5, 6, 7]), worlds_at_start(CROWD, [8, 9])
-    for _ in range(ticks):
-        worlds.tick()
-    for _ in range(13):
-        others.tick()
-    others.set_state(worlds.get_state(1), 0)
-    touched = False
-    for _ in range(40):
-        worlds.tick()
-        others.tick()
-        touched |= bool(worlds.physics._motion.record.patience[1])
-        expected, found = snapshot(worlds, 1), snapshot(others, 0)
-        assert [name for name in expected if not np.array_equal(expected[name], found[name])] == []
-    assert touched
+@each_border
+def test_a_damaged_state_is_refused_in_one_line_and_changes_nothing(border):
+    made, other = BORDERS[border](), BORDERS["Batch" if border == "Worlds" else "Worlds"]().get_state()
+    own = made.get_state()
+    half, size = len(own) // 2, len(own)
+    flipped = [own[:k] + bytes([own[k] ^ 1]) + own[k + 1 :] for k in (0, 25, 40, 60, half, size - 1)]
+    for broken in (
+        b"",
+        own[:half],
+        own[1:],
+        own[half:] + own[:half],
+        own + b"\0",
+        other,
+        own[:60] + other[60:],
+        *flipped,
+    ):
+        with pytest.raises(ValueError, match=r"\A[^\n]+\Z"):
+            made.set_state(broken)
+        assert made.get_state() == own
 
 
-def test_a_state_leaves_the_other_worlds_as_they_are():
-    worlds, alone = worlds_at_start(CROWD, [5, 6]), worlds_at_start(CROWD, [6])
-    state = worlds.get_state(0)
-    for tick in range(40):
-        worlds.tick()
-        alone.tick()
-        if tick == 20:
-            worlds.set_state(state, 0)
-    expected, found = snapshot(alone, 0), snapshot(worlds, 1)
-    assert [name for name in expected if not np.array_equal(expected[name], found[name])] == []
+@pytest.mark.long
+def test_random_missions_are_copied_and_go_on_from_states_at_random_moments(capsys):
+    soak_copies.main(60)
+    assert "60 random copies and 60 states: equal bits" in capsys.readouterr().out
 
 
-def test_a_batch_looks_ahead_and_comes_back():
-    """What planning and tree search need: try, go back, and do it again with the same bits, over ends of episodes."""
-    batch = Batch(SHORT, 2)
-    batch.reset([1, 2])
-    advance(batch, np.random.default_rng(0), 20)
-    state, seen = batch.get_state(), batch.observations.copy()
-    course = advance(batch, np.random.default_rng(1), 40)
-    assert any(b"Finished" in part for part in course)
-    assert np.array_equal(batch.set_state(state), seen)
-    assert advance(batch, np.random.default_rng(1), 40) == course
-
-
-def test_an_environment_goes_back_and_another_one_goes_on():
-    """Agents that are gone, and cycles that are left, are those of the state."""
-
-    def play(env):
-        seen = []
-        while env.agents:
-            answers = env.step(dict.fromkeys(env.agents, 1))
-            seen += [{agent: np.asarray(part).tolist() for agent, part in answer.items()} for answer in answers[:4]]
-        return seen
-
-    settings = {"family": "shifting", "max_cycles": 150}
-    env, other = clean_swarm_v0.parallel_env(**settings), clean_swarm_v0.parallel_env(**settings)
-    env.reset(seed=2)
-    for _ in range(100):
-        env.step(dict.fromkeys(env.agents, 0))
-    assert len(env.agents) < len(env.possible_agents)
-    state, course = env.get_state(), play(env)
-    seen, infos = env.set_state(state)
-    assert seen.keys() == infos.keys() == set(env.agents)
-    assert play(env) == course
-    assert len(course) == 4 * 50
-    other.set_state(state)
-    assert play(other) == course
-    over = env.get_state()
-    other.set_state(over)
-    assert other.agents == []
-
-
-def test_a_gymnasium_environment_and_a_vector_go_on_from_one_state():
-    env, envs = CleanSwarmTeam(SHORT), TeamVectorEnv(3, mission=SHORT)
-    env.reset(seed=2)
-    for _ in range(10):
-        env.step(np.ones(5, np.int64))
-    assert np.array_equal(envs.set_state(env.get_state()), np.tile(env.batch.observations.ravel(), (3, 1)))
-    for _ in range(10):
-        one, many = env.step(np.zeros(5, np.int64)), envs.step(np.zeros((3, 5), np.int64))
-        assert np.array_equal(many[0], np.tile(one[0], (3, 1)))
-        assert many[1].tolist() == [one[1]] * 3
-
-
-def test_a_batch_that_records_takes_no_state(tmp_path):
+def go_on(saved: Path) -> str:
+    """Return how a pickled mission ends, and how a batch goes on from a state."""
+    course, state = pickle.loads(saved.read_bytes())
     batch = Batch(SHORT)
-    batch.reset([1])
-    with pytest.raises(ValueError, match="set_state: expected a batch that records nothing"):
-        Batch(SHORT, record=RecordSettings(tmp_path)).set_state(batch.get_state())
+    batch.set_state(state)
+    while course.in_progress:
+        course.tick()
+    return repr((result_of(course.worlds, 0), course.worlds.physics.positions.tolist(), played(batch, 1)))
 
 
-def test_a_state_goes_on_in_another_process(tmp_path):
-    batch = Batch(CROWD, 1)
-    batch.reset([3])
-    advance(batch, np.random.default_rng(0), 12)
-    (tmp_path / "state").write_bytes(batch.get_state())
-    advance(batch, np.random.default_rng(1), 10)
-    code = (
-        "import numpy as np; from clean_swarm_env.learning.batch import Batch\n"
-        "from tests.clean_swarm_env.copies import advance; from tests.clean_swarm_env.courses import CROWD\n"
-        f"batch = Batch(CROWD, 1); batch.set_state(open({str(tmp_path / 'state')!r}, 'rb').read())\n"
-        "advance(batch, np.random.default_rng(1), 10); print(batch.observations.tobytes().hex())"
-    )
+def test_a_mission_and_a_state_go_on_in_another_process(tmp_path):
+    course, batch = Course(MissionRun(SHORT, random_start(SHORT, 4, 0), 4, {})), begun(Batch(SHORT), [3])
+    played(batch, 0)
+    (tmp_path / "saved").write_bytes(pickle.dumps((ticked(course, 37), batch.get_state())))
+    code = f"from tests.clean_swarm_env.test_states import *; print(go_on(Path({str(tmp_path / 'saved')!r})))"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == batch.observations.tobytes().hex()
+    assert done.stdout.strip() == go_on(tmp_path / "saved")
 
 
-@pytest.mark.parametrize("name", BORDERS)
-def test_damaged_states_are_refused_and_change_nothing(name, capfd):
-    assert tried(name, 40) == 0, capfd.readouterr().err
-
-
-def test_a_batch_of_which_the_last_world_does_not_fit_stays_as_it_was():
-    batch, other = Batch(SHORT, 2), Batch(CROWD, 2)
-    for one in (batch, other):
-        one.reset([1, 2])
-        advance(one, np.random.default_rng(0), 5)
-    before, (own, _), (_, foreign) = batch.get_state(), *(unsealed("batch", b.get_state()) for b in (batch, other))
-    with pytest.raises(ValueError, match="world: expected"):
-        batch.set_state(sealed("batch", [own, foreign]))
-    assert batch.get_state() == before
-
-
-def test_batches_of_which_the_last_one_does_not_fit_stay_as_they_were():
-    pytest.importorskip("stable_baselines3", reason="needs the extra 'train'")
-    from clean_swarm_env.sb3 import RobotVecEnv
-
-    def envs(last):
-        made = RobotVecEnv(batches=[Batch(SHORT), Batch(SHORT, action={"mode": last})])
-        made.reset()
-        return made
-
-    whole, other = envs("option"), envs("option")
-    other.batches = (other.batches[0], Batch(CROWD))
-    other.batches[1].reset([1])
-    before = whole.get_state()
-    sizes, states, *rest = unsealed("robots", before)
-    first, foreign = (unsealed("batch", one)[0] for one in (states, other.batches[1].get_state()))
-    with pytest.raises(ValueError, match="world: expected"):
-        whole.set_state(sealed("robots", (sizes, sealed("batch", [first, foreign]), *rest)))
-    assert whole.get_state() == before
-    with pytest.raises(ValueError, match=r"^state: worlds: expected 2, got 1$"):
-        whole.set_state(RobotVecEnv(worlds=1, mission=SHORT).get_state())
+def test_a_batch_that_records_is_not_copied_and_takes_no_state(tmp_path):
+    """Both would write the same files, and a recording has no jumps."""
+    recorded = Batch(SHORT, record=RecordSettings(tmp_path))
+    with pytest.raises(TypeError, match="a batch that records its missions cannot be copied"):
+        pickle.dumps(recorded)
+    with pytest.raises(ValueError, match="set_state: expected a batch that records nothing"):
+        recorded.set_state(begun(Batch(SHORT), [1]).get_state())
 
 
 def test_an_environment_with_fewer_cycles_than_a_state_has_done_is_over():
     env, short = clean_swarm_v0.parallel_env(SHORT), clean_swarm_v0.parallel_env(SHORT, max_cycles=2)
-    env.reset(seed=2)
-    for _ in range(3):
-        env.step(dict.fromkeys(env.agents, 0))
+    played(env, 0, 3)
     short.set_state(env.get_state())
     assert short.agents == []
+
+
+@pytest.fixture
+def batch():
+    return begun(Batch(SHORT, 2), [1, 2])
+
+
+def test_a_batch_of_which_the_last_world_does_not_fit_stays_as_it_was(batch):
+    before = batch.get_state()
+    (own, _), (_, foreign) = (unsealed("batch", b.get_state()) for b in (batch, begun(Batch(CROWD, 2), [1, 2])))
+    with pytest.raises(ValueError, match="world: expected"):
+        batch.set_state(sealed("batch", [own, foreign]))
+    assert batch.get_state() == before
 
 
 class OfAPlugin:
@@ -221,26 +139,35 @@ def test_a_state_of_a_class_that_is_not_installed_is_refused_in_one_line(monkeyp
         unsealed("world", state)
 
 
-def test_what_does_not_fit_is_refused_in_one_line():
-    batch = Batch(SHORT, 2)
-    batch.reset([1, 2])
-    state = batch.get_state()
-    with pytest.raises(ValueError, match=r"^state: expected b'clean-swarm state 8 batch', got b'clean-swarm state 5'$"):
-        batch.set_state(b"clean-swarm state 5\n" + pickle.dumps([]))  # as they were saved before
-    with pytest.raises(ValueError, match=r"^state: expected the bytes of get_state, got NoneType$"):
-        batch.set_state(None)
-    with pytest.raises(ValueError, match=r"^state: expected b'clean-swarm state 8 world', got"):
-        Worlds(SHORT, avoidance()).set_state(state)
-    with pytest.raises(ValueError, match=r"^state: terms: expected .*, got \('carrying', 'recycled'\)$"):
-        Batch(SHORT).set_state(Batch(SHORT, observation={"terms": ["cargo"]}).get_state())
-    with pytest.raises(ValueError, match="state: expected one world, or 1, got 2"):
-        batch.set_state(state, [0])
-    with pytest.raises(ValueError, match="worlds: expected 0 to 1, got 2"):
-        batch.get_state([2])
-    with pytest.raises(ValueError, match="world: expected"):
-        Batch(CROWD).set_state(batch.get_state([0]))
-    with pytest.raises(ValueError, match=r"^state: coordinators.0.contents.0.robots.network.state.marks: expected "):
-        Worlds(SHORT, avoidance(), explained=True).set_state(Worlds(SHORT, avoidance()).get_state())
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda batch: batch.set_state(b"clean-swarm state 5\n" + pickle.dumps([])),  # as they were saved before
+            r"^state: expected b'clean-swarm state 8 batch', got b'clean-swarm state 5'$",
+        ),
+        (lambda batch: batch.set_state(None), r"^state: expected the bytes of get_state, got NoneType$"),
+        (
+            lambda batch: Worlds(SHORT, avoidance()).set_state(batch.get_state()),
+            r"^state: expected b'clean-swarm state 8 world', got",
+        ),
+        (
+            lambda _: Batch(SHORT).set_state(Batch(SHORT, observation={"terms": ["cargo"]}).get_state()),
+            r"^state: terms: expected .*, got \('carrying', 'recycled'\)$",
+        ),
+        (lambda batch: batch.set_state(batch.get_state(), [0]), "state: expected one world, or 1, got 2"),
+        (lambda batch: batch.get_state([2]), "worlds: expected 0 to 1, got 2"),
+        (lambda batch: Batch(CROWD).set_state(batch.get_state([0])), "world: expected"),
+        (
+            lambda _: Worlds(SHORT, avoidance(), explained=True).set_state(Worlds(SHORT, avoidance()).get_state()),
+            r"^state: coordinators.0.contents.0.robots.network.state.marks: expected ",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_one_line(batch, call, message):
+    with pytest.raises(ValueError, match=message) as told:
+        call(batch)
+    assert "\n" not in str(told.value)
 
 
 def buffer_of(rows, names=None, **options):
@@ -285,12 +212,3 @@ def test_messages_under_way_are_part_of_a_state():
     assert other.count(2, "trail") == 2  # one for each row of the team
     gradient = other.gradient_of(pair_of(other, "trail"))
     assert (gradient.source, gradient.position, gradient.stamp) == (5, (2.0, 1.0), 15.0)
-
-
-def test_a_state_is_a_copy():
-    worlds = worlds_at_start(CROWD, [5])
-    state = worlds.get_state()
-    before = pickle.dumps(state)
-    for _ in range(30):
-        worlds.tick()
-    assert pickle.dumps(state) == before

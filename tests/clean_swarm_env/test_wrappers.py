@@ -7,7 +7,7 @@ from pettingzoo.test import parallel_api_test
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.wrappers import ALIVE, AllRobots, MaskedObservations
 from tests.clean_swarm_env.borders.test_changing_agents import EVENTS
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import begun, mission
 
 CHANGING = mission(events=EVENTS, time_limit=20.0)
 SERVES = {"serves": {"RepulsionFernandez": ["patrol", "approach"]}}
@@ -37,10 +37,14 @@ def test_every_robot_is_there_in_every_step_with_a_flag_of_its_life():
 
 
 def test_all_terminate_with_the_mission():
-    env = AllRobots(
-        clean_swarm_v0.parallel_env(mission(garbage={"count": 1}, events=[{"at": 5.0, "do": "fail", "robots": [0]}]))
+    env = begun(
+        AllRobots(
+            clean_swarm_v0.parallel_env(
+                mission(garbage={"count": 1}, events=[{"at": 5.0, "do": "fail", "robots": [0]}])
+            )
+        ),
+        seed=1,
     )
-    env.reset(seed=1)
     while env.agents:
         _, _, terminations, truncations, _ = env.step(dict.fromkeys(env.agents, 2))
     assert set(terminations.values()) == {True}

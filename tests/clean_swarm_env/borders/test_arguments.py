@@ -8,7 +8,7 @@ from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv
 from clean_swarm_env.config.starts import random_start
 from selector.documents.find import SHIPPED
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import begun, mission
 
 
 def test_dictionaries_are_taken_where_models_are():
@@ -83,16 +83,19 @@ def test_odd_seeds_are_refused_at_all_borders(borders, seed):
             env.reset(seed=seed)
 
 
-def test_odd_options_of_a_reset_are_refused_at_all_borders(borders):
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ("x", TypeError, "options: expected a dictionary, got 'x'"),
+        ({"strat": 1}, ValueError, "options: unknown key 'strat'"),
+        ({"start": {"id": "1"}}, ValueError, r"options\['start'\]: robots: missing key"),
+    ],
+)
+def test_odd_options_of_a_reset_are_refused_at_all_borders(borders, options, error, message):
     for env in borders:
-        with pytest.raises(TypeError, match="options: expected a dictionary, got 'x'"):
-            env.reset(options="x")
-        with pytest.raises(ValueError, match="options: unknown key 'strat'"):
-            env.reset(options={"strat": 1})
-        with pytest.raises(ValueError, match=r"options\['start'\]: robots: missing key"):
-            env.reset(options={"start": {"id": "1"}})
-        start = random_start(mission(), 3, 1)
-        env.reset(seed=1, options={"start": start.model_dump()})
+        with pytest.raises(error, match=message):
+            env.reset(options=options)
+        env.reset(seed=1, options={"start": random_start(mission(), 3, 1).model_dump()})
 
 
 def test_odd_actions_are_refused_at_all_borders(borders):
@@ -113,14 +116,12 @@ def test_a_function_of_the_users_gives_the_rewards(tmp_path, monkeypatch):
         "my_rewards:picked",
         str(tmp_path / "my_rewards.py:picked"),
     ):
-        batch = Batch(reward=reward)
-        batch.reset([1])
+        batch = begun(Batch(reward=reward), [1])
         paid = sum(batch.step(np.full(5, 2)).rewards.sum() for _ in range(30))
         assert paid >= 10.0
         assert paid % 10.0 == 0.0
     for wrong in (lambda batch: 1.0, lambda batch: np.full(5, np.nan)):
-        batch = Batch(reward=wrong)
-        batch.reset([1])
+        batch = begun(Batch(reward=wrong), [1])
         with pytest.raises(ValueError, match=r"expected finite numbers of shape \(5,\), got"):
             batch.step(np.zeros(5, dtype=np.int64))
     with pytest.raises(ValueError, match="reward: my_rewards defines no 'dropped'"):

@@ -7,7 +7,7 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv
 from clean_swarm_env.borders.infos import MASK, OWN
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import begun, mission
 from tests.paths import ROOT
 
 SHORT = mission(garbage={"count": 2}, time_limit=20.0)
@@ -41,19 +41,8 @@ def test_all_borders_say_the_same_in_every_step():
     assert infos["robot_0"]["completed"] is False
 
 
-def test_the_figures_at_the_end_are_those_of_the_mission():
-    env = clean_swarm_v0.parallel_env(mission(garbage={"count": 1}))
-    env.reset(seed=1)
-    while env.agents:
-        *_, infos = env.step(dict.fromkeys(env.agents, 2))
-    (end,) = env._batch.finished
-    assert end.result.completed
-    assert {name: infos["robot_3"][name] for name in end.statistics} == end.statistics
-
-
 def test_a_world_that_begins_anew_tells_the_end_of_its_mission():
-    envs = RobotVectorEnv(1, mission=SHORT)
-    envs.reset(seed=1)
+    envs = begun(RobotVectorEnv(1, mission=SHORT), seed=1)
     for _ in range(20):
         *_, infos = envs.step(np.zeros(5, dtype=np.int64))
     (end,) = envs.batch.finished

@@ -14,6 +14,7 @@ from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorE
 from clean_swarm_env.borders.spaces import action_space, observation_space
 from clean_swarm_env.learning.episodes import EnvSettings
 from selector.documents.find import SHIPPED
+from tests.clean_swarm_env.courses import begun
 
 BORDERS = [
     clean_swarm_v0.parallel_env, clean_swarm_v0.env, clean_swarm_v0.raw_env, clean_swarm_v0.CleanSwarm,
@@ -39,8 +40,7 @@ def test_a_mistyped_setting_is_told_with_the_one_that_was_meant(wrong, meant):
 
 def test_episodes_can_be_shortened_for_learners():
     for settings in ({}, {"mission": "exploring"}, {"family": "crowded"}):
-        batch = Batch(time_limit=2.0, **settings)
-        batch.reset([1])
+        batch = begun(Batch(time_limit=2.0, **settings), [1])
         assert [batch.step(np.tile(batch.choices.default, (batch.rows, 1))).truncated[0] for _ in "ab"] == [False, True]
     with pytest.raises(ValueError, match="mission: time_limit: expected"):
         Batch(time_limit=-1.0)
@@ -69,8 +69,7 @@ def test_spaces_name_what_they_hold_and_copies_do_too(copied):
 
 
 def test_pictures_have_the_size_that_is_asked_for():
-    env = CleanSwarmTeam(render_mode="rgb_array", picture={"side": 300, "numbers": False})
-    env.reset(seed=1)
+    env = begun(CleanSwarmTeam(render_mode="rgb_array", picture={"side": 300, "numbers": False}), seed=1)
     height, width, _ = env.render().shape
     assert width in (299, 300, 301)
     assert height > width

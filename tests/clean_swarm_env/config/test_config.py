@@ -124,13 +124,16 @@ def test_conditions_with_one_name_are_refused(tmp_path):
         load_experiment(str(path))
 
 
-def test_unknown_experiments_list_what_exists():
-    with pytest.raises(
-        ConfigurationError, match=r"unknown experiment 'tabel1' .*table1, table1-reference.*mean 'table1'"
-    ):
-        load_experiment("tabel1")
-    with pytest.raises(ConfigurationError, match=r"x/y\.yaml: no such file"):
-        load_experiment("x/y.yaml")
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("tabel1", r"unknown experiment 'tabel1' .*table1, table1-reference.*mean 'table1'"),
+        ("x/y.yaml", r"x/y\.yaml: no such file"),
+    ],
+)
+def test_unknown_experiments_list_what_exists(name, message):
+    with pytest.raises(ConfigurationError, match=message):
+        load_experiment(name)
 
 
 def test_a_given_directory_is_searched_before_the_shipped_one(tmp_path):
@@ -148,9 +151,7 @@ def test_changes_are_laid_over_mapping_by_mapping():
     assert base == {"a": {"b": 1, "c": 2}, "d": 3}
 
 
-def test_configurations_are_closed_and_frozen():
-    with pytest.raises(ValidationError):
-        MissionConfig.model_validate({"nmae": "x"})
+def test_configurations_are_frozen():
     with pytest.raises(ValidationError):
         MissionConfig().time_limit = 3.0  # type: ignore[misc]
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import yaml
 from pydantic import ValidationError
 
 from clean_swarm_env.config.free_places import free_ground, robots_that_fit, segments_of
@@ -12,7 +11,6 @@ from clean_swarm_env.config.starts import for_start, random_start
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import one_line
 from tests.clean_swarm_env.courses import mission
-from tests.train.commands import run
 
 ROOMS = load_mission("three-rooms")
 FIRST_DOOR, SECOND_DOOR = {"corners": [[8.0, 5.0], [8.0, 7.0]]}, {"corners": [[16.0, 5.0], [16.0, 7.0]]}
@@ -63,16 +61,6 @@ def test_a_mistake_is_one_line(content, words):
         MissionConfig.model_validate(content)
     assert words in one_line(caught.value, "rooms.yaml")
     assert "\n" not in one_line(caught.value, "rooms.yaml")
-
-
-def test_a_room_without_a_door_ends_the_command_with_code_2(tmp_path, capsys):
-    content = {
-        "name": "closed",
-        "mission": {"base": "three-rooms", "world": {"walls": with_walls(FIRST_DOOR)["world"]["walls"]}},
-    }
-    (tmp_path / "e.yaml").write_text(yaml.safe_dump(content))
-    assert run("evaluate", tmp_path / "e.yaml", "--output", tmp_path / "r") == 2
-    assert "e.yaml: mission.world.walls: expected a door" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("world", [{}, {"ground": "torus"}])

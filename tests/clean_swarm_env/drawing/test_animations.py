@@ -29,6 +29,7 @@ for count in (100, 10_000):
 """Prints the largest memory of its process [kB] after 100 pictures, and after 10,000 pictures."""
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs a system that tells the largest memory")
 @pytest.mark.parametrize("name", ["a.webp", "a.gif"])
 def test_ten_thousand_pictures_take_the_memory_of_a_hundred(tmp_path, name):

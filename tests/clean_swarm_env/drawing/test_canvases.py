@@ -9,7 +9,7 @@ from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.world.mission import Course, MissionRun
-from tests.clean_swarm_env.courses import mission, worlds_at_start
+from tests.clean_swarm_env.courses import mission, ticked, worlds_at_start
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 
 
@@ -52,9 +52,7 @@ def test_of_open_land_the_part_is_shown_that_robots_have_reached(task):
 def test_the_picture_of_a_task_shows_what_moves_and_the_measures(monkeypatch):
     with_shepherding(monkeypatch)
     config = MissionConfig.model_validate({"task": "Shepherding"})
-    course = Course(MissionRun(config, random_start(config, 1, 0), 2, {}))
-    for _ in range(20):
-        course.tick()
+    course = ticked(Course(MissionRun(config, random_start(config, 1, 0), 2, {})), 20)
     canvas, sheep = canvas_of(course.worlds, 0), course.worlds.task.state.places[0]
     assert [area.name for area in canvas.areas] == ["ring", *["sheep"] * 4]
     assert [(area.x, area.y) for area in canvas.areas[1:]] == [tuple(place) for place in sheep.tolist()]

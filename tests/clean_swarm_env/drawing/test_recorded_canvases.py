@@ -1,17 +1,22 @@
 """The canvas of a recording is that of the world that was recorded, at every moment and between two."""
 
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
+from clean_swarm_env.drawing.picture import TITLE, pixels_of
 from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
+from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import Course, MissionRun
+from selector.documents.errors import validated
+from tests.clean_swarm_env.courses import mission, recorded
+from tests.clean_swarm_env.world.test_models import team
 
 EVENTS = [{"at": 20.0, "do": "fail", "robots": [1]}, {"at": 30.0, "do": "join", "robots": 2}]
 MISSION = mission_from({"base": "table1", "time_limit": 150.0, "events": EVENTS, "task": {"garbage": {"count": 8}}})
@@ -19,18 +24,10 @@ MISSION = mission_from({"base": "table1", "time_limit": 150.0, "events": EVENTS,
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
-    """Canvases of a world after each tick, and the recording of it."""
-    folder: Path = tmp_path_factory.mktemp("seen")
+    """Canvases of a world at the start and after each tick, and the recording of it."""
     course = Course(MissionRun(MISSION, random_start(MISSION, 1, 0), 2, {}))
-    recorder = MissionRecorder(course.worlds, RecordSettings(folder, name="run"))
-    recorder.open(0, {})
-    canvases = [canvas_of(course.worlds, 0)]
-    while course.in_progress:
-        course.tick()
-        recorder.record()
-        canvases.append(canvas_of(course.worlds, 0))
-    recorder.close()
-    return canvases, RecordedMission(folder / "run.swarm")
+    recording, canvases = recorded(course, tmp_path_factory.mktemp("seen"), lambda: canvas_of(course.worlds, 0))
+    return canvases, recording
 
 
 def test_every_moment_is_as_it_was(seen):
@@ -79,3 +76,29 @@ def test_a_recording_without_robots_or_items_is_refused_by_name(seen):
     del lacking.channels["cargo"]
     with pytest.raises(ConfigurationError, match="expected channel cargo with a number for each robot, got shape None"):
         RecordedCourse(lacking)
+
+
+STANDING = {
+    "walls": mission("three-rooms", time_limit=4.0),
+    "zones": mission("silent-zone", time_limit=4.0),
+    "models": team(time_limit=4.0),
+    "stations": mission("transport", time_limit=4.0),
+}
+
+
+@pytest.mark.parametrize("kind", STANDING)
+def test_what_stands_in_a_mission_is_drawn_from_its_recording_as_from_its_world(kind, tmp_path):
+    run = MissionRun(STANDING[kind], random_start(STANDING[kind], 1, 0), 3, {})
+    record_mission(run, RecordSettings(tmp_path, name="run"), {})
+    recording = RecordedMission(tmp_path / "run.swarm")
+    assert validated(MissionConfig, recording.head["mission"], "head") == run.mission
+    shown, now = RecordedCourse(recording).at(0.0), canvas_of(Course(run).worlds, 0)
+    for name in ("width", "height", "closed", "zones", "model_names", "station_kinds"):
+        assert getattr(shown, name) == getattr(now, name), name
+    for name in ("walls", "radius", "models", "stations"):
+        assert np.array_equal(getattr(shown, name), getattr(now, name)), name
+    assert len(shown.walls) == {"walls": 8, "zones": 0}.get(kind, 0)
+    assert (shown.models is not None) == (kind == "models")
+    assert shown.zones[1:] == ((("mud", 11.0, 2.0, 16.0, 9.0),) if kind == "zones" else ())
+    bare = replace(now, walls=now.walls[:0], zones=(), radius=now.radius + 0.1, stations=now.stations + 0.5)
+    assert not np.array_equal(pixels_of(now)[TITLE:], pixels_of(bare)[TITLE:])

@@ -9,6 +9,7 @@ import pytest
 from clean_swarm_env.drawing.window import Window
 
 pygame = pytest.importorskip("pygame")
+pytestmark = pytest.mark.extra
 PICTURE = np.arange(40 * 60 * 3, dtype=np.uint8).reshape(40, 60, 3)
 
 

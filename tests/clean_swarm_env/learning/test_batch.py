@@ -5,7 +5,7 @@ import pytest
 
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
-from tests.clean_swarm_env.courses import long_course, mission
+from tests.clean_swarm_env.courses import begun, long_course, mission
 
 
 def short(**changes):
@@ -80,8 +80,7 @@ def test_without_seeds_every_batch_is_another():
 
 @long_course
 def test_statistics_of_a_finished_mission_are_what_was_counted_on_the_way():
-    batch = Batch(short(), 3)
-    batch.reset([1, 2, 3])
+    batch = begun(Batch(short(), 3), [1, 2, 3])
     events, seconds, ends = np.zeros((6, batch.rows)), np.zeros(3), 0
     for _ in range(250):
         step = batch.step(np.zeros(batch.rows, dtype=np.int64))
@@ -101,8 +100,7 @@ def test_statistics_of_a_finished_mission_are_what_was_counted_on_the_way():
 
 
 def test_without_beginning_anew_a_world_stays_at_its_end_and_counts_no_more():
-    batch = Batch(short(time_limit=2.4), 2, begin_anew=False)
-    batch.reset([1, 2])
+    batch = begun(Batch(short(time_limit=2.4), 2, begin_anew=False), [1, 2])
     options = np.zeros(batch.rows, dtype=np.int64)
     for _ in range(3):
         last = batch.step(options)
@@ -118,23 +116,28 @@ def test_without_beginning_anew_a_world_stays_at_its_end_and_counts_no_more():
 
 
 def test_a_start_can_be_given():
-    batch = Batch(short(), 2)
-    batch.reset([1, 2], [random_start(short(), 77, 4)] * 2)
+    batch = begun(Batch(short(), 2), [1, 2], [random_start(short(), 77, 4)] * 2)
     positions = batch.worlds.physics.positions
     assert np.array_equal(positions[:5], positions[5:])
 
 
-def test_wrong_use_is_an_error_that_says_what_was_expected():
-    batch = Batch(short(), 2)
-    with pytest.raises(RuntimeError, match="call reset first"):
-        batch.step(np.zeros(10, dtype=np.int64))
-    with pytest.raises(ValueError, match="seeds: expected one for each of 2 worlds, got 3"):
-        batch.reset([1, 2, 3])
-    batch.reset([1, 2])
-    with pytest.raises(ValueError, match=r"options: expected shape \(10, 1\), got \(9,\)"):
-        batch.step(np.zeros(9, dtype=np.int64))
-    with pytest.raises(ValueError, match=r"options\[0\]: expected 0\.\.2, got 3"):
-        batch.step(np.full(10, 3))
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda batch: Batch(short()).step(np.zeros(5, dtype=np.int64)), RuntimeError, "call reset first"),
+        (lambda batch: batch.reset([1, 2, 3]), ValueError, "seeds: expected one for each of 2 worlds, got 3"),
+        (
+            lambda batch: batch.step(np.zeros(9, dtype=np.int64)),
+            ValueError,
+            r"options: expected shape \(10, 1\), got \(9,\)",
+        ),
+        (lambda batch: batch.step(np.full(10, 3)), ValueError, r"options\[0\]: expected 0\.\.2, got 3"),
+        (lambda batch: Batch(famly="crowded"), TypeError, "unknown setting 'famly' .* did you mean 'family'"),
+    ],
+)
+def test_wrong_use_is_an_error_that_says_what_was_expected(call, error, message):
+    with pytest.raises(error, match=message):
+        call(begun(Batch(short(), 2), [1, 2]))
 
 
 @long_course
@@ -158,8 +161,3 @@ def test_splits_of_a_family_have_other_scenarios_and_unfit_families_are_refused(
     for size in (None, (9.0, 9.0)):
         with pytest.raises(ValueError, match=r"size: expected one of .* 'unseen', \(8.0, 8.0\), .*, got"):
             Batch(family="unseen", size=size)
-
-
-def test_unknown_settings_are_refused():
-    with pytest.raises(TypeError, match=r"unknown setting 'famly' .* did you mean 'family'"):
-        Batch(famly="crowded")

@@ -4,7 +4,7 @@ import numpy as np
 
 from clean_swarm_env import clean_swarm_v0
 from tests.clean_swarm_env.borders.test_changing_agents import EVENTS
-from tests.clean_swarm_env.courses import OPTIONS, mission
+from tests.clean_swarm_env.courses import OPTIONS, begun, mission
 
 
 def named(env):
@@ -12,8 +12,7 @@ def named(env):
 
 
 def test_the_state_says_where_everything_is():
-    env = clean_swarm_v0.parallel_env()
-    env.reset(seed=1)
+    env = begun(clean_swarm_v0.parallel_env(), seed=1)
     worlds, state = env._batch.worlds, named(env)
     assert env.state_space.shape == (len(state),) == (5 * (7 + 3) + 10 * 5 + 4 + 2,)
     for row in range(5):
@@ -37,8 +36,7 @@ def test_the_state_says_where_everything_is():
 def test_the_state_lies_in_its_space_while_robots_leave_and_join_and_absent_ones_are_zero():
     config = mission(events=EVENTS, time_limit=30.0)
     for settings in ({}, {"action": {"mode": "velocity"}}, {"state": "observations"}):
-        env = clean_swarm_v0.parallel_env(config, **settings)
-        env.reset(seed=2)
+        env = begun(clean_swarm_v0.parallel_env(config, **settings), seed=2)
         while env.agents:
             assert env.state_space.contains(env.state())
             env.step({agent: env.action_space(agent).sample() for agent in env.agents})

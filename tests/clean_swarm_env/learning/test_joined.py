@@ -10,7 +10,7 @@ from clean_swarm_env.learning.episodes import episodes_of
 from clean_swarm_env.learning.joined import Joined, family_batches
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from selector.documents.errors import DocumentError
-from tests.clean_swarm_env.courses import long_course, mission
+from tests.clean_swarm_env.courses import begun, long_course, mission
 
 SHORT = mission(garbage={"count": 2}, time_limit=30.0)
 UNSEEN = ((8.0, 8.0), (16.0, 9.0), (18.0, 18.0))
@@ -75,43 +75,46 @@ def test_a_family_of_several_tori_makes_a_batch_for_each():
 @long_course
 def test_worlds_do_what_a_source_gives_and_stay_where_it_gives_nothing():
     given = [episodes_of(SHORT).draw(3, number) for number in range(3)]
-    waiting, ends = iter(given), []
-    batch = Batch(SHORT, 4, source=lambda world: next(waiting, None))
-    batch.reset()
+    waiting, ends = iter(given), {}
+    batch, alone = begun(Batch(SHORT, 4, source=lambda world: next(waiting, None))), begun(Batch(SHORT), [3])
     assert batch.doing == [*given, None]
     while len(ends) < 3:
         step = batch.step(np.zeros(20, dtype=np.int64))
         assert not step.rewards[15:].any()
-        ends += batch.finished
-    assert sorted(end.world for end in ends) == [0, 1, 2]
-    assert all(end.scenario == given[end.world] for end in ends)
+        ends |= {end.world: end for end in batch.finished}
+    assert all(end.scenario == given[world] for world, end in ends.items())
     idle = batch.step(np.zeros(20, dtype=np.int64))
     assert (idle.terminated | idle.truncated).all()
     assert not idle.rewards.any()
     assert batch.finished == ()
-    alone = Batch(SHORT)
-    alone.reset([3])
-    result = None
-    while result is None:
+    while not alone.finished:
         alone.step(np.zeros(5, dtype=np.int64))
-        result = alone.finished[0].result if alone.finished else None
-    assert next(end for end in ends if end.world == 0).result == result
+    assert ends[0].result == alone.finished[0].result
 
 
-def test_wrong_use_is_named():
-    batch = Batch(SHORT, source=lambda world: None)
-    with pytest.raises(ValueError, match="seeds: expected none, because a source"):
-        batch.reset([1])
-    with pytest.raises(ValueError, match="batches: expected at least one"):
-        Joined([])
-    with pytest.raises(ValueError, match="batches: expected each one once"):
-        Joined([batch, batch])
-    joined = Joined([Batch(SHORT), Batch(SHORT)])
-    with pytest.raises(ValueError, match="starts: expected one for each of 2 worlds, got 1"):
-        joined.reset(starts=[None])
-    joined.reset()
-    with pytest.raises(ValueError, match=r"actions: expected one for each of 10 rows, got shape \(9,\)"):
-        joined.step(np.zeros(9, dtype=np.int64))
+def twice(batch):
+    return Joined([batch, batch])
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Batch(SHORT, source=lambda world: None).reset([1]), "seeds: expected none, because a source"),
+        (lambda: Joined([]), "batches: expected at least one"),
+        (lambda: twice(Batch(SHORT)), "batches: expected each one once"),
+        (
+            lambda: Joined([Batch(SHORT), Batch(SHORT)]).reset(starts=[None]),
+            "starts: expected one for each of 2 worlds, got 1",
+        ),
+        (
+            lambda: begun(Joined([Batch(SHORT), Batch(SHORT)])).step(np.zeros(9, dtype=np.int64)),
+            r"actions: expected one for each of 10 rows, got shape \(9,\)",
+        ),
+    ],
+)
+def test_wrong_use_is_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
 
 
 @pytest.mark.parametrize(
@@ -129,8 +132,7 @@ def test_batches_that_no_learner_could_decide_for_together_are_refused(settings,
 def test_batches_of_other_goals_and_options_are_joined_by_name():
     seen = {"observation": {"terms": ["situation"]}}
     batches = [Batch("table1", **seen), Batch("exploring", **seen), Batch("table1", knowledge="avoidance", **seen)]
-    joined = Joined(batches)
-    joined.reset([1, 2, 3])
+    joined = begun(Joined(batches), [1, 2, 3])
     assert list(joined.options) == ["AvoidCollision", "ExplorationPatrol"]
     avoiding, exploring = joined.options.values()
     assert exploring == batches[1].options["ExplorationPatrol"]

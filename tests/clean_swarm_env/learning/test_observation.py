@@ -12,7 +12,7 @@ from clean_swarm_env.learning.observation.around import PHASES
 from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
-from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
+from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
 
 RANGES = (1.0, 1.5, 2.5)
 ALL = ObservationConfig(terms=(*DEFAULT_TERMS, *TRUE_TERMS))
@@ -160,8 +160,7 @@ def test_robots_do_not_see_those_of_whom_they_have_heard_nothing(delivery, heard
 
 
 def test_who_mistakes_the_own_place_is_heard_there():
-    batch = Batch(mission(robots={"pose_noise": 0.3}), observation=ALL)
-    batch.reset([1])
+    batch = begun(Batch(mission(robots={"pose_noise": 0.3}), observation=ALL), [1])
     names, off = batch.observer.names, []
     heard, true = names.index("neighbour_distance"), names.index("true_neighbour_distance")
     for _ in range(40):

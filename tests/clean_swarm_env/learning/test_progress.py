@@ -8,7 +8,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import AVOIDINGS, PICKINGS
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.tasks.cleaning.robot import GOAL
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import begun, mission
 from tests.paths import ROOT
 
 PERIODS = 30
@@ -71,8 +71,7 @@ def test_an_item_is_paid_for_once_whoever_picks_it_again():
         "bumpers", robots={"count": 16}, garbage={"count": 16}, consequences={"drop": True}, knowledge="avoidance",
         time_limit=240.0,
     )  # fmt: skip
-    batch = Batch(crowded)
-    batch.reset([1])
+    batch = begun(Batch(crowded), [1])
     off = np.full(batch.rows, batch.options[GOAL].index("Off"))
     paid = picked = 0
     carried = batch.worlds.task.garbage.cargo >= 0

@@ -12,7 +12,7 @@ import pytest
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.joined import Joined, blocks, family_batches, in_threads
 from clean_swarm_env.recording.recorder import RecordSettings
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import begun, mission
 
 WORLDS = 5
 SHORT = mission(garbage={"count": 2}, time_limit=12.0)
@@ -61,8 +61,7 @@ def test_a_family_has_blocks_of_each_torus():
 
 
 def test_a_wrong_action_moves_no_world():
-    joined = Joined(blocks(SHORT, 4, 2), 2)
-    joined.reset(range(4))
+    joined = begun(Joined(blocks(SHORT, 4, 2), 2), range(4))
     before = [batch.get_state() for batch in joined.batches]
     wrong = np.zeros(joined.rows, dtype=np.int64)
     wrong[-1] = 99
@@ -116,10 +115,7 @@ def test_a_forked_process_makes_threads_of_its_own():
 
 
 def test_one_batch_is_stepped_in_the_thread_of_the_caller():
-    joined = Joined([Batch(SHORT)], 3)
-    threads = []
-    joined.batches[0].rewards.of, given = lambda *_: threads.append(threading.current_thread()), 0
-    joined.reset([1])
+    joined, threads = begun(Joined([Batch(SHORT)], 3), [1]), []
+    joined.batches[0].rewards.of = lambda *_: threads.append(threading.current_thread())
     joined.step(np.zeros(joined.rows, dtype=np.int64))
     assert threads == [threading.main_thread()]
-    assert given == 0

@@ -7,16 +7,11 @@ from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.progress import PICKINGS, RECYCLINGS, MissionProgress
-from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN
-from clean_swarm_env.world.task import coordinators_of
-from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
-from selector.knowledge import load_knowledge
-from tests.clean_swarm_env.courses import difference, long_course, snapshot
+from tests.clean_swarm_env.courses import begun, coordinated, long_course, ticked
 
 SPAN, NEAR, BLIND = 4.0, 4.0, 50  # of the option Chain: [m], [m], [ticks]
 RECYCLING, DUMP = np.array([[10.0, 10.0]]), np.array([[10.0, 1.0]])
@@ -33,7 +28,7 @@ def mission_of(robots, items, **settings):
 
 def worlds_of(mission, count=1):
     """Return worlds in which all robots explore by Patrol, carry by Chain, and avoid by ORCA."""
-    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()), count)
+    worlds = coordinated(mission, count)
     _, carry, avoid = (coordinator.model for coordinator in worlds.coordinators)
     worlds.hold(np.tile([0, carry.options.index("Chain"), avoid.options.index("ORCA")], (worlds.rows, 1)))
     return worlds
@@ -41,9 +36,12 @@ def worlds_of(mission, count=1):
 
 def one_robot(item):
     """Return a world with one robot that stands at the one item."""
-    worlds = worlds_of(mission_of(1, 1, consequences={}))
-    worlds.reset(0, StartConfiguration(id="own", robots=((*item, 0.0),), items=(item,)), 3)
-    return worlds
+    return begun(
+        worlds_of(mission_of(1, 1, consequences={})),
+        0,
+        StartConfiguration(id="own", robots=((*item, 0.0),), items=(item,)),
+        3,
+    )
 
 
 def ways(places, others):
@@ -102,20 +100,22 @@ class Followed:
 
 def test_robots_put_down_what_has_gained_its_span_and_see_nothing_for_a_time():
     items = ((19.0, 10.0), (1.5, 4.0), (10.0, 18.6), (15.0, 10.0))  # the last one has not gained enough when it is near
-    worlds = worlds_of(mission_of(4, 4))
-    worlds.reset(0, StartConfiguration(id="own", robots=tuple((*item, 0.0) for item in items), items=items), 3)
+    worlds = begun(
+        worlds_of(mission_of(4, 4)),
+        0,
+        StartConfiguration(id="own", robots=tuple((*item, 0.0) for item in items), items=items),
+        3,
+    )
     followed = Followed(worlds)
     for handed in ([1, 1, 1, 0], [1, 1, 1, 1]):  # on its way to the dump
-        for _ in range(45):
-            followed.tick()
+        ticked(followed, 45)
         assert worlds.task.garbage.paid[0].tolist() == handed
 
 
 @long_course
 def test_a_crowd_hands_all_garbage_over_and_cleans_its_world():
     mission = mission_of(30, 30)
-    worlds = worlds_of(mission)
-    worlds.reset(0, random_start(mission, 1, 0), 1)
+    worlds = begun(worlds_of(mission), 0, random_start(mission, 1, 0), 1)
     followed = Followed(worlds)
     while not worlds.done[0]:
         followed.tick()
@@ -125,8 +125,7 @@ def test_a_crowd_hands_all_garbage_over_and_cleans_its_world():
 
 def test_who_has_put_cargo_down_picks_it_again_after_the_time_and_is_paid_for_it_once():
     worlds = one_robot((1.0, 10.0))
-    progress = MissionProgress(worlds)
-    progress.reset(0)
+    progress = begun(MissionProgress(worlds), 0)
     progress.reset_period()
     while not worlds.task.garbage.blind[0]:
         progress.note(worlds.tick())
@@ -149,58 +148,9 @@ def test_a_robot_that_stands_after_a_collision_keeps_its_cargo():
     while worlds.task.garbage.cargo[0] == NOTHING:
         worlds.tick()
     worlds.task.consequences.standing[0] = 10  # in a mission without consequences it drives on
-    for _ in range(40):
-        worlds.tick()
+    ticked(worlds, 40)
     assert ways(worlds.physics.positions, RECYCLING)[0, 0] < 4.5
     assert worlds.task.garbage.cargo[0] == 0
-
-
-def test_worlds_go_on_alike_alone_in_a_batch_and_from_a_state():
-    """The state is taken while robots carry, and while others see no garbage."""
-    mission = mission_of(6, 12)
-    starts = [random_start(mission, 1, k) for k in range(2)]
-    batch = worlds_of(mission, 2)
-    alone = [worlds_of(mission) for _ in starts]
-    for world, start in enumerate(starts):
-        batch.reset(world, start, [5, world])
-        alone[world].reset(0, start, [5, world])
-    seen = 0
-    for _ in range(3):
-        for _ in range(30):
-            for worlds in (batch, *alone):
-                worlds.tick()
-        for world in range(2):
-            assert difference([whole(batch, world)], [whole(alone[world], 0)]) == ""
-            seen += int((batch.task.garbage.blind[batch.rows_of(world)] > 0).sum())
-            state = alone[world].get_state()
-            alone[world] = worlds_of(mission)
-            alone[world].reset(0, random_start(mission, 9, 9), 9)
-            alone[world].set_state(state)
-    assert seen > 0
-
-
-def test_a_recording_holds_what_was_put_down_and_where(tmp_path):
-    worlds = one_robot((1.0, 10.0))
-    recorder = MissionRecorder(worlds, RecordSettings(tmp_path))
-    path = recorder.open(0, {})
-    frames = []
-    while not frames or not worlds.task.garbage.recycled[0]:
-        worlds.tick()
-        recorder.record()
-        frames.append((worlds.task.garbage.stage[0, 0], *worlds.task.garbage.positions[0, 0]))
-    recorder.close()
-    recorded = RecordedMission(path)
-    stages, *places = np.array(frames).T
-    assert recorded["item_stage"][:, 0].tolist() == stages.tolist()
-    np.testing.assert_allclose([recorded["item_x"][:, 0], recorded["item_y"][:, 0]], places, atol=0.0006)
-    assert len({tuple(place) for place in np.transpose(places)}) == 2
-
-
-def whole(worlds, world):
-    """Return the arrays of a world with what a chain remembers."""
-    garbage, rows = worlds.task.garbage, worlds.rows_of(world)
-    own = {"leg": garbage.leg[rows], "blind": garbage.blind[rows], "paid": garbage.paid[world]}
-    return snapshot(worlds, world) | {**own, "items": garbage.positions[world]}
 
 
 @pytest.mark.parametrize(

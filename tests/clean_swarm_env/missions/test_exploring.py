@@ -7,12 +7,8 @@ from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance
 from clean_swarm_env.tasks.cleaning.missions import CleaningMissions
-from clean_swarm_env.world.task import coordinators_of
-from clean_swarm_env.world.worlds import Worlds
-from selector.configurations.library import Library
-from selector.knowledge import load_knowledge
 from selforg.gradients.queries import Filter, Queries
-from tests.clean_swarm_env.courses import snapshot
+from tests.clean_swarm_env.courses import begun, coordinated, snapshot, ticked
 
 FIND = np.array([8.0, 8.0])
 
@@ -27,8 +23,7 @@ def exploring(option, robots, items=()):
             "task": CleaningMissions.with_items(mission, count=len(items)),
         }
     )
-    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
-    worlds.reset(0, StartConfiguration(id="own", robots=robots, items=items), 3)
+    worlds = begun(coordinated(mission), 0, StartConfiguration(id="own", robots=robots, items=items), 3)
     goals = [coordinator.model for coordinator in worlds.coordinators]
     held = [goals[0].options.index(option), goals[1].options.index("Off")]
     worlds.hold(np.tile(held, (len(robots), 1)))
@@ -36,8 +31,7 @@ def exploring(option, robots, items=()):
 
 
 def run(worlds, seconds):
-    for _ in range(round(5 * seconds)):
-        worlds.tick()
+    ticked(worlds, round(5 * seconds))
 
 
 def test_who_finds_garbage_tells_where_for_a_while():

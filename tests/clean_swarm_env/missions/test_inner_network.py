@@ -12,7 +12,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from selector.coordination.selection import BY_SCORE
 from selector.documents.find import SHIPPED
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import mission, ticked
 from train.evaluation.explain import as_json, explained
 from train.evaluation.repeat import record_run
 from train.running.runs import RunTask
@@ -37,20 +37,14 @@ PAUSE = {"sensors": {"roamed": "fact"}, "behaviours": {"Rest": {"preconditions":
 
 @pytest.fixture
 def robot(tmp_path):
-    """Write the shipped robot with a behaviour Search in place of Patrol, with or without a network inside."""
+    """Write the shipped robot with Search in place of Patrol: the network in it searches, or leaves the robot alone."""
 
     def write(nested):
         document = yaml.safe_load((SHIPPED / "robots" / "cleaning.yaml").read_text())
         behaviours = document["networks"]["robot"]["behaviours"]
-        document["networks"]["robot"]["behaviours"] = {"Search": behaviours.pop("Patrol"), **behaviours}
-        if nested:
-            behaviours = document["networks"]["robot"]["behaviours"]
-            behaviours["Search"]["network"] = "search"
-            document["networks"] |= {"search": SEARCH, "pause": PAUSE}
-        else:  # a network that leaves the robot alone
-            behaviours = document["networks"]["robot"]["behaviours"]
-            behaviours["Search"]["network"] = "search"
-            document["networks"] |= {"search": IDLE}
+        search = behaviours.pop("Patrol") | {"network": "search"}
+        document["networks"]["robot"]["behaviours"] = {"Search": search, **behaviours}
+        document["networks"] |= {"search": SEARCH, "pause": PAUSE} if nested else {"search": IDLE}
         (tmp_path / "robots").mkdir(exist_ok=True)
         (tmp_path / "robots" / "searching.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
         return tmp_path
@@ -66,7 +60,7 @@ def course_of(directory):
     return Course(MissionRun(MISSION, start, 3, {}, directories=(directory,)))
 
 
-def ticked(course, ticks):
+def searching(course, ticks):
     """Return whether each robot searched in each tick, and how far it went in these ticks."""
     network, searched = course.worlds.network, []
     column, way = network.model.behaviour_index["Search"], np.zeros(5)
@@ -79,12 +73,12 @@ def ticked(course, ticks):
 
 
 def test_what_lies_in_a_behaviour_moves_the_robots(robot):
-    searched, way = ticked(course_of(robot(nested=False)), 30)
+    searched, way = searching(course_of(robot(nested=False)), 30)
     only = searched.sum(axis=0) >= 29
     assert only.any()
     assert (way[only] == 0.0).all()
     course = course_of(robot(nested=True))
-    searched, way = ticked(course, 30)
+    searched, way = searching(course, 30)
     assert (way[searched.sum(axis=0) > 20] > 1.0).all()
     assert (searched.sum(axis=0) > 20).any()
     search, pause = course.worlds.minds.nested
@@ -95,8 +89,7 @@ def test_what_lies_in_a_behaviour_moves_the_robots(robot):
 
 
 def test_a_robot_that_begins_anew_begins_anew_inside(robot):
-    course = course_of(robot(nested=True))
-    ticked(course, 10)
+    course = ticked(course_of(robot(nested=True)), 10)
     course.worlds.minds.reset_rows(np.array([1]))
     for inner in course.worlds.minds.nested:
         assert not inner.network.executing[1].any()

@@ -24,6 +24,7 @@ def test_robots_without_planner_have_none():
     assert Worlds(mission(), avoidance()).network.planner is not None
 
 
+@pytest.mark.extra
 def test_an_engine_plans_for_the_robots():
     pytest.importorskip("up_aries")
     worlds = worlds_at_start(mission(network={"planner": "aries"}), [1])

@@ -2,33 +2,28 @@
 
 import numpy as np
 import pytest
-from pettingzoo.test import parallel_api_test
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
-from clean_swarm_env.drawing.picture import write_picture
-from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GOAL
-from clean_swarm_env.world.mission import MissionRun
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.knowledge import load_knowledge
-from tests.clean_swarm_env.courses import avoidance, course, difference, long_course, mission, worlds_at_start
+from tests.clean_swarm_env.courses import (
+    avoidance,
+    begun,
+    mission,
+    ticked,
+    worlds_at_start,
+)
 
 ROOMS = load_mission("three-rooms")
-WALLS = [((8.0, 0.0), (8.0, 5.0)), ((8.0, 7.0), (8.0, 12.0))]
-
-
-@long_course
-def test_the_environment_of_three_rooms_passes_pettingzoos_test():
-    parallel_api_test(clean_swarm_v0.parallel_env("three-rooms"), num_cycles=100)
+FEW, OTHERS = ("Foraging", "FormationControl"), [name for name in TASKS.names() if name != "Cleaning"]
 
 
 def test_no_robot_leaves_the_field_or_crosses_a_wall_but_for_the_doors():
@@ -47,24 +42,6 @@ def test_no_robot_leaves_the_field_or_crosses_a_wall_but_for_the_doors():
     assert crossed > 5
 
 
-def test_a_world_has_the_same_bits_alone_and_in_a_batch_and_from_a_state():
-    alone, batch = worlds_at_start(ROOMS, [6]), worlds_at_start(ROOMS, [5, 6, 7])
-    assert difference(course(alone, 0, 60), course(batch, 1, 60)) == ""
-    other = worlds_at_start(ROOMS, [8])
-    other.set_state(batch.get_state(1))
-    assert difference(course(other, 0, 60), course(batch, 1, 60)) == ""
-
-
-def test_courses_differ_once_the_walls_are_removed():
-    open_field = mission("three-rooms", world={"walls": ()})
-    worlds = [Worlds(config, avoidance(), 1) for config in (ROOMS, open_field)]
-    for world in worlds:
-        world.reset(0, random_start(ROOMS, 1, 0), 5)
-    first, second = (course(world, 0, 150) for world in worlds)
-    assert difference(first[:1], second[:1]) == ""
-    assert np.abs(first[-1]["positions"] - second[-1]["positions"]).max() > 1.0
-
-
 @pytest.mark.parametrize("option", ["ORCA", "PredictiveSteering", "RepulsionGradient"])
 def test_a_robot_that_knows_the_way_goes_round_a_long_wall_another_one_does_not(option):
     wall, world = {"corners": [[8.0, 0.0], [8.0, 10.5]]}, {"width": 16.0, "ground": "walled"}
@@ -74,12 +51,10 @@ def test_a_robot_that_knows_the_way_goes_round_a_long_wall_another_one_does_not(
     model = CoordinatorModel(GOAL, load_knowledge("avoidance"), Library())
     done = []
     for rounds in (True, False):
-        worlds = Worlds(config, model, 1)
-        worlds.reset(0, start, 5)
+        worlds = begun(Worlds(config, model, 1), 0, start, 5)
         worlds.hold(np.full(1, model.options.index(option)))
         worlds.task.rounds = worlds.task.rounds if rounds else None
-        for _ in range(300):
-            worlds.tick()
+        ticked(worlds, 300)
         done.append(int(worlds.task.garbage.done[0]))
     assert done == [1, 0]
 
@@ -88,31 +63,11 @@ def test_a_robot_that_knows_the_way_goes_round_a_long_wall_another_one_does_not(
 def test_an_item_behind_a_wall_is_seen_unless_walls_block_sight_and_never_picked(sight):
     start = StartConfiguration(id="s", robots=((7.74, 3.0, 0.0),), items=((8.26, 3.0), (7.0, 4.5)))
     changes = {"world": {"walls_block": ["sight"] if sight else []}, "robots": {"count": 1}, "garbage": {"count": 2}}
-    worlds = Worlds(mission("three-rooms", **changes), avoidance(), 1)
-    worlds.reset(0, start, 1)
+    worlds = begun(Worlds(mission("three-rooms", **changes), avoidance(), 1), 0, start, 1)
     worlds.tick()
     assert worlds.task.site.packed.record.nearest[0] == (1 if sight else 0)
     assert worlds.network.readings[0, GARBAGE_AT] == 0.0
     assert (worlds.task.garbage.cargo == -1).all()
-
-
-def test_a_recording_holds_the_walls_and_its_pictures_are_those_of_the_world(tmp_path):
-    config = mission("three-rooms", time_limit=20.0)
-    run = MissionRun(config, random_start(config, 1, 0), 3, {})
-    record_mission(run, RecordSettings(tmp_path), {})
-    recording = RecordedMission(next(tmp_path.glob("*.swarm")))
-    assert recording.head["shown"] == [24.0, 12.0]
-    assert [(tuple(wall[:2]), tuple(wall[2:])) for wall in recording.head["walls"][:2]] == WALLS
-    assert len(recording.head["walls"]) == 8
-    shown, worlds = RecordedCourse(recording).at(0.0), worlds_at_start(config, [1])
-    now = canvas_of(worlds, 0)
-    assert np.array_equal(shown.walls, now.walls)
-    assert (shown.width, shown.height, shown.closed) == (now.width, now.height, now.closed) == (24.0, 12.0, False)
-    write_picture(now, tmp_path / "rooms.svg", 400)
-    without = worlds_at_start(mission("three-rooms", time_limit=20.0, world={"walls": ()}), [1])
-    write_picture(canvas_of(without, 0), tmp_path / "field.svg", 400)
-    paths = [(tmp_path / f"{name}.svg").read_text().count("<path") for name in ("rooms", "field")]
-    assert paths[0] == paths[1] + 4
 
 
 def test_a_robot_placed_in_a_wall_is_one_line():
@@ -121,12 +76,11 @@ def test_a_robot_placed_in_a_wall_is_one_line():
         worlds.reset(0, start.model_copy(update={"robots": ((8.1, 3.0, 0.0), *start.robots[1:])}), 5)
 
 
-@pytest.mark.parametrize("name", [name for name in TASKS.names() if name != "Cleaning"])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name in FEW else pytest.mark.long) for name in OTHERS])
 @pytest.mark.parametrize("ground", ["walled", "open"])
 def test_any_task_runs_among_walls(name, ground):
     wall = {"corners": [[3.0, 3.0], [3.0, 9.0], [9.0, 9.0]]}
     world = {"ground": ground, "width": 30.0, "height": 30.0, "walls": [wall]}
-    env = clean_swarm_v0.parallel_env({"task": name, "world": world})
-    env.reset(seed=1)
+    env = begun(clean_swarm_v0.parallel_env({"task": name, "world": world}), seed=1)
     for _ in range(3):
         env.step({agent: env.action_space(agent).sample() for agent in env.agents})

@@ -13,6 +13,7 @@ from selector.configurations.library import Library
 from selector.coordination.model import coordinator_models
 from selector.documents.errors import DocumentError
 from selector.knowledge import knowledge_from, load_knowledge
+from tests.clean_swarm_env.courses import begun, ticked
 
 SCENARIO = load_family("crowded").scenario(3, 0, "train")
 
@@ -22,8 +23,7 @@ def crowd(knowledge=None, option="PredictiveSteering", *, library=None, explaine
     mission = SCENARIO.mission
     known = knowledge_from(knowledge) if knowledge else load_knowledge("avoidance")
     models = coordinators_of(mission, known, library or Library())
-    worlds = Worlds(mission, models, explained=explained)
-    worlds.reset(0, SCENARIO.start, 5)
+    worlds = begun(Worlds(mission, models, explained=explained), 0, SCENARIO.start, 5)
     worlds.hold(np.full(worlds.rows, models[0].options.index(option)))
     return worlds
 
@@ -36,16 +36,14 @@ def test_robots_that_steer_do_what_their_other_behaviours_decide_and_take_no_tur
         assert not worlds.network.executing[:, index].any()
     assert worlds.task.garbage.done[0] > 0
     worlds.hold(np.zeros(worlds.rows, dtype=np.int64))  # a repulsion again
-    for _ in range(50):
-        worlds.tick()
+    ticked(worlds, 50)
     assert worlds.network.executing[:, index].any()
 
 
 def test_only_commands_of_robots_that_others_are_near_to_change():
     worlds, off = crowd(option="Off"), crowd(option="Off")
     for world in (worlds, off):
-        for _ in range(30):
-            world.tick()
+        ticked(world, 30)
     worlds.hold(np.full(worlds.rows, worlds.coordinators[0].model.options.index("PredictiveSteering")))
     for world in (worlds, off):
         world.tick()
@@ -57,25 +55,9 @@ def test_only_commands_of_robots_that_others_are_near_to_change():
     assert not np.allclose(ours.vectors, theirs.vectors)
 
 
-def test_a_state_holds_what_steering_remembers():
-    worlds = crowd()
-    for _ in range(60):
-        worlds.tick()
-    state = worlds.get_state()
-    courses = []
-    for _ in range(2):
-        worlds.set_state(state)
-        for _ in range(40):
-            worlds.tick()
-        courses.append(worlds.physics.positions.copy())
-    np.testing.assert_array_equal(*courses)
-
-
 def test_an_option_that_steers_serves_alone_and_is_explained():
     options = {"goals": {GOAL: [{"configuration": "PredictiveSteering", "score": 1.0}]}}
-    worlds = crowd(options, explained=True)
-    for _ in range(3):
-        worlds.tick()
+    worlds = ticked(crowd(options, explained=True), 3)
     told = _coordinated(worlds.coordinators[0], 0)
     (behaviour,) = told.inner.behaviours
     assert (behaviour.name, behaviour.running) == ("Steer", True)
@@ -115,19 +97,3 @@ def test_two_goals_cannot_both_set_the_pose(library):
     goals = {"goals": dict.fromkeys(("A", "B"), POSED["goals"][GOAL])}
     with pytest.raises(DocumentError, match="pose: expected options of one goal to set radii, got options of A, B"):
         coordinator_models(("A", "B"), knowledge_from(goals), library)
-
-
-def test_a_crowd_with_bumpers_hardly_collides_where_robots_keep_eighty_centimetres_apart():
-    family = load_family("crowded-exploring")
-    scenario = family.scenario(3, 0, "train")
-    events = {}
-    for option in ("ORCA", "ORCA-distance0.8"):
-        models = coordinators_of(scenario.mission, load_knowledge("exploring"), Library())
-        worlds = Worlds(scenario.mission, models)
-        worlds.reset(0, scenario.start, scenario.seed)
-        avoid = [model.goal for model in models].index(GOAL)
-        options = np.array([int(np.argmax(model.scores)) for model in models])
-        options[avoid] = models[avoid].options.index(option)
-        worlds.hold(np.tile(options, (worlds.rows, 1)))
-        events[option] = sum(int(worlds.tick().sum()) for _ in range(300))
-    assert events["ORCA-distance0.8"] < 0.2 * events["ORCA"]

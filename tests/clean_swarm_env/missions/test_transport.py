@@ -9,7 +9,6 @@ from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance, random_start
-from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.physics.cells import nearest_of_kind
 from clean_swarm_env.tasks.cleaning.garbage import DONE
 from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING
@@ -20,7 +19,7 @@ from selector.knowledge import load_knowledge
 from selforg.compiler.decorators import kernel
 from selforg.gradients.queries import Queries
 from selforg.space import Torus
-from tests.clean_swarm_env.courses import snapshot
+from tests.clean_swarm_env.courses import begun, coordinated, ticked
 
 STATIONS = {"recycling": [3.0, 10.0], "dump": [13.0, 10.0], "further_recycling": [[9.0, 10.0]]}
 
@@ -37,8 +36,7 @@ def carrying(option, places, avoidance="Off", **changes):
     """Return a world whose robots, at `places` (N, 3), carry by an option: the first ones have cargo."""
     items = ((5.9, 10.0),)
     mission = mission_of(len(places), len(items), **changes)
-    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
-    worlds.reset(0, StartConfiguration(id="own", robots=places, items=items), 3)
+    worlds = begun(coordinated(mission), 0, StartConfiguration(id="own", robots=places, items=items), 3)
     goals = [coordinator.model for coordinator in worlds.coordinators]
     assert [goal.goal for goal in goals] == ["ExplorationPatrol", "Transport", "AvoidCollision"]
     held = [0, goals[1].options.index(option), goals[2].options.index(avoidance)]
@@ -47,8 +45,7 @@ def carrying(option, places, avoidance="Off", **changes):
 
 
 def run(worlds, seconds):
-    for _ in range(round(5 * seconds)):
-        worlds.tick()
+    ticked(worlds, round(5 * seconds))
 
 
 @kernel
@@ -70,8 +67,7 @@ def test_the_nearest_of_a_kind_is_that_of_the_smallest_offset():
 
 def test_a_mission_with_three_stations_of_a_kind_uses_all_of_them_and_no_other_place():
     mission = load_mission("transport")
-    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
-    worlds.reset(0, random_start(mission, 1, 0), 1)
+    worlds = begun(coordinated(mission), 0, random_start(mission, 1, 0), 1)
     used = {RECYCLING: set(), DUMP: set()}
     kinds, places = np.array(mission.task.stations.kinds), np.array(mission.task.stations.places)
     assert kinds.tolist() == [RECYCLING, DUMP, RECYCLING, RECYCLING, DUMP, DUMP]
@@ -91,20 +87,6 @@ def test_a_mission_with_three_stations_of_a_kind_uses_all_of_them_and_no_other_p
     assert worlds.done[0]
     assert used[RECYCLING] == {0, 2, 3}
     assert len(used[DUMP]) > 1
-
-
-def test_stations_are_drawn_and_kept_in_states():
-    worlds = carrying("LeastBusyQueue", ((5.9, 10.0, 3.0), (3.1, 10.0, 3.0)))
-    run(worlds, 2.0)
-    canvas = canvas_of(worlds, 0)
-    assert canvas.station_kinds == (RECYCLING, DUMP, RECYCLING)
-    assert canvas.stations.tolist() == [[3.0, 10.0], [13.0, 10.0], [9.0, 10.0]]
-    state = worlds.get_state()
-    run(worlds, 10.0)
-    before = snapshot(worlds, 0)
-    worlds.set_state(state)
-    run(worlds, 10.0)
-    assert all(np.array_equal(part, before[name]) for name, part in snapshot(worlds, 0).items())
 
 
 def test_the_first_stations_of_a_mission_may_move_and_robots_that_choose_know_it():
@@ -175,8 +157,7 @@ def test_one_robot_that_takes_the_nearest_station_moves_as_without_the_choice():
     for robot in ("cleaning-patrol", "cleaning-transport"):
         mission = mission_of(1, 3, network={"robot": robot})
         models = coordinators_of(mission, load_knowledge(mission.knowledge), Library())
-        worlds = Worlds(mission, models)
-        worlds.reset(0, random_start(mission, 2, 0), 3)
+        worlds = begun(Worlds(mission, models), 0, random_start(mission, 2, 0), 3)
         places = []
         for _ in range(600):
             worlds.tick()
@@ -190,7 +171,7 @@ def test_worlds_of_one_batch_may_have_their_stations_at_different_places():
     base = mission_of(1, 3)
     places = {**base.model_dump()["task"]["stations"], "further_recycling": ((9.0, 3.0),)}
     other = MissionConfig.model_validate(with_changes(base.model_dump(), {"task": {"stations": places}}))
-    worlds = Worlds(base, coordinators_of(base, load_knowledge(base.knowledge), Library()), 2)
+    worlds = coordinated(base, 2)
     for world, mission in enumerate((base, other)):
         worlds.reset(world, random_start(mission, 2, 0), 3, mission)
     assert worlds.task.stations[:, 2].tolist() == [[9.0, 10.0], [9.0, 3.0]]
@@ -204,8 +185,7 @@ def test_damaged_robots_are_mended_at_every_station():
     consequences = {"damage_after": 1, "damaged_speed": 0.5, "mending": 1.0}
     for place in ((3.0, 10.0), (13.0, 10.0), (9.0, 10.0), (15.0, 15.0)):
         mission = mission_of(1, 0, task={"consequences": consequences})
-        worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
-        worlds.reset(0, StartConfiguration(id="own", robots=((*place, 0.0),), items=()), 3)
+        worlds = begun(coordinated(mission), 0, StartConfiguration(id="own", robots=((*place, 0.0),), items=()), 3)
         worlds.task.consequences.collisions[0] = 1
         worlds.tick()
         assert bool(worlds.task.consequences.damaged[0]) is (place == (15.0, 15.0))

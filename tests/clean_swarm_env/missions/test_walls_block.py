@@ -7,7 +7,7 @@ from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
-from tests.clean_swarm_env.courses import avoidance, course, difference, mission, worlds_at_start
+from tests.clean_swarm_env.courses import avoidance, begun, mission, ticked
 
 WALL = {"ground": "walled", "walls": [{"corners": [[5.0, 0.0], [5.0, 9.0]]}]}
 PLACES = ((1.0, 1.0, 0.0), (2.0, 1.0, 0.0), (7.0, 1.0, 0.0), (8.0, 1.0, 0.0))
@@ -18,11 +18,10 @@ EVERYTHING = Filter(view_distance=20.0)
 def placed(*blocked, ticks=2, places=PLACES, world=WALL, **changes):
     """Two robots on either side of a wall that ends below the upper edge, after some ticks."""
     config = mission(world={**world, "walls_block": blocked}, robots={"count": 4}, garbage={"count": 1}, **changes)
-    worlds = Worlds(config, avoidance(), 1)
-    worlds.reset(0, StartConfiguration(id="s", robots=places, items=[[10.0, 10.0]]), 1)
-    for _ in range(ticks):
-        worlds.tick()
-    return worlds
+    return ticked(
+        begun(Worlds(config, avoidance(), 1), 0, StartConfiguration(id="s", robots=places, items=[[10.0, 10.0]]), 1),
+        ticks,
+    )
 
 
 def heard(worlds):
@@ -80,15 +79,3 @@ def test_one_that_looks_for_any_pheromone_passes_over_those_behind_a_wall():
     for row, few in ((0, 2), (3, 2)):
         look = Filter(view_distance=20.0, moving=False)
         assert len(queries.gather(worlds.now, [row], look).pairs) == few
-
-
-def test_a_world_has_the_same_bits_alone_and_in_a_batch_and_from_a_state():
-    blocked = {"walls_block": ["sight", "messages", "pheromones"]}
-    rooms = mission("three-rooms", world=blocked, delivery={"loss": 0.2, "delay": 0.2})
-    alone, batch = worlds_at_start(rooms, [6]), worlds_at_start(rooms, [5, 6])
-    assert difference(course(alone, 0, 30), course(batch, 1, 30)) == ""
-    other = worlds_at_start(rooms, [8])
-    other.set_state(batch.get_state(1))
-    assert difference(course(other, 0, 30), course(batch, 1, 30)) == ""
-    free = mission("three-rooms", world={"walls_block": ["sight"]}, delivery={"loss": 0.2, "delay": 0.2})
-    assert difference(course(worlds_at_start(free, [6]), 0, 90), course(worlds_at_start(rooms, [6]), 0, 90))

@@ -76,10 +76,12 @@ def test_cells_against_the_naive_count(robots, size):
     assert counter.entered.tolist() == entered
 
 
-@pytest.mark.parametrize(("robots", "size"), [(80, 14.0), (150, 6.5)], ids=["listed", "more pairs than the list holds"])
-def test_pairs_listed_before_against_the_naive_count(robots, size):
+@pytest.mark.parametrize(
+    ("robots", "size", "counts"), [(80, 14.0, 40), (150, 6.5, 10)], ids=["listed", "more pairs than the list holds"]
+)
+def test_pairs_listed_before_against_the_naive_count(robots, size, counts):
     rng = np.random.default_rng(robots)
-    steps = rng.normal(0.0, 0.06, (40, robots, 2))
+    steps = rng.normal(0.0, 0.06, (counts, robots, 2))
     walk = (rng.uniform(0.0, size, (robots, 2)) + np.cumsum(steps, axis=0)) % size
     counter = CollisionCounter(1, robots, size, size, distances=(0.3, 1.0))
     lists = set()

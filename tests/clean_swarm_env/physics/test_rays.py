@@ -11,7 +11,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.tasks.cleaning.garbage import LYING
 from selforg.components import Lidar
-from tests.clean_swarm_env.courses import mission, moved
+from tests.clean_swarm_env.courses import begun, mission, moved
 
 WALLS = ([[2.0, 3.0], [7.0, 3.5], [7.0, 8.0]], [[9.9, 0.4], [9.9, 5.0]], [[1.0, 10.0], [4.0, 10.5]])
 GROUNDS = {
@@ -79,8 +79,7 @@ def expected(worlds, row, angles, farthest, things):
 @pytest.mark.parametrize("name", GROUNDS)
 @pytest.mark.parametrize("things", [0.0, 0.2])
 def test_rays_go_as_far_as_a_scalar_reference_says(name, things):
-    batch = batch_on(name, terms=({**SETTINGS, "things": things},))
-    batch.reset([3, 4])
+    batch = begun(batch_on(name, terms=({**SETTINGS, "things": things},)), [3, 4])
     seen, worlds, angles = batch.observations, batch.worlds, 2 * np.pi * np.arange(12) / 12
     for _ in range(2):
         for row in range(0, worlds.rows, 7):
@@ -115,8 +114,7 @@ def test_the_space_has_a_component_for_each_ray_within_its_weight():
 
 @pytest.mark.parametrize("name", ["torus with walls", "crowd"])
 def test_the_sensor_reads_the_nearest_of_the_rays_in_its_sector(name):
-    batch = batch_on(name)
-    batch.reset([3, 4])
+    batch = begun(batch_on(name), [3, 4])
     worlds, rows = batch.worlds, np.arange(0, batch.worlds.rows, 5)
     lidar = Lidar(worlds.minds.surroundings, towards=0.5, width=1.0, rays=5, farthest=3.0, things=0.0)
     angles = 0.5 + 1.0 * np.linspace(-0.5, 0.5, 5)
@@ -128,8 +126,7 @@ def test_the_sensor_reads_the_nearest_of_the_rays_in_its_sector(name):
 
 @pytest.mark.parametrize("task", ["FormationControl", "ReachGoal"])
 def test_rays_meet_the_things_of_other_tasks_with_their_sizes(task):
-    batch = Batch(task, 2, observation=ObservationConfig(terms=({"name": "lidar", "farthest": 9.0},)))
-    batch.reset([1, 2])
+    batch = begun(Batch(task, 2, observation=ObservationConfig(terms=({"name": "lidar", "farthest": 9.0},))), [1, 2])
     worlds = batch.worlds
     for row in (0, worlds.rows - 1):
         world, (x, y), heading = row // worlds.robots, worlds.physics.positions[row], worlds.physics.headings[row]

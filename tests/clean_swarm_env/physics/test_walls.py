@@ -1,7 +1,5 @@
 """Walls stop bodies: on a torus also across its seams, the same bits by both ways to pymunk, alone and in a batch."""
 
-from copy import deepcopy
-
 import numpy as np
 import pytest
 
@@ -82,13 +80,6 @@ def test_a_world_has_the_same_bits_alone_and_in_a_batch_and_no_address_is_left_b
         touched |= bool(alone._motion.record.patience[0])
         assert not batch._motion.record.walls.any()
     assert touched
-
-
-def test_a_copy_goes_on_among_walls():
-    physics, _ = among(CROSS, robots=8)
-    drive_about(physics, 17, 2)
-    copy = deepcopy(physics)
-    assert np.array_equal(drive_about(copy, 20, 3), drive_about(physics, 20, 3))
 
 
 def test_walls_far_from_all_robots_change_no_bit():

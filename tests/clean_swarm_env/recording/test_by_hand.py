@@ -8,7 +8,7 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.by_hand import ByHand, Change
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, LYING
 from clean_swarm_env.world.mission import Course, MissionRun
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import mission, ticked
 
 CHANGE: TypeAdapter[Change] = TypeAdapter(ByHand)
 
@@ -18,9 +18,7 @@ def worlds():
     config = mission(
         robots={"count": 3, "capacity": 4}, garbage={"count": 4, "capacity": 5}, delivery={"own_contents": True}
     )
-    course = Course(MissionRun(config, random_start(config, 3, 0), 17, {}))
-    for _ in range(10):
-        course.tick()
+    course = ticked(Course(MissionRun(config, random_start(config, 3, 0), 17, {})), 10)
     return course.worlds
 
 
@@ -108,31 +106,25 @@ def test_what_is_not_there_cannot_be_changed(worlds, change, expected):
 
 
 def test_what_is_impossible_changes_nothing(worlds):
-    x, y = worlds.physics.positions[1].tolist()
-    before = worlds.get_state()
-    for change, expected in (
-        ({"do": "put_robot", "robot": 0, "x": x + 0.2, "y": y}, "robot 0: another robot is at the place"),
-        ({"do": "add_robot", "x": x + 0.2, "y": y}, "another robot is at the place"),
+    (x, y), (free_x, free_y) = worlds.physics.positions[1].tolist(), free_place(worlds)
+    room = int((worlds.task.garbage.stage[0] == ABSENT).sum())
+    item, own = {"do": "add_item", "x": 1.0, "y": 1.0}, {"do": "add_robot", "x": free_x, "y": free_y}
+    failing = [{"do": "fail_robot", "robot": robot} for robot in range(2)]
+    for before, change, expected in (
+        ([], {"do": "put_robot", "robot": 0, "x": x + 0.2, "y": y}, "robot 0: another robot is at the place"),
+        ([], {"do": "add_robot", "x": x + 0.2, "y": y}, "another robot is at the place"),
+        ([item] * room, item, "an item more: expected at most 5 lying or carried"),
+        (failing, {"do": "fail_robot", "robot": 2}, "robot 2: expected another robot at work, got the last one"),
+        ([], {"do": "remove_robot", "robot": 2}, "robot 2: expected another robot at work, got the last one"),
+        ([], failing[0], "robot 0: expected a robot at work, got one that has failed"),
+        ([own], own | {"y": free_y + 1.0}, "expected at most 4 robots"),
     ):
+        for possible in before:
+            made(worlds, **possible)
+        state = worlds.get_state()
         with pytest.raises(ValueError, match=expected):
             made(worlds, **change)
-    assert worlds.get_state() == before
-    made(worlds, do="fail_robot", robot=0)
-    made(worlds, do="fail_robot", robot=1)
-    for change in ("fail_robot", "remove_robot"):
-        with pytest.raises(ValueError, match="robot 2: expected another robot at work, got the last one"):
-            made(worlds, do=change, robot=2)
-    with pytest.raises(ValueError, match="robot 0: expected a robot at work, got one that has failed"):
-        made(worlds, do="fail_robot", robot=0)
-    x, y = free_place(worlds)
-    made(worlds, do="add_robot", x=x, y=y)
-    with pytest.raises(ValueError, match="expected at most 4 robots"):
-        made(worlds, do="add_robot", x=x, y=y + 1.0)
-    room = int((worlds.task.garbage.stage[0] == ABSENT).sum())
-    for _ in range(room):
-        made(worlds, do="add_item", x=1.0, y=1.0)
-    with pytest.raises(ValueError, match="an item more: expected at most 5 lying or carried"):
-        made(worlds, do="add_item", x=1.0, y=1.0)
+        assert worlds.get_state() == state
 
 
 def test_events_of_the_mission_pass_over_robots_that_a_person_took_away():
@@ -141,8 +133,7 @@ def test_events_of_the_mission_pass_over_robots_that_a_person_took_away():
     course = Course(MissionRun(config, random_start(config, 3, 0), 17, {}))
     for robot in (0, 2):
         made(course.worlds, do="remove_robot", robot=robot)
-    for _ in range(25):
-        course.tick()
+    ticked(course, 25)
     assert course.worlds.team.working.tolist() == [False, False, False, True]
     assert course.worlds.physics.present.tolist() == [False, True, False, True]
 

@@ -15,7 +15,7 @@ from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings, 
 from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from selforg.gradients.store import columns as c
 from selforg.network import state as st
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import begun, mission, recorded
 
 EVENTS = (
     {"at": 4.0, "do": "join", "robots": 1},
@@ -34,35 +34,30 @@ def run_of(config=MISSION) -> MissionRun:
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
     """Recording of a mission, and what was read off the worlds tick by tick."""
-    directory = tmp_path_factory.mktemp("recordings")
     course = Course(run_of(), explained=True)
-    recorder = MissionRecorder(course.worlds, RecordSettings(directory, minds=True, thinking=True))
-    recorder.frames.room = 64  # several parts
-    path = recorder.open(0, {"scenario": "1"})
-    frames = []
-    while course.in_progress:
-        course.tick()
-        worlds, net = course.worlds, course.worlds.network
+    worlds, net = course.worlds, course.worlds.network
+
+    def frame():
         own = worlds.minds.poses.own[:, 0]
-        frames.append(
-            {
-                "x": own[:, c.X].copy(),
-                "y": own[:, c.Y].copy(),
-                "working": worlds.team.working.copy(),
-                "cargo": worlds.task.garbage.cargo.copy(),
-                "item_stage": worlds.task.garbage.stage[0].copy(),
-                "contact": worlds.collisions.entered_in_tick.copy(),
-                "robot/values": net.state.values.copy(),
-                "robot/running": net.executing.copy(),
-                "robot/reason": net.state.marks[:, st.REASON].copy(),
-                "robot/readings": net.readings.copy(),
-                "robot/goals": net.state.goal_satisfaction.copy(),
-                "inner": worlds.coordinators[0].contents[0].network.state.values.copy(),
-                "traces": set(stored(worlds)),
-            }
-        )
-        recorder.record()
-    return RecordedMission(path), frames, course
+        parts = {
+            "x": own[:, c.X],
+            "y": own[:, c.Y],
+            "working": worlds.team.working,
+            "cargo": worlds.task.garbage.cargo,
+            "item_stage": worlds.task.garbage.stage[0],
+            "contact": worlds.collisions.entered_in_tick,
+            "robot/values": net.state.values,
+            "robot/running": net.executing,
+            "robot/reason": net.state.marks[:, st.REASON],
+            "robot/readings": net.readings,
+            "robot/goals": net.state.goal_satisfaction,
+            "inner": worlds.coordinators[0].contents[0].network.state.values,
+        }
+        return {name: part.copy() for name, part in parts.items()} | {"traces": set(stored(worlds))}
+
+    folder = tmp_path_factory.mktemp("recordings")
+    recording, frames = recorded(course, folder, frame, room=64, minds=True, thinking=True)  # several parts
+    return recording, frames[1:], course
 
 
 def stored(worlds) -> list[tuple[int, float, float]]:
@@ -145,15 +140,13 @@ def test_what_the_strategy_thinks_is_kept(seen, tmp_path):
 
 def test_every_border_records(tmp_path):
     short = MISSION.model_copy(update={"time_limit": 4.0})
-    env = parallel_env(short, record=RecordSettings(tmp_path / "one", minds=True))
-    env.reset(seed=1)
+    env = begun(parallel_env(short, record=RecordSettings(tmp_path / "one", minds=True)), seed=1)
     while env.agents:
         env.step(dict.fromkeys(env.agents, 3))
     (path,) = (tmp_path / "one").iterdir()
     assert RecordedMission(path).frames == 20
     assert (RecordedMission(path)["held/AvoidCollision"][:, :6] == 3).all()
-    many = TeamVectorEnv(2, mission=short, record=RecordSettings(tmp_path / "many"))
-    many.reset(seed=1)
+    many = begun(TeamVectorEnv(2, mission=short, record=RecordSettings(tmp_path / "many")), seed=1)
     for _ in range(6):
         many.step(many.action_space.sample())
     many.close()

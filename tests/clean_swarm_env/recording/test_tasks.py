@@ -11,9 +11,9 @@ from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.config.tasks import CLEANING
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
-from clean_swarm_env.recording.reader import RecordedMission, tables_of
-from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
+from clean_swarm_env.recording.reader import tables_of
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
+from tests.clean_swarm_env.courses import recorded
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from train.replay.page_file import page_of
 
@@ -25,19 +25,12 @@ def run_of(task, **changes) -> MissionRun:
     return MissionRun(mission, random_start(mission, 3, 0), 4, {})
 
 
-def recorded(run, folder, minds=False):
+def played(run, folder, minds=False):
     """Run a mission; return its recording, its course, and the canvas and the poses before each control period."""
     course = Course(run, explained=minds)
-    recorder = MissionRecorder(course.worlds, RecordSettings(folder, minds))
-    path = recorder.open(0, {"scenario": "1"})
-    canvases, places = [], []
-    while course.in_progress:
-        canvases.append(canvas_of(course.worlds, 0))
-        places.append(course.worlds.physics.positions.copy())
-        course.tick()
-        recorder.record()
-    recorder.close()
-    return RecordedMission(path), course, canvases, np.array(places)
+    seen = lambda: (canvas_of(course.worlds, 0), course.worlds.physics.positions.copy())  # noqa: E731
+    recording, told = recorded(course, folder, seen, minds=minds)
+    return recording, course, [canvas for canvas, _ in told[:-1]], np.array([places for _, places in told[:-1]])
 
 
 @pytest.fixture(autouse=True)
@@ -47,7 +40,7 @@ def _shepherding(monkeypatch):
 
 @pytest.mark.parametrize("task", TASKS)
 def test_a_recording_holds_the_course_the_things_and_the_measures(tmp_path, task):
-    recording, course, canvases, places = recorded(run_of(task, time_limit=4.0), tmp_path, minds=True)
+    recording, course, canvases, places = played(run_of(task, time_limit=4.0), tmp_path, minds=True)
     head, mission = recording.head, course.worlds.mission
     assert np.allclose(np.stack([recording["x"], recording["y"]], axis=-1), places, atol=0.0005001)
     assert (head["width"], head["height"], head["ground"]) == (*mission.extent, mission.world.ground)
@@ -74,23 +67,15 @@ def test_a_task_takes_its_course_with_and_without_a_recording(tmp_path):
     plain = Course(run)
     while plain.in_progress:
         plain.tick()
-    course = recorded(run, tmp_path)[1]
+    course = played(run, tmp_path)[1]
     assert plain.worlds.get_state() == course.worlds.get_state()
 
 
 def test_things_that_move_are_where_they_were(tmp_path):
     course = Course(run_of("Shepherding", time_limit=10.0))
-    recorder = MissionRecorder(course.worlds, RecordSettings(tmp_path, name="sheep"))
-    recorder.open(0, {})
-    seen = []
-    while course.in_progress:
-        seen.append(course.worlds.task.state.places[0].copy())
-        course.tick()
-        recorder.record()
-    recorder.close()
-    recording = RecordedMission(tmp_path / "sheep.swarm")
+    recording, seen = recorded(course, tmp_path, lambda: course.worlds.task.state.places[0].copy())
     found = np.stack([recording["thing_x"], recording["thing_y"]], axis=-1)
-    assert np.allclose(found, seen, atol=0.0005001)
+    assert np.allclose(found, seen[:-1], atol=0.0005001)
     assert np.abs(found[-1] - found[0]).max() > 0.5
     assert [(thing["channel"], thing.get("moves")) for thing in recording.head["things"]] == [
         ("ring", None),
@@ -100,7 +85,7 @@ def test_things_that_move_are_where_they_were(tmp_path):
 
 
 def test_food_that_robots_carry_is_their_cargo(tmp_path):
-    recording, _, canvases, _ = recorded(run_of("Foraging", time_limit=90.0), tmp_path)
+    recording, _, canvases, _ = played(run_of("Foraging", time_limit=90.0), tmp_path)
     picked, brought = (np.diff(recording["cargo"], axis=0) == step for step in (1, -1))
     assert picked.sum() >= brought.sum() > 0
     assert [kind["channel"] for kind in recording.notes["deposits"]] == ["trail"]
@@ -114,13 +99,13 @@ def test_food_that_robots_carry_is_their_cargo(tmp_path):
 
 
 def test_contacts_and_obstacles_are_shown(tmp_path):
-    recording, course, canvases, _ = recorded(run_of("CollisionAvoidance", time_limit=20.0), tmp_path)
+    recording, course, canvases, _ = played(run_of("CollisionAvoidance", time_limit=20.0), tmp_path)
     assert {area.name for area in canvases[0].areas if area.repels} == {"obstacle"}
     assert recording["contact"].sum() == 2 * course.worlds.world.collisions[0]
 
 
 def test_a_recording_that_lacks_the_things_that_move_is_refused_by_name(tmp_path):
-    recording = recorded(run_of("Shepherding", time_limit=1.0), tmp_path)[0]
+    recording = played(run_of("Shepherding", time_limit=1.0), tmp_path)[0]
     del recording.channels["thing_x"]
     with pytest.raises(ConfigurationError, match="expected channel thing_x with a number for each thing"):
         RecordedCourse(recording)

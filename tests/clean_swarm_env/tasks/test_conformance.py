@@ -1,9 +1,5 @@
 """Every task as an environment passes the checks of the cleaning environment, at every border and with all actions."""
 
-import copy
-import gc
-import pickle
-
 import gymnasium
 import numpy as np
 import pettingzoo
@@ -18,23 +14,17 @@ from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorE
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState
 from clean_swarm_env.testing import check_task
 from clean_swarm_env.wrappers import AllRobots, MaskedObservations
-from tests.clean_swarm_env.courses import long_course
-from tests.object_graph import arrays_of, pointing_into
+from tests.clean_swarm_env.courses import begun, long_course
 
 MODES = ("option", "velocity", "both")
 SECONDS = 4.0
 OTHERS = tuple(name for name in TASKS.names() if name != "Cleaning")
-every_task = pytest.mark.parametrize("task", OTHERS)
-every_mode = pytest.mark.parametrize("mode", MODES)
-KINDS = (
-    "Foraging",
-    "CollisionAvoidance",
-    "FormationControl",
-    "MaxValue",
-)  # facts, an errand, holonomic drives, decisions
-each_case = pytest.mark.parametrize(
-    ("task", "mode"), [*((task, "option") for task in OTHERS), *((task, mode) for task in KINDS for mode in MODES[1:])]
+KINDS = ("Foraging", "CollisionAvoidance", "FormationControl", "MaxValue")
+"""Facts, an errand, holonomic drives, decisions: the other tasks are long tests."""
+every_task = pytest.mark.parametrize(
+    "task", [pytest.param(task, marks=[] if task in KINDS else pytest.mark.long) for task in OTHERS]
 )
+every_mode = pytest.mark.parametrize("mode", MODES)
 
 
 def mission_of(task, seconds=SECONDS):
@@ -47,18 +37,6 @@ def environment(task, mode="option", seconds=SECONDS, **settings):
 
 def sampled(env):
     return {agent: env.action_space(agent).sample() for agent in env.agents}
-
-
-def course(env, steps):
-    """Return what an environment answers to sampled actions, and its global states."""
-    seen = []
-    for _ in range(steps):
-        if not env.agents:
-            env.reset(seed=9)
-        observations, *others, infos = env.step(sampled(env))
-        seen.append(({agent: own.tobytes() for agent, own in observations.items()}, *others, repr(infos)))
-        seen.append(env.state().tobytes())
-    return seen
 
 
 LUCK = np.random.default_rng(1)
@@ -111,11 +89,10 @@ def test_gymnasiums_check_passes(task):
     check_env(gymnasium.make("CleanSwarm-v0", mission=mission_of(task)).unwrapped, skip_render_check=True)
 
 
-@every_task
+@pytest.mark.parametrize("task", ["Cleaning", *KINDS])
 def test_the_time_limit_and_max_cycles_truncate(task):
-    for settings, steps in (({}, 4), ({"max_cycles": 2}, 2), ({"seconds": 2.2}, 3)):
-        env = environment(task, **settings)
-        env.reset(seed=1)
+    for settings, steps in (({}, 4), ({"max_cycles": 2}, 2), ({"seconds": 2.2}, 3), ({"seconds": 0.2}, 1)):
+        env = begun(environment(task, **settings), seed=1)
         for step in range(steps):
             assert env.agents
             _, _, terminations, truncations, infos = env.step(sampled(env))
@@ -123,38 +100,6 @@ def test_the_time_limit_and_max_cycles_truncate(task):
             assert set(truncations.values()) == {step == steps - 1}
         assert env.agents == []
         assert infos["robot_0"]["time_s"] == pytest.approx(min(steps, settings.get("seconds", 9.0)))
-
-
-@each_case
-def test_copies_and_states_go_on_with_the_same_bits(task, mode):
-    env = environment(task, mode)
-    env.reset(seed=3)
-    course(env, 2)
-    state = env.get_state()
-    twin, orphan = copy.deepcopy(env), pickle.loads(pickle.dumps(env))
-    assert pointing_into(arrays_of(twin), arrays_of(env)) == []
-    expected = course(env, 5)
-    assert course(twin, 5) == expected
-    del env, twin
-    gc.collect()
-    further = copy.deepcopy(orphan)
-    assert course(orphan, 5) == expected
-    course(further, 5)
-    further.set_state(state)
-    again = [further.step(dict.fromkeys(further.agents, action_of(mode))) for _ in range(2)]
-    further.set_state(state)
-    for first in again:
-        assert repr(further.step(dict.fromkeys(further.agents, action_of(mode)))) == repr(first)
-
-
-def action_of(mode):
-    vector = np.array([0.5, -0.25], dtype=np.float32)
-    return {"option": 0, "velocity": vector, "both": {"option": 0, "correction": vector}}[mode]
-
-
-def parted(actions, work):
-    """Return the result of `work` on an action, or on each part of it."""
-    return {name: work(part) for name, part in actions.items()} if isinstance(actions, dict) else work(actions)
 
 
 @every_mode
@@ -190,16 +135,16 @@ def test_all_borders_have_one_course(mode):
 
 def test_ids_take_tasks():
     settings = {"mission": mission_of("CircleFormation", 2.0)}
-    vector = gymnasium.make_vec("CleanSwarmOneForAll-v0", num_envs=2, action={"mode": "both"}, **settings)
-    vector.reset(seed=1)
+    vector = begun(
+        gymnasium.make_vec("CleanSwarmOneForAll-v0", num_envs=2, action={"mode": "both"}, **settings), seed=1
+    )
     assert vector.step(vector.action_space.sample())[1].shape == (2,)
     assert pettingzoo.make("parallel", "CleanSwarm-v0", **settings).options == {"CircleFormation": ("Circle",)}
 
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 def test_worlds_begin_anew_together(mode):
-    envs = RobotVectorEnv(2, mission=mission_of("CircleFormation", 3.0), autoreset_mode=mode)
-    envs.reset(seed=1)
+    envs = begun(RobotVectorEnv(2, mission=mission_of("CircleFormation", 3.0), autoreset_mode=mode), seed=1)
     cut = [envs.step(envs.action_space.sample())[3] for _ in range(8)]
     expected = [2, 5] if mode == "SameStep" else [2, 6]
     assert [step for step, flags in enumerate(cut) if flags.all()] == expected
@@ -217,8 +162,7 @@ def test_some_worlds_begin_while_others_go_on():
             envs.reset(seed=[None, 7], options={"reset_mask": np.arange(24) >= 12})
         seen = envs.step(np.zeros(24, dtype=np.int64))[0]
         assert np.array_equal(seen[:12], alone.step(np.zeros(12, dtype=np.int64))[0])
-    fresh = RobotVectorEnv(1, mission=mission_of("Foraging", 30.0), autoreset_mode="Disabled")
-    fresh.reset(seed=[7])
+    fresh = begun(RobotVectorEnv(1, mission=mission_of("Foraging", 30.0), autoreset_mode="Disabled"), seed=[7])
     for _ in range(4):
         own = fresh.step(np.zeros(12, dtype=np.int64))[0]
     assert np.array_equal(seen[12:], own)

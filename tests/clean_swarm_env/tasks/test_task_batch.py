@@ -9,7 +9,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.world.measure import key_of
-from tests.clean_swarm_env.courses import long_course
+from tests.clean_swarm_env.courses import begun, long_course
 
 every_task = pytest.mark.parametrize("task", [name for name in TASKS.names() if name != "Cleaning"])
 
@@ -35,8 +35,7 @@ def default_of(batch):
 @long_course
 @every_task
 def test_the_sum_of_rewards_is_what_the_measures_gained(task):
-    batch = batch_of(task, 21.0, 2)
-    batch.reset([7, 8])
+    batch = begun(batch_of(task, 21.0, 2), [7, 8])
     start = {name: values.copy() for name, values in batch.worlds.task.result().items()}
     total, figures = played(batch, default_of(batch), [7, 8])
     gained = np.zeros(2)
@@ -46,27 +45,6 @@ def test_the_sum_of_rewards_is_what_the_measures_gained(task):
         gained += sign * (ended - start[measure.name]) / measure.target
     assert total.reshape(2, -1) == pytest.approx(np.repeat(gained[:, None], batch.robots, axis=1))
     assert np.isfinite(total).all()
-
-
-@every_task
-def test_a_world_has_the_same_course_alone_and_in_a_batch(task):
-    both, alone = batch_of(task, 3.0, 2), batch_of(task, 3.0)
-    both.reset([5, 6])
-    alone.reset([6])
-    for _ in range(2):
-        beside, own = both.step(default_of(both)), alone.step(default_of(alone))
-        assert np.array_equal(beside.observations[both.robots :], own.observations)
-        assert np.array_equal(beside.rewards[both.robots :], own.rewards)
-
-
-def test_a_zero_correction_changes_nothing_and_another_one_does():
-    plain = batch_of("CollisionAvoidance", 5.0)
-    both = batch_of("CollisionAvoidance", 5.0, action={"mode": "both"})
-    still = np.column_stack((default_of(both), np.zeros((both.rows, 2))))
-    total, _ = played(plain, default_of(plain), [1])
-    assert np.array_equal(played(both, still, [1])[0], total)
-    still[:, 1] = -0.5
-    assert not np.array_equal(played(both, still, [1])[0], total)
 
 
 def test_a_vector_takes_the_place_of_the_movement_and_all_else_goes_on():
@@ -97,8 +75,7 @@ def test_robots_with_different_options_of_deciding_agree():
 
 def test_weights_and_own_functions_pay():
     weights = {"items_brought_per_minute": 0.0, "collision": -2.0}
-    batch = batch_of("Foraging", 20.0, reward=weights)
-    batch.reset([1])
+    batch = begun(batch_of("Foraging", 20.0, reward=weights), [1])
     collided = 0.0
     for _ in range(20):
         step = batch.step(default_of(batch))
@@ -106,16 +83,8 @@ def test_weights_and_own_functions_pay():
         assert np.array_equal(step.rewards, -2.0 * own)
         collided += own.sum()
     assert collided > 0
-    own = batch_of("Foraging", reward=lambda batch: np.arange(batch.rows) * 1.0)
-    own.reset([1])
+    own = begun(batch_of("Foraging", reward=lambda batch: np.arange(batch.rows) * 1.0), [1])
     assert own.step(default_of(own)).rewards.tolist() == list(range(12))
-
-
-def test_episodes_after_a_seed_are_new_ones_and_repeatable():
-    batch = batch_of("CircleFormation", 1.0)
-    starts = [batch.reset([seed]).tobytes() for seed in (5, None, None, 5, None, None)]
-    assert starts[:3] == starts[3:]
-    assert len(set(starts)) == 3
 
 
 FORAGING = {"task": "Foraging"}
@@ -159,8 +128,7 @@ def test_what_does_not_fit_is_refused(settings, error, message):
 
 
 def test_states_of_other_tasks_are_refused():
-    env = clean_swarm_v0.parallel_env(FORAGING)
-    env.reset(seed=1)
+    env = begun(clean_swarm_v0.parallel_env(FORAGING), seed=1)
     with pytest.raises(ValueError, match=r"actions\['robot_0'\]: expected 0..1, got 2"):
         env.step(dict.fromkeys(env.agents, 2))
     with pytest.raises(ValueError, match=r"^mission .Foraging.: task: expected .*MaxValue"):
@@ -169,8 +137,7 @@ def test_states_of_other_tasks_are_refused():
 
 def test_a_given_start_takes_the_place_of_robots_that_the_task_would_place():
     places = [[1.0 + 2.0 * k, 1.0, 0.0] for k in range(12)]
-    env = clean_swarm_v0.parallel_env(FORAGING)
-    env.reset(seed=1, options={"start": {"id": "own", "robots": places}})
+    env = begun(clean_swarm_v0.parallel_env(FORAGING), seed=1, options={"start": {"id": "own", "robots": places}})
     assert env.unwrapped._batch.worlds.physics.positions.tolist() == [place[:2] for place in places]
     with pytest.raises(ValueError, match="expected 12 robots and 0 items, got 1 and 0"):
         env.reset(options={"start": {"id": "own", "robots": places[:1]}})

@@ -18,6 +18,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState, Things
 from selector.knowledge import load_knowledge
 from selforg.arrays import KEPT, Floats
+from tests.clean_swarm_env.courses import begun
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import BaselineDecider
 
@@ -70,10 +71,6 @@ def batch_of(name, worlds, seconds=SECONDS, **world):
 def course(batch, seeds, led=False, steps=SECONDS):
     """Return places (T + 1, R, 2) of robots that the best option or the baseline commands, and the measures."""
     seen = batch.reset(seeds)
-    return go_on(batch, seen, led, steps)
-
-
-def go_on(batch, seen, led, steps):
     decided, tracks = DecidedGoal(batch), [batch.worlds.physics.positions.copy()]
     decider = BaselineDecider(decided.problem, np.zeros(1))
     default = np.full(batch.rows, batch.choices.default[0])
@@ -126,25 +123,6 @@ def test_every_task_measures_on_both_grounds(name, ground):
 
 
 @every_task
-def test_a_course_is_the_same_again_and_alone_and_in_a_batch_and_from_a_state(name):
-    for led in (False, True):
-        both = batch_of(name, 2)
-        tracks, measured = course(both, [5, 6], led)
-        assert_array_equal(course(batch_of(name, 2), [5, 6], led)[0], tracks)
-        for world, seed in enumerate((5, 6)):
-            alone, rows = batch_of(name, 1), both.worlds.rows_of(world)
-            own, figures = course(alone, [seed], led)
-            assert_array_equal(own, tracks[:, rows])
-            assert all(values[0] == measured[key][world] for key, values in figures.items())
-        half = batch_of(name, 1)
-        course(half, [6], led, 2)
-        again = batch_of(name, 1)
-        own, figures = go_on(again, again.set_state(half.get_state()), led, SECONDS - 2)
-        assert_array_equal(own, tracks[10:, both.worlds.rows_of(1)])
-        assert all(values[0] == measured[key][1] for key, values in figures.items())
-
-
-@every_task
 def test_mechanism_and_baseline_have_the_same_start(name):
     served, led = (course(batch_of(name, 1), [7], led, 1)[0] for led in (False, True))
     assert_array_equal(served[0], led[0])
@@ -152,8 +130,7 @@ def test_mechanism_and_baseline_have_the_same_start(name):
 
 
 def test_robots_are_as_far_from_the_goal_as_the_task_says():
-    batch = Batch("ReachGoal", 20)
-    batch.reset(list(range(20)))
+    batch = begun(Batch("ReachGoal", 20), list(range(20)))
     world = batch.worlds.world
     assert (world.ground.distances(world.positions, world.ground.centre) >= 8.0).all()
 
@@ -163,20 +140,25 @@ def test_open_land_is_wide_enough_for_the_fastest():
     assert (np.abs(np.diff(tracks, axis=0)) < 1.0).all()  # nobody jumps across the seam
 
 
-def test_names_that_are_not_there_are_named():
-    with pytest.raises(ConfigurationError, match=r"unknown mission or task 'ReachGaol'.*did you mean 'ReachGoal'"):
-        load_mission("ReachGaol")
-    with pytest.raises(ConfigurationError, match=r"unknown mission, family or task 'crowdde'.*did you mean 'crowded'"):
-        load_family("crowdde")
-    with pytest.raises(ConfigurationError, match=r"known: .*table1.*Foraging"):
-        Batch("tabl")
-
-
-def test_too_few_and_too_many_robots_are_refused():
-    with pytest.raises(ConfigurationError, match=r"robots.count: expected at least 2 with the task Unif"):
-        Batch({"task": "UniformDistribution", "robots": {"count": 1}})
-    with pytest.raises(ConfigurationError, match=r"robots.count: expected room for 50 places"):
-        Batch({"task": "FormationControl", "robots": {"count": 50}}).reset([1])
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: load_mission("ReachGaol"), r"unknown mission or task 'ReachGaol'.*did you mean 'ReachGoal'"),
+        (lambda: load_family("crowdde"), r"unknown mission, family or task 'crowdde'.*did you mean 'crowded'"),
+        (lambda: Batch("tabl"), r"known: .*table1.*Foraging"),
+        (
+            lambda: Batch({"task": "UniformDistribution", "robots": {"count": 1}}),
+            "robots.count: expected at least 2 with the task Unif",
+        ),
+        (
+            lambda: Batch({"task": "FormationControl", "robots": {"count": 50}}).reset([1]),
+            "robots.count: expected room for 50 places",
+        ),
+    ],
+)
+def test_wrong_names_and_numbers_of_robots_are_named(call, message):
+    with pytest.raises(ConfigurationError, match=message):
+        call()
 
 
 def test_cleaning_has_no_baseline_to_lead():
@@ -207,11 +189,6 @@ def test_robots_are_put_at_places(monkeypatch):
     monkeypatch.setattr(Gathering, "place", lambda _, start: start.put_robots(np.full((4, 2), np.inf)))
     with pytest.raises(ConfigurationError, match="put_robots: places: expected finite numbers"):
         clean_swarm_v0.parallel_env("Gathering").reset(seed=1)
-
-
-def test_a_task_has_one_class():
-    with pytest.raises(ValueError, match="task 'ReachGoal' is registered already"):
-        TASKS.register(find_task("ReachGoal"))
 
 
 def test_a_task_of_a_tests_own_is_reached():

@@ -9,7 +9,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING, NOTHING
 from selforg.gradients.queries import Filter, Queries
-from tests.clean_swarm_env.courses import course, difference, mission, worlds_at_start
+from tests.clean_swarm_env.courses import begun, mission, worlds_at_start
 
 WIDE = {"width": 20.0, "height": 20.0}
 STATIONS = {"recycling": [15.0, 10.0], "dump": [18.0, 10.0]}
@@ -20,9 +20,7 @@ def team(*groups, name="table1", items=0, **changes):
 
 
 def placed(config, robots, items):
-    worlds = worlds_at_start(config, [1])
-    worlds.reset(0, StartConfiguration(id="placed", robots=robots, items=items), 1)
-    return worlds
+    return begun(worlds_at_start(config, [1]), 0, StartConfiguration(id="placed", robots=robots, items=items), 1)
 
 
 def test_a_carrier_fetches_what_it_has_room_for_before_it_goes_to_a_station():
@@ -95,15 +93,6 @@ def test_messages_of_a_model_reach_as_far_as_it_says():
     heard = worlds.minds.poses.row_table[:, -4:-2]  # ages of the last poses heard of robots 0 and 1
     assert heard[0, 1] >= 0  # the quiet one hears the loud one
     assert heard[1, 0] == -1
-
-
-def test_a_world_of_finders_and_carriers_has_the_same_bits_in_a_batch_and_from_a_state():
-    config = team({"model": "a", "count": 4, "carries": 2, "sight": 3.0}, {"model": "b", "count": 2, "carries": 0},
-                  items=12)  # fmt: skip
-    alone, batch, other = (worlds_at_start(config, seeds) for seeds in ([7], [6, 7], [9, 9]))
-    assert not difference(course(alone, 0, 200), course(batch, 1, 200))
-    other.set_state(batch.get_state(1), 0)
-    assert not difference(course(batch, 1, 60), course(other, 0, 60))
 
 
 def test_a_model_holds_its_option_whatever_is_given_and_masks_say_so():

@@ -13,7 +13,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.mission import MissionRun
-from tests.clean_swarm_env.courses import CROWD, course, difference, mission, worlds_at_start
+from tests.clean_swarm_env.courses import CROWD, begun, mission, ticked, worlds_at_start
 from tests.train.commands import run
 
 STOP = 3.0
@@ -26,8 +26,7 @@ def crowd(**consequences):
 
 def driven(config, start=FACING, speeds=(1.0, -1.0, 0.5)):
     """Return one world whose robots are driven along x at `speeds`."""
-    batch = Batch(config, action={"mode": "velocity"})
-    batch.reset([1], [start])
+    batch = begun(Batch(config, action={"mode": "velocity"}), [1], [start])
     batch.worlds.drive(np.array([[speed, 0.0] for speed in speeds]))
     return batch.worlds
 
@@ -52,8 +51,7 @@ def test_two_robots_that_collide_stand_for_the_time_and_then_go_on():
         assert moved[2] > 0.05
     assert (worlds.task.consequences.standing > 0).tolist() == [True, True, False]
     worlds.drive(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]))
-    for _ in range(20):
-        worlds.tick()
+    ticked(worlds, 20)
     assert np.abs(worlds.physics.positions - places)[:2, 0].min() > 0.3
 
 
@@ -103,8 +101,7 @@ def test_who_stands_decides_nothing_and_handles_nothing():
 
 
 def test_cargo_that_is_lost_lies_where_the_robot_is_and_is_not_dumped():
-    batch = Batch(mission(robots={"count": 10}, consequences={"stop": STOP, "drop": True}), 2)
-    batch.reset([5, 6])
+    batch = begun(Batch(mission(robots={"count": 10}, consequences={"stop": STOP, "drop": True}), 2), [5, 6])
     worlds, garbage, lost = batch.worlds, batch.worlds.task.garbage, 0
     cargo = garbage.cargo.copy()
     for _ in range(200):
@@ -133,8 +130,7 @@ def test_a_damaged_robot_is_slow_until_it_is_mended_at_a_station():
         pass
     assert consequences.damaged.tolist() == [True, True, False]
     worlds.drive(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
-    for _ in range(10):
-        worlds.tick()
+    ticked(worlds, 10)
     speeds = np.hypot(*worlds.physics.bodies[:, 2:].T)
     assert speeds == pytest.approx([0.4, 0.4, 1.0], abs=1e-6)
     ticks = 0
@@ -144,24 +140,6 @@ def test_a_damaged_robot_is_slow_until_it_is_mended_at_a_station():
     assert ticks > 10
     assert consequences.standing[1] == round(2.0 / worlds.period) + 1
     assert consequences.damaged.tolist() == [True, False, False]
-
-
-def test_a_world_with_consequences_goes_on_from_its_state_in_another_batch():
-    config = crowd(stop=STOP, drop=True, damage_after=3)
-    worlds, others = worlds_at_start(config, [5, 6, 7]), worlds_at_start(config, [8, 9])
-    for _ in range(57):
-        worlds.tick()
-    assert worlds.task.consequences.standing.any()
-    others.tick()
-    others.set_state(worlds.get_state(1), 0)
-    assert difference(course(worlds, 1, 60), course(others, 0, 60)) == ""
-
-
-def test_a_world_with_consequences_has_the_course_that_it_has_alone():
-    config = crowd(stop=STOP, drop=True, damage_after=3)
-    assert (
-        difference(course(worlds_at_start(config, [5, 6]), 1, 120), course(worlds_at_start(config, [6]), 0, 120)) == ""
-    )
 
 
 def test_recordings_say_who_stands_and_how_often_it_collided(tmp_path):

@@ -5,14 +5,15 @@ import pytest
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.world.worlds import Worlds
 from selforg.declared import walk
 from selforg.sealing import sealed, unsealed
 from tests.clean_swarm_env.copies import MISSIONS, actions_of
-from tests.clean_swarm_env.courses import CROWD, avoidance, worlds_at_start
+from tests.clean_swarm_env.courses import CROWD, avoidance, begun, worlds_at_start
 from tests.paths import ROOT
 
-KINDS = [("missions", name) for name in MISSIONS]
+KINDS = [("missions", name) for name in MISSIONS] + [("tasks", name) for name in TASKS.names()]
 for kind in ("missions", "families"):
     KINDS += [(kind, path.stem) for path in sorted((ROOT / "configs" / kind).glob("*.yaml"))]
 
@@ -21,13 +22,12 @@ def made(kind, name):
     if kind == "families":
         tori = load_family(name).tori
         return Batch(worlds=2, family=name, size=tori[0] if len(tori) > 1 else None)
-    return Batch(MISSIONS.get(name, name), 2)
+    return Batch({"task": name} if kind == "tasks" else MISSIONS.get(name, name), 2)
 
 
 @pytest.mark.parametrize(("kind", "name"), KINDS)
 def test_no_array_of_a_batch_is_forgotten(kind, name):
-    batch = made(kind, name)
-    batch.reset([1, 2])
+    batch = begun(made(kind, name), [1, 2])
     assert walk(batch).forgotten == []
     batch.step(actions_of(batch, np.random.default_rng(1)))
     assert walk(batch).forgotten == []

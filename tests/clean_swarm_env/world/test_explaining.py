@@ -10,7 +10,7 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.explaining import explain_robot
 from clean_swarm_env.world.mission import Course, MissionRun
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import begun, mission, ticked
 from tests.train.commands import run
 from train.evaluation.repeat import task_of
 
@@ -64,9 +64,7 @@ def test_a_robot_that_joins_is_told_of_from_then_on():
 
 
 def test_accounts_and_arrays_agree_in_every_robot():
-    course = Course(mission_run(), explained=True)
-    for _ in range(30):
-        course.tick()
+    course = ticked(Course(mission_run(), explained=True), 30)
     network = course.worlds.network
     names = [behaviour.name for behaviour in network.model.behaviours]
     for row in range(course.worlds.rows):
@@ -81,8 +79,7 @@ def test_accounts_and_arrays_agree_in_every_robot():
 
 
 def test_every_world_of_a_batch_can_be_explained():
-    batch = Batch(SHORT, worlds=2, explained=True)
-    batch.reset([1, 2])
+    batch = begun(Batch(SHORT, worlds=2, explained=True), [1, 2])
     for worlds in batch.ticks(np.zeros(batch.rows, dtype=np.int64)):
         steps = [explain_robot(worlds, row) for row in (0, batch.robots)]
         assert [step.robot for step in steps] == [0, 0]
@@ -95,12 +92,18 @@ def test_a_time_out_of_the_mission_is_named(time):
         mission_run().explain(0, time)
 
 
-def test_other_robots_and_worlds_without_reasons_are_named():
-    with pytest.raises(ValueError, match="robot: expected a number from 0 to 4, got 5"):
-        mission_run().explain(5, 1.0)
-    with pytest.raises(ValueError, match="robot: expected a number from 0 to 4, got 5"):
-        next(mission_run().explanations(5))
-    with pytest.raises(ValueError, match="expected worlds with explained=True"):
-        explain_robot(Course(mission_run()).worlds, 0)
-    with pytest.raises(ValueError, match="expected a world that has run a control period"):
-        explain_robot(Course(mission_run(), explained=True).worlds, 0)
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: mission_run().explain(5, 1.0), "robot: expected a number from 0 to 4, got 5"),
+        (lambda: next(mission_run().explanations(5)), "robot: expected a number from 0 to 4, got 5"),
+        (lambda: explain_robot(Course(mission_run()).worlds, 0), "expected worlds with explained=True"),
+        (
+            lambda: explain_robot(Course(mission_run(), explained=True).worlds, 0),
+            "expected a world that has run a control period",
+        ),
+    ],
+)
+def test_other_robots_and_worlds_without_reasons_are_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()

@@ -6,18 +6,12 @@ import yaml
 from pettingzoo.test import parallel_api_test
 
 from clean_swarm_env import clean_swarm_v0
-from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family, load_mission, random_starts
-from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.robots import RobotConfig, RobotModel
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
-from clean_swarm_env.drawing.picture import pixels_of
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
-from selector.documents.errors import DocumentError, validated
+from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import CROWD, course, difference, mission, worlds_at_start
 from tests.clean_swarm_env.physics.substeps import count
 
@@ -60,14 +54,6 @@ def test_bodies_and_drives_are_those_of_the_models():
     assert -0.08 < nearest < 0.01  # they touch, and sink in by a substep at most
 
 
-def test_a_world_of_different_robots_has_the_same_bits_in_a_batch_and_from_a_state():
-    config = team(events=JOINING)
-    alone, batch, other = (worlds_at_start(config, seeds) for seeds in ([7], [6, 7], [9, 9]))
-    assert not difference(course(alone, 0, 60), course(batch, 1, 60))
-    other.set_state(batch.get_state(1), 0)
-    assert not difference(course(batch, 1, 40), course(other, 0, 40))
-
-
 def test_a_collision_is_the_same_gap_between_bodies_of_any_size():
     counter = CollisionCounter(1, 3, 11.0, 11.0, distances=(0.55,), wider=np.array([0.0, 0.2, -0.1]))
     places = np.array([[1.0, 1.0], [1.74, 1.0], [1.0, 1.44]])  # gaps: 0.04 m; 0.04 m; more
@@ -77,25 +63,6 @@ def test_a_collision_is_the_same_gap_between_bodies_of_any_size():
     assert counter.samples[0, 0] == 4
     count(counter, places * [1.02, 1.05])
     assert counter.samples[0, 0] == 4
-
-
-def test_a_recording_and_a_picture_show_the_models(tmp_path):
-    worlds = worlds_at_start(team(), [3])
-    recorder = MissionRecorder(worlds, RecordSettings(tmp_path))
-    path = recorder.open(0, {"scenario": "1"})
-    for _ in range(5):
-        worlds.tick()
-        recorder.record()
-    recorder.close()
-    recording = RecordedMission(path)
-    assert recording.head["models"] == [0, 0, 0, 1, 1]
-    assert validated(MissionConfig, recording.head["mission"], "head") == worlds.mission
-    live, recorded = canvas_of(worlds, 0), RecordedCourse(recording).at(0.0)
-    for canvas in (live, recorded):
-        assert canvas.radius.tolist() == [0.3] * 3 + [0.15] * 2
-        assert canvas.models.tolist() == [0, 0, 0, 1, 1]
-        assert canvas.model_names == ("carrier", "scout")
-    assert pixels_of(live).std() > 0.0
 
 
 def test_groups_are_agents_of_an_environment_and_a_family_of_random_starts():
@@ -182,11 +149,3 @@ def test_groups_that_cannot_be_are_one_line(text, tmp_path):
     with pytest.raises(ConfigurationError, match=BAD[text]) as caught:
         load_mission(str(path))
     assert "\n" not in str(caught.value)
-
-
-def test_a_family_draws_no_number_of_robots_that_groups_do_not_have():
-    family = load_family("crowded").model_dump()
-    with pytest.raises(
-        ConfigurationError, match="robots: expected 5, as in the groups of the mission, or `groups`; and no joins"
-    ):
-        validated(FamilyConfig, {**family, "mission": team().model_dump()}, "family")

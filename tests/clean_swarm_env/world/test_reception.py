@@ -7,9 +7,7 @@ import pytest
 
 from clean_swarm_env.config.mission import StartConfiguration
 from selforg.gradients.queries import Filter, Queries
-from tests.clean_swarm_env.courses import begin, course, difference, long_course, mission, worlds_at_start
-
-LOSSY = {"delivery": {"reach": 3.0, "loss": 0.4}}
+from tests.clean_swarm_env.courses import course, difference, long_course, mission, worlds_at_start
 
 
 def _still(delivery, places=((1.0, 5.0), (3.0, 5.0), (6.0, 5.0)), robots=MappingProxyType({}), **changes):
@@ -137,35 +135,11 @@ def test_errors_of_poses_have_their_size_and_are_those_that_all_see():
 
 
 @long_course
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_world_with_late_messages_and_errors_is_the_same_alone_and_in_a_batch(seed):
-    late = mission(delivery={"delay": 1.0, "loss": 0.3}, robots={"pose_noise": 0.1})
-    alone = course(worlds_at_start(late, [5 + seed], 0), 0, 200)
-    both = course(worlds_at_start(late, [9, 5 + seed], 0), 1, 200)
-    assert difference(alone, both) == ""
-    exact = course(worlds_at_start(mission(delivery={"delay": 1.0, "loss": 0.3}), [5 + seed], 0), 0, 200)
-    assert difference(alone, exact) != ""
-
-
-@long_course
 @pytest.mark.parametrize("contacts", ["solid", "pass_through"])
 def test_contents_of_their_own_change_nothing_while_all_arrives(contacts):
     shared = course(worlds_at_start(mission(world={"contacts": contacts}), [5], 0), 0, 500)
     own = mission(world={"contacts": contacts}, delivery={"own_contents": True})
     assert difference(shared, course(worlds_at_start(own, [5], 0), 0, 500)) == ""
-
-
-@long_course
-def test_a_lossy_world_has_the_same_bits_alone_in_a_batch_and_later():
-    config = mission(**LOSSY, events=[{"at": 20.0, "do": "deliver", "loss": 0.8}, {"at": 40.0, "do": "deliver"}])
-    alone = course(worlds_at_start(config, [5], 0), 0, 350)
-    assert difference(alone, course(worlds_at_start(config, [9, 5, 7], 0), 1, 350)) == ""
-    worlds = worlds_at_start(config, [1, 2], 0)
-    for _ in range(137):
-        worlds.tick()
-    begin(worlds, 1, 5)
-    assert difference(alone, course(worlds, 1, 350)) == ""
-    assert difference(alone, course(worlds_at_start(mission(), [5], 0), 0, 350)) != ""
 
 
 def test_a_robot_out_of_reach_that_goes_changes_nothing_for_the_others_losses():

@@ -2,23 +2,22 @@
 
 import numpy as np
 import pytest
-from pettingzoo.test import parallel_api_test
 from pydantic import ValidationError
 
-from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
-from clean_swarm_env.drawing.picture import pixels_of
-from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionRun
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import one_line
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
-from tests.clean_swarm_env.courses import avoidance, course, difference, long_course, mission, worlds_at_start
+from tests.clean_swarm_env.courses import (
+    avoidance,
+    begun,
+    course,
+    difference,
+    mission,
+    ticked,
+)
 
 SILENT = load_mission("silent-zone")
 LEFT = {"name": "left", "area": [[0.0, 0.0], [5.0, 11.0]]}
@@ -29,15 +28,11 @@ def placed(loss=0.0, speed=1.0, **changes):
     """Two robots in the left half and two outside, with a zone there."""
     world = {"zones": [{**LEFT, "loss": loss, "speed": speed}]}
     config = mission(world=world, robots={"count": 4}, garbage={"count": 0, "respawn": 1.0}, **changes)
-    worlds = Worlds(config, avoidance(), 1)
-    worlds.reset(0, StartConfiguration(id="s", robots=PLACES), 1)
-    return worlds
+    return begun(Worlds(config, avoidance(), 1), 0, StartConfiguration(id="s", robots=PLACES), 1)
 
 
 def test_robots_in_a_zone_of_silence_hear_nobody_and_are_heard_by_nobody():
-    worlds = placed(loss=1.0)
-    for _ in range(4):
-        worlds.tick()
+    worlds = ticked(placed(loss=1.0), 4)
     heard = worlds.minds.poses.row_table[:, c.ROW_HEARD : c.ROW_HEARD + 4] >= 0
     assert heard[2, 3]
     assert heard[3, 2]
@@ -82,30 +77,6 @@ def test_a_zone_without_robots_changes_no_bit():
         worlds.reset(0, StartConfiguration(id="s", robots=PLACES, items=items), 1)
         courses.append(course(worlds, 0, 20))
     assert difference(*courses) == ""
-
-
-def test_a_world_with_zones_has_the_same_bits_alone_in_a_batch_and_from_a_state():
-    alone, batch = worlds_at_start(SILENT, [6]), worlds_at_start(SILENT, [5, 6])
-    assert difference(course(alone, 0, 60), course(batch, 1, 60)) == ""
-    other = worlds_at_start(SILENT, [8])
-    other.set_state(batch.get_state(1))
-    assert difference(course(other, 0, 60), course(batch, 1, 60)) == ""
-
-
-@long_course
-def test_the_environment_with_zones_passes_pettingzoos_test():
-    parallel_api_test(clean_swarm_v0.parallel_env("silent-zone"), num_cycles=40)
-
-
-def test_a_recording_holds_the_zones_and_pictures_draw_them(tmp_path):
-    config = mission("silent-zone", time_limit=4.0)
-    record_mission(MissionRun(config, random_start(config, 1, 0), 3, {}), RecordSettings(tmp_path), {})
-    shown = RecordedCourse(RecordedMission(next(tmp_path.glob("*.swarm")))).at(0.0)
-    now = canvas_of(worlds_at_start(config, [1]), 0)
-    assert shown.zones == now.zones
-    assert now.zones[1] == ("mud", 11.0, 2.0, 16.0, 9.0)
-    bare = canvas_of(worlds_at_start(mission("silent-zone", time_limit=4.0, world={"zones": ()}), [1]), 0)
-    assert not np.array_equal(pixels_of(now)[:300], pixels_of(bare)[:300])
 
 
 @pytest.mark.parametrize(
