@@ -1,6 +1,7 @@
 """Mechanisms and networks have the same bits under each switch of the compiler, in a process of its own.
 
-A small kernel does so in compiler/test_records.py.
+Without a compiler this takes a second; else all kernels are compiled anew, and a small one stands for them in
+compiler/test_records.py.
 """
 
 import json
@@ -20,10 +21,13 @@ SOME = ("RepulsionFernandez", "ChemotaxisGe", "FollowAll", "FollowStrongest", "E
 """One mechanism of each kind, where all kernels are compiled anew."""
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("switch", "names"),
-    [("CLEAN_SWARM_PLAIN_NUMBA", SOME), ("CLEAN_SWARM_CHECK_RECORDS", SOME), ("NUMBA_DISABLE_JIT", OURS)],
+    [
+        ("NUMBA_DISABLE_JIT", OURS),
+        pytest.param("CLEAN_SWARM_PLAIN_NUMBA", SOME, marks=pytest.mark.long),
+        pytest.param("CLEAN_SWARM_CHECK_RECORDS", SOME, marks=pytest.mark.long),
+    ],
 )
 def test_a_switch_changes_no_bit(switch, names):
     command = [sys.executable, "-m", "tests.selforg.scenario", *names]

@@ -33,12 +33,14 @@ def test_every_task_can_be_played(tmp_path, task, monkeypatch):
 
 
 def test_a_task_that_was_changed_by_hand_runs_again_with_the_same_bits(tmp_path):
-    first = played(Session(chosen("ReachGoal", 1, 4, None, ()), tmp_path / "a.swarm", minds=False), by_hand=BY_HAND)
+    first = Session(chosen("ReachGoal", 1, 4, None, ()), tmp_path / "a.swarm", minds=False)
+    played(first, by_hand=BY_HAND)
     recording = RecordedMission(tmp_path / "a.swarm")
     assert [recording[name][3, 2] for name in "xy"] == [1.0, 1.5]
     assert [change.tick for change in recording.by_hand] == [tick for tick, orders in BY_HAND.items() for _ in orders]
-    second = played(Session(again(recording), tmp_path / "b.swarm", minds=False), by_hand={})
-    assert first == second
+    second = Session(again(recording), tmp_path / "b.swarm", minds=False)
+    played(second, by_hand={})
+    assert first.worlds.physics.bodies.tobytes() == second.worlds.physics.bodies.tobytes()
     assert RecordedMission(tmp_path / "b.swarm").checksums() == recording.checksums()
 
 

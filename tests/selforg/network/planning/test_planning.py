@@ -10,7 +10,7 @@ from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import Planner
-from tests.selforg.network.cleaning import FACTS, SENSORS, cleaning_model, wandering
+from tests.selforg.network.cleaning import SENSORS, cleaning_model, wandering
 
 CHAIN = ["MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"]
 
@@ -102,7 +102,3 @@ def test_a_planner_independent_behaviour_is_in_no_plan():
     question = np.zeros(1), np.zeros(1, np.int64), np.ones(1, np.int64)
     assert Planner(own).plan(*question) == [0]
     assert Planner(shy).plan(*question) is None
-
-
-def test_facts_lists_all_booleans():
-    assert [s.name for s in SENSORS if s.kind == "fact"] == list(FACTS)

@@ -219,12 +219,6 @@ def test_an_unplanned_behaviour_that_ends_itself_asks_for_a_plan():
     assert step(network) == 1
 
 
-def test_the_due_behaviour_that_ends_itself_passes_its_step():
-    network = following()
-    network.finish(ROW, 0)
-    assert (step(network), index(network)) == (0, 1)
-
-
 @pytest.mark.parametrize("event", ["enable", "remove", "disable"])
 def test_a_changed_network_asks_for_a_plan(event):
     network = following()
