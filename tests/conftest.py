@@ -11,6 +11,7 @@ the end.
 Plug-ins that a test names are forgotten after it: commands that later tests start would import them, too.
 """
 
+import gc
 import os
 import signal
 
@@ -29,6 +30,11 @@ def pytest_configure(config):
     """Let pytest-xdist, if it is there, keep the order of files; it would put those of few tests, the longest, last."""
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
+
+
+def pytest_collection_finish():
+    """Let the collector leave out all that was imported; tests that collect would look through it each time."""
+    gc.freeze()
 
 
 def pytest_collection_modifyitems(items):

@@ -98,7 +98,7 @@ def test_what_runs_missions_needs_no_extra_and_draws_nothing():
     assert "numba" in _loaded_after(f"{code}; siblings.own('train'); {jobs}")
 
 
-@pytest.mark.parametrize(("marker", "words"), [("run", "clean-swarm evaluate"), ("test", "'.[dev]'")])
+@pytest.mark.parametrize(("marker", "words"), [("run", "clean-swarm evaluate"), ("test", "'.[test]'")])
 def test_the_readme_has_one_line_for_each_set_up(marker, words):
     ((line,),) = [block.text.splitlines() for block in blocks("README.md", "sh", marker)]
     assert words in line
