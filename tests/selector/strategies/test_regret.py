@@ -30,6 +30,7 @@ def test_regret_grows_more_slowly_than_time(name):
     assert quarters[3] < 0.15 * ANYTHING
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["UCB1", "GaussianThompson"])
 def test_regret_grows_with_the_logarithm_of_time(name):
     total = np.cumsum(regrets(name, STATIONARY[name], constant(*MEANS), steps=4000))
@@ -50,6 +51,7 @@ ADAPTING = {
 PERIOD = 400
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", list(ADAPTING))
 def test_strategies_that_forget_adapt_after_every_change(name):
     change = switching(PERIOD, 0.3, 0.8)
@@ -73,6 +75,7 @@ def test_strategies_with_a_context_learn_what_it_means(name):
     assert quarters[2] < 0.02 * blind
 
 
+@pytest.mark.long
 def test_the_expert_saves_regret_when_right_and_is_overcome_when_wrong():
     parameters = {"exploration": 0.5, "prior": 5.0}
     lost = {

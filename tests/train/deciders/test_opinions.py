@@ -138,7 +138,7 @@ def test_damaged_situations_are_one_line(run, tmp_path, situations, expected):
     assert err.count("\n") == 1
 
 
-def test_situations_that_a_mission_does_not_show_are_an_error_and_stores_take_none(run, tmp_path):
+def test_situations_that_a_mission_does_not_show_are_an_error_and_stores_take_none(run, tmp_path, capsys):
     assert write(run, "fsm:finds-alone")[0] == 0
     file = tmp_path / "my/knowledge/thoughts.yaml"
     file.write_text(file.read_text().replace("finds_apart:", "finds_lost:"))
@@ -146,6 +146,6 @@ def test_situations_that_a_mission_does_not_show_are_an_error_and_stores_take_no
     code, _, err = run(*words, "--strategy", "MaxScore")
     assert code == 2
     assert "strategy MaxScore: unknown component 'finds_lost'" in err
-    code, _, err = run("learn", "knowledge", "import", "my/knowledge/thoughts.yaml", "--store", "s.sqlite")
+    code, _, err = told(capsys, "learn", "knowledge", "import", file, "--store", "s.sqlite")
     assert code == 2
     assert err.endswith("situations: expected none for a store, which keeps one score for each option\n")

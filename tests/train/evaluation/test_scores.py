@@ -152,6 +152,17 @@ def test_a_run_that_is_continued_begins_with_what_was_known_then_and_nothing_cou
     assert held() == both
 
 
+def test_scores_that_a_store_did_not_get_are_given_when_the_run_goes_on():
+    learn("--scenarios", 1, "--output", "r")
+    shutil.copy("s.sqlite", "before.sqlite")
+    learn("--scenarios", 3, "--output", "r", "--resume")
+    whole = held()
+    shutil.copy("before.sqlite", "s.sqlite")  # as if the disk had been full, or the command killed
+    for _ in range(2):
+        learn("--scenarios", 3, "--output", "r", "--resume")
+        assert held() == whole
+
+
 def test_the_same_missions_are_not_learned_again_and_results_that_learned_go_on_learning(tmp_path):
     learn("--scenarios", 1, "--output", "a")
     before = held()
