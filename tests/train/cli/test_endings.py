@@ -58,7 +58,7 @@ def test_signals_that_end_programs_end_an_evaluation_with_workers(tmp_path, name
     os.kill(process.pid, getattr(signal, name))
     _, err = process.communicate(timeout=120)
     assert process.returncode == 130
-    assert "interrupted: " in err
+    assert ("interrupted: " if count else "interrupted") in err
     assert "Traceback" not in err
     assert "semaphore" not in err
     assert not list((tmp_path / "r").glob(".*"))
