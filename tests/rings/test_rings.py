@@ -42,7 +42,7 @@ def record(checkout, tmp_path):
         ("configs/test_configs.py", ("clean_swarm_env", "train", "pages")),
         ("train/test_train.py", ("train", "pages")),
         ("tests/train/test_train.py", ("train", "pages")),
-        ("docs/page.md", ("pages",)),
+        ("docs/test_docs.py", ("pages",)),
         ("tests/long.json", ()),
         ("unrelated.txt", ()),
     ],
