@@ -79,7 +79,10 @@ class WorldConfig(Closed):
     contacts: Literal["solid", "pass_through"] = "solid"
     """Whether robots are solid, or drive through each other as in the paper's simulator."""
     physics_rate: Rate = 20.0
-    """Physics steps per second, which is also the sampling rate of collisions [Hz]."""
+    """Physics steps per second, which is also the sampling rate of collisions [Hz].
+
+    A mission raises it where robots are so fast or small that they would get through walls or each other.
+    """
     control_rate: Rate = 5.0
     """Decisions of every robot per second [Hz]; the physics rate is a whole multiple of it."""
 
