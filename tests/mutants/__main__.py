@@ -11,8 +11,9 @@ import tempfile
 import time
 from pathlib import Path
 
+from selforg.compiler.cache import cache_directory
 from tests.mutants.drawing import draw
-from tests.mutants.mutant import noticed
+from tests.mutants.mutant import kernels_of, noticed
 from tests.paths import ROOT
 
 
@@ -27,6 +28,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         sources = Path(folder) / "main"
         shutil.copytree(ROOT, sources, ignore=shutil.ignore_patterns(".*", "results", "__pycache__"))
+        if known := cache_directory():
+            shutil.copytree(known, kernels_of(sources))
         for mutant in drawn:
             began = time.monotonic()
             by = noticed(mutant, sources)

@@ -45,7 +45,8 @@ def failure(tests: tuple[str, ...], sources: Path, compiled: bool = False) -> st
     Tests that are marked `long` take no part, as `pyproject.toml` says.
     """
     plain = {} if compiled else {"NUMBA_DISABLE_JIT": "1"}
-    environment = {**os.environ, "PYTHONPATH": str(sources), **plain}
+    kept = {"PYTHONPATH": str(sources), "NUMBA_CACHE_DIR": str(kernels_of(sources))}
+    environment = {**os.environ, **kept, **plain}
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
     with tempfile.TemporaryFile("w+") as said:  # a pipe would wait for the processes that a stopped test leaves
         try:
@@ -62,6 +63,11 @@ def failure(tests: tuple[str, ...], sources: Path, compiled: bool = False) -> st
         raise RuntimeError(f"{tests}: pytest ended with {done.returncode}\n{text[-2000:]}")
     found = re.search(r"^(?:FAILED|ERROR) ([^\s[]+)", text, re.MULTILINE)  # with all its parameters
     return found[1] if found else TOO_LONG if done.returncode < 0 else tests[0]
+
+
+def kernels_of(sources: Path) -> Path:
+    """Return where the kernels of a copy of the sources are kept: nobody needs those of mutants later."""
+    return sources.with_name("kernels")
 
 
 def limit_cpu() -> None:
