@@ -132,7 +132,7 @@ def check_file(output: Path, amount: float, what: str, hint: str) -> str:
         ConfigurationError: it is more memory, time or room than there is.
 
     """
-    memory, time, room = (amount * each for each in FILE_COSTS.get(output.suffix.lower(), FILE_COSTS[""]))
+    memory, time, room = (amount * each for each in FILE_COSTS[output.suffix.lower()])
     place = next(folder for folder in output.absolute().parents if folder.exists())
     limits = (memory_of_machine(), LONGEST, float(disk_usage(place).free))
     names, words = ("memory", "time", "room on the disk"), (_bytes, _duration, _bytes)
