@@ -13,13 +13,9 @@ ATOMS = (type, types.BuiltinFunctionType, types.ModuleType, str, bytes, int, flo
 
 def parts_of(thing):
     """Yield (step of a path, part) for all that an object holds."""
-    if isinstance(thing, types.FunctionType):
-        for name, cell in zip(thing.__code__.co_freevars, thing.__closure__ or (), strict=True):
-            yield f"<{name}>", cell.cell_contents
-    elif isinstance(thing, types.MethodType):
+    assert not isinstance(thing, types.FunctionType | partial), "nobody looks into what functions hold"
+    if isinstance(thing, types.MethodType):
         yield ".__self__", thing.__self__
-    elif isinstance(thing, partial):
-        yield from (("<func>", thing.func), ("<args>", thing.args), ("<keywords>", thing.keywords))
     elif isinstance(thing, dict):
         for number, (key, value) in enumerate(thing.items()):
             yield f"<key {number}>", key
@@ -27,9 +23,7 @@ def parts_of(thing):
     elif isinstance(thing, list | tuple | set | frozenset):
         names = getattr(thing, "_fields", range(len(thing)))
         yield from ((f".{name}", value) for name, value in zip(names, thing, strict=True))
-    elif isinstance(thing, np.ndarray) and thing.dtype == object:
-        yield from ((f"[{number}]", value) for number, value in enumerate(thing.flat))
-    if hasattr(thing, "__dict__") and not isinstance(thing, types.FunctionType):
+    if hasattr(thing, "__dict__"):
         yield from ((f".{name}", value) for name, value in vars(thing).items())
 
 
@@ -42,6 +36,7 @@ def arrays_of(root) -> dict[str, np.ndarray]:
             continue
         seen[id(thing)] = thing
         if isinstance(thing, np.ndarray) and thing.size:
+            assert thing.dtype != object, path
             found[path] = thing
         waiting += [(path + step, part) for step, part in parts_of(thing)]
     return found

@@ -22,8 +22,6 @@ from tests.clean_swarm_env.soak_copies import check_round
 from tests.guard_pages import guard
 from tests.soaking import report, rounds
 
-FAULTS = ("none", "address", "behind")
-
 
 @lean_kernel
 def write(array: Floats, place: int) -> None:

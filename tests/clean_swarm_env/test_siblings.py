@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import zipfile
 
 import pytest
 
@@ -33,9 +32,9 @@ def folder(tmp_path):
     return tmp_path
 
 
-def python(folder, *words, packages=ROOT):
+def python(folder, *words):
     """Return what Python prints in the folder; our packages come after the folder on its path."""
-    code = f"import sys; sys.path.insert(1, {str(packages)!r})"
+    code = f"import sys; sys.path.insert(1, {str(ROOT)!r})"
     (folder / "sitecustomize.py").write_text(code)
     environment = {**os.environ, "PYTHONPATH": str(folder)}
     done = subprocess.run([sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True)
@@ -82,19 +81,6 @@ def test_worker_processes_of_a_script(folder):
     (folder / "mine.py").write_text(TASKS)
     expected = f"['{ROOT / 'train' / '__init__.py'}']\n"
     assert python(folder, "mine.py") == python(folder, "-m", "mine") == expected
-
-
-@pytest.mark.long
-@pytest.mark.extra
-def test_the_installed_wheel(folder, tmp_path):
-    pytest.importorskip("hatchling")
-    from tests.releases.build import build
-
-    _, wheel = build(ROOT, tmp_path / "dist", moment=1_795_000_000)
-    site = tmp_path / "site"
-    zipfile.ZipFile(wheel).extractall(site)
-    assert python(folder, "-c", IMPORT, packages=site) == "5\n"
-    assert "\npatrol " in python(folder, "-m", "clean_swarm_env", "list", "experiments", packages=site)
 
 
 def test_a_module_of_the_users_that_was_imported_before_is_named(folder):

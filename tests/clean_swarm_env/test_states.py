@@ -15,7 +15,6 @@ from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.delivery import Delivery
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
@@ -197,18 +196,3 @@ def test_gradients_of_a_team_come_with_their_senders_names_and_payloads():
     assert found["beacon"].payload == {"colour": "red", "size": 2.0}
     assert (found["beacon"].source, found["beacon"].stamp) == ("lamp", 5.0)
     assert (found["robot 2"].source, found["robot 2"].payload) == (1, {"value": 7.0})
-
-
-def test_messages_under_way_are_part_of_a_state():
-    buffer, other = (buffer_of(rows, delivery=Delivery(delay=1.0)) for rows in (4, 6))
-    messages, tags = buffer.blank(1, "trail")
-    messages[:, [c.DIFFUSION, c.MESSAGE_FAR + c.FAR_FACTOR]] = 1.0
-    other.channel_code("mine")
-    buffer.deposit(np.array([0, 3]), messages[0], tags[0], 5.0)
-    other.put_part(2, buffer.part_of(1), 10.0)
-    other.deliver(15.9)
-    assert other.count(2, "trail") == 0
-    other.deliver(16.0)
-    assert other.count(2, "trail") == 2  # one for each row of the team
-    gradient = other.gradient_of(pair_of(other, "trail"))
-    assert (gradient.source, gradient.position, gradient.stamp) == (5, (2.0, 1.0), 15.0)

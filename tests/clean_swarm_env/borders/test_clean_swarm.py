@@ -12,24 +12,7 @@ from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
-from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
-
-
-def _episode(env, policy, seed=None, options=None, limit=10_000):
-    """Return an episode as flat bytes for each step: observations, rewards, ends, positions, infos."""
-    observations, infos = env.reset(seed=seed, options=options)
-    steps, rng = [_bytes(env, observations, {}, infos)], np.random.default_rng(policy)
-    while env.agents and len(steps) <= limit:
-        actions = {agent: rng.integers(3) for agent in env.agents}
-        observations, rewards, terminations, truncations, infos = env.step(actions)
-        steps.append(_bytes(env, observations, rewards, (terminations, truncations, infos)))
-    return steps
-
-
-def _bytes(env, observations, rewards, others):
-    seen = b"".join(observations[agent].tobytes() for agent in env.possible_agents)
-    bodies = env.unwrapped._batch.worlds.physics
-    return seen, tuple(rewards.items()), repr(others), bodies.positions.tobytes() + bodies.headings.tobytes()
+from tests.clean_swarm_env.courses import begun, long_course, mission
 
 
 @long_course
@@ -41,35 +24,6 @@ def test_the_parallel_environment_passes_pettingzoos_test(name):
 @pytest.mark.filterwarnings("ignore::UserWarning")  # remarks on observations, such as not being normalised pictures
 def test_the_turn_based_environment_passes_pettingzoos_test():
     api_test(clean_swarm_v0.env(), num_cycles=200)
-
-
-@long_course
-@pytest.mark.parametrize("name", ["reference", pytest.param("table1", marks=pytest.mark.long)])
-def test_equal_seeds_give_equal_episodes_in_two_environments_and_after_other_episodes(name):
-    first, second = clean_swarm_v0.parallel_env(name), clean_swarm_v0.parallel_env(name)
-    whole = _episode(first, policy=1, seed=5)
-    assert len(whole) > 30
-    assert _episode(second, policy=1, seed=5) == whole
-    _episode(second, policy=2)
-    _episode(second, policy=3, seed=8, limit=17)
-    assert _episode(second, policy=1, seed=5) == whole
-    assert _episode(second, policy=1, seed=6) != whole
-
-
-def test_episodes_after_a_seed_are_new_ones_and_repeatable():
-    env = clean_swarm_v0.parallel_env()
-    first = [_episode(env, 1, seed, limit=3) for seed in (5, None, None)]
-    assert len({steps[0] for steps in first}) == 3
-    assert [_episode(env, 1, seed, limit=3) for seed in (5, None, None)] == first
-
-
-def test_spaces_are_the_same_objects_all_the_time():
-    env = clean_swarm_v0.parallel_env()
-    for agent in env.possible_agents:
-        assert env.observation_space(agent) is env.observation_space(agent)
-        assert env.action_space(agent) is env.action_space(agent)
-        assert env.action_space(agent).n == len(OPTIONS)
-    assert env.options == {"AvoidCollision": OPTIONS}
 
 
 @long_course
@@ -144,28 +98,12 @@ def test_wrong_use_is_an_error_that_says_what_was_expected(call, error, message)
         call(clean_swarm_v0.parallel_env)
 
 
-def test_a_start_can_be_given():
-    env, start = clean_swarm_v0.parallel_env(), random_start(mission(), 77, 4)
-    env.reset(seed=1, options={"start": start})
-    assert np.allclose(env._batch.worlds.physics.positions, np.array(start.robots)[:, :2])
-    again = _episode(env, 1, 1, {"start": start}, limit=5)
-    assert _episode(env, 1, 1, {"start": start}, limit=5) == again
-
-
 def test_observations_belong_to_the_caller():
     env = clean_swarm_v0.parallel_env()
     observations, _ = env.reset(seed=1)
     kept = {agent: seen.copy() for agent, seen in observations.items()}
     env.step(dict.fromkeys(env.agents, 0))
     assert all(np.array_equal(observations[agent], kept[agent]) for agent in kept)
-
-
-def test_rendering_gives_a_picture_of_many_colours_or_nothing():
-    plain, drawn = (begun(clean_swarm_v0.parallel_env(render_mode=mode), seed=1) for mode in (None, "rgb_array"))
-    assert plain.render() is None
-    picture = drawn.render()
-    assert (picture.dtype, picture.ndim, picture.shape[2]) == (np.uint8, 3, 3)
-    assert len({tuple(pixel) for pixel in picture.reshape(-1, 3)[::97].tolist()}) > 20
 
 
 def test_importing_the_environment_loads_neither_torch_nor_matplotlib():

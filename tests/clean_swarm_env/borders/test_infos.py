@@ -5,51 +5,64 @@ import pytest
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
-from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv
+from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
 from clean_swarm_env.borders.infos import MASK, OWN
-from tests.clean_swarm_env.courses import begun, mission
+from tests.clean_swarm_env.courses import mission
 from tests.paths import ROOT
 
 SHORT = mission(garbage={"count": 2}, time_limit=20.0)
+FORAGING = {"task": "Foraging", "time_limit": 4.0}
 TEAM = ("time_s", "dumped", "garbage_done", "mission_collision_events", "completed", "duration_s")
 KEYS = {*TEAM, *OWN, MASK}
 VELOCITY = {"mode": "velocity"}
 
 
-def test_all_borders_say_the_same_in_every_step():
-    parallel, team = clean_swarm_v0.parallel_env(SHORT), CleanSwarmTeam(SHORT)
-    robots = RobotVectorEnv(1, mission=SHORT, autoreset_mode="NextStep")
-    _, infos = parallel.reset(seed=3)
-    others = [team.reset(seed=3)[1], robots.reset(seed=3)[1]]
-    rng, over = np.random.default_rng(1), False
-    while True:
-        for row, agent in enumerate(parallel.possible_agents):
-            assert infos[agent].keys() == KEYS
-            for name in TEAM:
-                assert infos[agent][name] == others[0][name] == others[1][name][row]
-            for name in OWN:
-                assert infos[agent][name] == others[0][name][row] == others[1][name][row]
-            assert infos[agent][MASK].tolist() == others[0][MASK][row * 3 : row * 3 + 3].tolist()
-            assert infos[agent][MASK].tolist() == others[1][MASK][row].tolist()
-        if over:
-            break
-        options = rng.integers(0, 3, 5)
-        *_, infos = parallel.step(dict(zip(parallel.agents, options, strict=True)))
-        over = not parallel.agents
-        others = [team.step(options)[4], robots.step(options)[4]]
-    assert infos["robot_0"]["duration_s"] == 20.0
+def check_infos(told, team, robots):
+    """Compare infos by agent with those of a team and of robots as environments."""
+    for row, agent in enumerate(told):
+        assert told[agent].keys() == team.keys()
+        for name, value in told[agent].items():
+            if name == MASK:
+                own = slice(row * len(value), (row + 1) * len(value))
+                assert value.tolist() == team[MASK][own].tolist() == robots[MASK][row].tolist()
+            elif name in OWN:
+                assert value == team[name][row] == robots[name][row]
+            else:
+                assert value == team[name] == robots[name][row]
+
+
+@pytest.mark.parametrize(
+    ("kind", "mode"), [(SHORT, "option"), (FORAGING, "option"), (FORAGING, "velocity"), (FORAGING, "both")]
+)
+def test_all_borders_have_one_course_and_say_the_same_in_every_step(kind, mode):
+    settings = {"mission": kind, "action": {"mode": mode}}
+    parallel, team = clean_swarm_v0.parallel_env(**settings), CleanSwarmTeam(**settings)
+    teams, robots = TeamVectorEnv(1, **settings), RobotVectorEnv(1, **settings, autoreset_mode="NextStep")
+    first, infos = parallel.reset(seed=3)
+    others = [border.reset(seed=3) for border in (team, robots, teams)]
+    for seen, _ in others:
+        assert np.array_equal(seen.ravel(), np.concatenate(list(first.values())))
+    check_infos(infos, others[0][1], others[1][1])
+    robots.action_space.seed(1)
+    while parallel.agents:
+        actions = robots.action_space.sample()
+        parts = (
+            {name: part.reshape(1, -1) for name, part in actions.items()} if mode == "both" else actions.reshape(1, -1)
+        )
+        alone = {name: part[0] for name, part in parts.items()} if mode == "both" else parts[0]
+        rows = range(len(parallel.agents))
+        each = [{n: p[k] for n, p in actions.items()} if mode == "both" else actions[k] for k in rows]
+        seen, paid, _, cut, infos = parallel.step(dict(zip(parallel.agents, each, strict=True)))
+        one, many, row = team.step(alone), teams.step(parts), robots.step(actions)
+        assert np.array_equal(row[0], np.stack(list(seen.values())))
+        assert np.array_equal(one[0], np.concatenate(list(seen.values())))
+        assert row[1].tolist() == list(paid.values())
+        assert one[1] == many[1][0] == pytest.approx(np.mean(list(paid.values())))
+        assert row[3].tolist() == list(cut.values())
+        assert kind is FORAGING or infos["robot_0"].keys() == KEYS
+        check_infos(infos, one[4], row[4])
+    assert infos["robot_0"]["duration_s"] == infos["robot_0"]["time_s"]
     assert infos["robot_0"]["completed"] is False
-
-
-def test_a_world_that_begins_anew_tells_the_end_of_its_mission():
-    envs = begun(RobotVectorEnv(1, mission=SHORT), seed=1)
-    for _ in range(20):
-        *_, infos = envs.step(np.zeros(5, dtype=np.int64))
-    (end,) = envs.batch.finished
-    assert infos["final_info"]["garbage_done"].tolist() == [end.result.garbage_done] * 5
-    assert infos["final_info"]["time_s"].tolist() == [20.0] * 5
-    *_, infos = envs.step(np.zeros(5, dtype=np.int64))
-    assert infos["time_s"].tolist() == [1.0] * 5
 
 
 @pytest.mark.parametrize("border", [clean_swarm_v0.parallel_env, CleanSwarmTeam, RobotVectorEnv])

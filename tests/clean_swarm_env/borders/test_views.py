@@ -11,7 +11,6 @@ from gymnasium.wrappers import RecordVideo
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
-from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.wrappers import RecordMission
 from tests.clean_swarm_env.courses import begun
 
@@ -53,20 +52,6 @@ def test_pictures_change_no_course(mission):
         first, second = (env.step(np.arange(5) % 2) for env in (plain, drawn))
         assert np.array_equal(first[0], second[0])
         assert first[1] == second[1]
-
-
-def test_tasks_have_pictures_of_equal_size_with_all_robots_inside():
-    mission = {"task": "FormationControl", "world": {"ground": "open"}, "time_limit": 8.0}
-    env = begun(CleanSwarmTeam(mission, render_mode="rgb_array_list"), seed=1)
-    over = False
-    while not over:
-        over = env.step(np.zeros(env.action_space.shape, dtype=np.int64))[3]
-        canvas = canvas_of(env.unwrapped.batch.worlds, 0)
-        assert ((canvas.positions >= 0.0) & (canvas.positions <= canvas.width)).all()
-    pictures = env.render()
-    assert len(pictures) == 1 + 20 * 8
-    assert len({picture.shape for picture in pictures}) == 1
-    assert sum(np.any(first != second) for first, second in pairwise(pictures)) > 100
 
 
 @pytest.mark.parametrize(

@@ -43,12 +43,6 @@ def test_random_starts_lie_on_the_torus_and_solid_robots_apart(seed, count, widt
     assert np.all(np.abs(robots[:, 2]) <= np.pi)
 
 
-def test_items_without_spots_lie_anywhere_as_ever():
-    size, rng = np.array([7.0, 11.0]), np.random.default_rng(4)
-    drawn = Places(size, np.zeros((0, 2)), 1.0, size).draw(9, np.random.default_rng(4), MissionConfig())
-    np.testing.assert_array_equal(drawn, rng.uniform(size=(9, 2)) * size)
-
-
 def test_items_lie_evenly_about_spots_across_the_seam_too():
     size, spots = np.array([7.0, 11.0]), np.array([[0.2, 10.9], [4.0, 5.0]])
     places = Places(size, spots, 2.0, size)

@@ -50,16 +50,6 @@ def test_every_moment_is_as_it_was(seen):
     assert sorted({len(canvas.positions) for canvas in canvases}) == [5, 7]
 
 
-def test_pheromones_are_where_they_were_left(seen):
-    canvases, recording = seen
-    tick = max(range(recording.frames), key=lambda k: len(canvases[k].pheromones))
-    then, now = canvases[tick], RecordedCourse(recording).at(tick * recording.period)
-    assert len(then.pheromones) > 20
-    gaps = np.abs(then.pheromones[:, None] - now.pheromones[None])
-    nearest = np.hypot(*np.moveaxis(np.minimum(gaps, 11.0 - gaps), -1, 0)).min(axis=1)
-    assert np.median(nearest) < 0.002
-
-
 def test_between_two_frames_robots_have_moved_a_share_of_the_way(seen):
     _, recording = seen
     course = RecordedCourse(recording)

@@ -1,6 +1,5 @@
 """The window, on the dummy display of SDL: it shows what it is given, can be closed, and says what it lacks."""
 
-import copy
 import sys
 
 import numpy as np
@@ -39,14 +38,6 @@ def test_a_window_that_its_user_closed_stays_closed():
     window.show(PICTURE)
     assert window.closed
     assert not pygame.display.get_init()
-
-
-def test_a_copy_of_a_window_opens_its_own():
-    window = Window()
-    window.show(PICTURE)
-    other = copy.deepcopy(window)
-    other.show(PICTURE)
-    assert not other.closed
 
 
 def test_no_display_and_no_pygame_are_errors_of_one_line(monkeypatch):

@@ -43,23 +43,6 @@ def test_masks_follow_the_phase_and_options_that_cannot_serve_give_way():
     assert met == set(PHASES)
 
 
-def test_without_limits_everything_can_serve():
-    batch = begun(Batch(), [1])
-    assert batch.masks().all()
-    assert batch.masks().shape == (5, 3)
-
-
-def test_infos_hold_the_mask_as_the_space_takes_it():
-    env = clean_swarm_v0.parallel_env(action=SERVES)
-    _, infos = env.reset(seed=1)
-    for _ in range(30):
-        actions = {agent: env.action_space(agent).sample(infos[agent]["action_mask"]) for agent in env.agents}
-        assert all(infos[agent]["action_mask"][action] == 1 for agent, action in actions.items())
-        *_, infos = env.step(actions)
-        held = env.unwrapped._batch.worlds.minds.coordinator_of(GOAL).held
-        assert held.tolist() == [int(action) for action in actions.values()]
-
-
 @pytest.mark.parametrize(
     ("serves", "message"),
     [
@@ -73,11 +56,6 @@ def test_infos_hold_the_mask_as_the_space_takes_it():
 def test_limits_that_cannot_be_kept_are_refused(serves, message):
     with pytest.raises(DocumentError, match=message):
         Batch(action=ActionConfig(serves=serves))
-
-
-def test_unknown_phases_are_refused():
-    with pytest.raises(ValueError, match="serves"):
-        ActionConfig(serves={"RepulsionGradient": ("resting",)})
 
 
 PARTS, FINITE = "expected an option and a vector for each of 5 rows", r"expected finite numbers of shape \(5, 2\)"
@@ -134,33 +112,6 @@ def test_zero_means_to_stand_still_and_what_is_beyond_the_bounds_counts_as_the_b
     batch.step(np.tile([7.0, -3.0], (5, 1)))
     other.step(np.tile([1.0, -1.0], (5, 1)))
     assert np.array_equal(batch.worlds.physics.positions, other.worlds.physics.positions)
-
-
-def driven_by_hand(batch: Batch) -> np.ndarray:
-    """Return vectors (R, 2) towards the nearest item, with cargo towards its station, else straight on."""
-    seen = dict(zip(batch.observer.names, batch.observations.T, strict=True))
-    to_item = np.stack([seen["garbage_ahead"], seen["garbage_left"]], axis=1)
-    to_station = np.stack([seen["target_ahead"], seen["target_left"]], axis=1)
-    vectors = np.where(seen["garbage_seen"][:, None] > 0, to_item, [[0.9, 0.1]])
-    return np.where(seen["carrying"][:, None] > 0, to_station, vectors)
-
-
-@long_course
-def test_a_team_driven_by_hand_completes_its_mission_alone_as_in_a_batch():
-    """Robots pass through each other, as in the paper's simulator, so that none is in the way."""
-    config, courses = mission("reference"), []
-    for seeds, world in (([4], 0), ([3, 4, 5], 1)):
-        batch = begun(Batch(config, len(seeds), action=VELOCITY), seeds)
-        course = []
-        while world not in [end.world for end in batch.finished] and len(course) < 600:
-            step = batch.step(driven_by_hand(batch))
-            rows = batch.worlds.rows_of(world)
-            course.append(
-                (step.rewards[rows].tobytes(), step.observations[rows].tobytes(), bool(step.terminated[world]))
-            )
-        courses.append(course)
-    assert courses[0] == courses[1]
-    assert courses[0][-1][2]
 
 
 def test_a_zero_correction_changes_nothing_and_another_one_moves_who_stands():

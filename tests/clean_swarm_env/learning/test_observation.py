@@ -169,14 +169,6 @@ def test_who_mistakes_the_own_place_is_heard_there():
     assert 0.05 < np.std(off) * RANGES[-1] < 1.0  # that of the difference of two places is 0.3 sqrt 2 m
 
 
-def test_names_are_those_of_the_terms_and_unique():
-    names = Batch().observer.names
-    assert len(set(names)) == len(names)
-    assert names[-3:] == tuple(f"holds_{option}" for option in OPTIONS)
-    assert [name for name in names if name.startswith("crowd")] == ["crowd_1m", "crowd_1.5m", "crowd_2.5m"]
-    assert names[: len(TERMS.find("garbage").components)] == TERMS.find("garbage").components
-
-
 def test_terms_are_chosen_ordered_and_weighted():
     whole = Batch()
     chosen = ["holds", {"name": "time", "weight": -2.0}, "cargo", {"name": "neighbour", "weight": 0.5}]
@@ -236,16 +228,6 @@ def test_without_items_nobody_sees_one():
         seen += [step.observations.copy(), step.final_observations.copy()]
         assert not batch.observer.phases.any()
     assert not np.array(seen)[:, :, batch.observer.names.index("garbage_seen")].any()
-
-
-def test_looking_changes_nothing():
-    batch = Batch()
-    seen = batch.reset([1]).copy()
-    before = batch.worlds.network.readings.copy(), batch.worlds.physics.positions.copy()
-    batch.observer.observe(batch.observations)
-    assert np.array_equal(seen, batch.observations)
-    assert np.array_equal(before[0], batch.worlds.network.readings)
-    assert np.array_equal(before[1], batch.worlds.physics.positions)
 
 
 def test_a_crowd_sees_by_cells_what_looking_at_everybody_shows():

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-import yaml
 
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import AVOIDINGS, PICKINGS
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from tests.clean_swarm_env.courses import begun, mission
-from tests.paths import ROOT
 
 PERIODS = 30
 
@@ -45,25 +43,12 @@ def test_avoiding_is_that_of_the_coordinator_of_avoidance(name, monkeypatch):
     np.testing.assert_allclose(rewards, -0.2 * expected)
 
 
-def test_without_a_coordinator_of_avoidance_nobody_avoids(tmp_path):
-    robot = yaml.safe_load((ROOT / "configs/robots/cleaning-patrol.yaml").read_text(encoding="utf-8"))
-    del robot["networks"]["robot"]["behaviours"][GOAL], robot["networks"]["robot"]["goals"][GOAL]
-    del robot["networks"]["robot"]["conditions"]["too near"]
-    for kind in ("robots", "knowledge"):
-        (tmp_path / kind).mkdir()
-    (tmp_path / "robots" / "careless.yaml").write_text(yaml.safe_dump(robot, sort_keys=False), encoding="utf-8")
-    known = {
-        "description": "Patrols only.",
-        "goals": {"ExplorationPatrol": [{"configuration": "Patrol", "score": 1.0}]},
-    }
-    (tmp_path / "knowledge" / "careless.yaml").write_text(yaml.safe_dump(known), encoding="utf-8")
-    config = mission("cleaning-patrol", network={"robot": "careless"}, knowledge="careless")
-    batch = Batch(config, 2, directories=(tmp_path,))
-    seen = batch.reset([1, 2])
+def test_without_a_coordinator_of_avoidance_nobody_avoids():
+    batch = begun(Batch("Foraging", observation={"terms": ["avoidance"]}), [1])
     for _ in range(PERIODS):
-        seen = batch.step(np.zeros(batch.rows, dtype=np.int64)).observations
+        seen = batch.step(np.tile(batch.choices.default, (batch.rows, 1))).observations
         assert not batch.progress.events[AVOIDINGS].any()
-        assert not seen[:, batch.observer.names.index("avoiding")].any()
+        assert not seen.any()
 
 
 def test_an_item_is_paid_for_once_whoever_picks_it_again():

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import scipy.stats
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
@@ -153,8 +152,8 @@ def test_a_reward_term_that_breaks_its_contract_is_one_line(function, said, monk
 SCENARIOS = 3
 
 
-def of_option(family, option):
-    """Return the mean payment of the robots, and the costs, for each scenario of a fixed option."""
+def check_paid(family, option):
+    """Compare the mean payment of the robots with the cost, for each scenario of a fixed option."""
     scenarios = iter([family.scenario(0, k, "test") for k in range(SCENARIOS)])
     batch = begun(
         Batch(family=family, worlds=SCENARIOS, source=lambda _: next(scenarios, None), reward=RewardConfig(cost=-1))
@@ -169,7 +168,7 @@ def of_option(family, option):
             scales[end.world] = terms.limit / terms.worth if terms.worth else 1.0
     # a tick more where the mission was completed; for all items that were expected where garbage keeps coming
     np.testing.assert_allclose(-paid, scales * costs, atol=0.2 + 1e-9)
-    return paid, costs
+    assert (costs > 0.0).all()
 
 
 def brief(name, limit):
@@ -179,17 +178,17 @@ def brief(name, limit):
     return family.model_copy(update={"mission": mission})
 
 
-def test_a_team_is_paid_what_its_mission_costs():
-    paid, costs = of_option(brief("crowded-bumpers", 60.0), 0)
-    assert (paid < 0.0).all()
-    assert (costs > 0.0).all()
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", ["crowded-bumpers", "random-bumpers", "shifting-bumpers", "crowded"])
-def test_reward_and_cost_rank_options_alike(name):
-    family = brief(name, 300.0)
-    options = Batch(family=family).choices.counts[0]
-    paid, costs = np.transpose([of_option(family, option) for option in range(options)], (1, 0, 2))
-    rank = scipy.stats.spearmanr(paid.mean(axis=1), -costs.mean(axis=1)).statistic
-    assert rank >= 0.9, (paid, costs)
+@pytest.mark.parametrize(
+    ("name", "limit", "most"),
+    [
+        ("crowded-bumpers", 60.0, 1),
+        *(
+            pytest.param(name, 300.0, 99, marks=pytest.mark.long)
+            for name in ("crowded-bumpers", "random-bumpers", "shifting-bumpers", "crowded")
+        ),
+    ],
+)
+def test_a_team_is_paid_what_its_mission_costs_by_every_option(name, limit, most):
+    family = brief(name, limit)
+    for option in range(min(most, Batch(family=family).choices.counts[0])):
+        check_paid(family, option)

@@ -7,7 +7,7 @@ from numpy.testing import assert_array_equal
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.around import open_around
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS, Term
 from clean_swarm_env.testing import check_term
 from selforg.compiler.decorators import kernel
@@ -103,12 +103,6 @@ def test_a_term_that_breaks_its_contract_is_one_line(write, said, monkeypatch):
     with pytest.raises(ValueError, match=said) as raised:
         check_term(cls)
     assert "\n" not in str(raised.value)
-
-
-def test_the_default_is_the_sixteen_terms_in_their_order():
-    assert len(set(DEFAULT_TERMS)) == len(DEFAULT_TERMS) == 16
-    assert set(DEFAULT_TERMS) <= set(TERMS.names())
-    assert tuple(term.name for term in ObservationConfig().terms) == DEFAULT_TERMS
 
 
 def test_a_term_of_the_users_own_takes_settings_of_its_own():

@@ -143,16 +143,6 @@ def test_who_has_put_cargo_down_picks_it_again_after_the_time_and_is_paid_for_it
     assert progress.events[[PICKINGS, RECYCLINGS], 0].tolist() == [1, 1]
 
 
-def test_a_robot_that_stands_after_a_collision_keeps_its_cargo():
-    worlds = one_robot((1.0, 10.0))
-    while worlds.task.garbage.cargo[0] == NOTHING:
-        worlds.tick()
-    worlds.task.consequences.standing[0] = 10  # in a mission without consequences it drives on
-    ticked(worlds, 40)
-    assert ways(worlds.physics.positions, RECYCLING)[0, 0] < 4.5
-    assert worlds.task.garbage.cargo[0] == 0
-
-
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [

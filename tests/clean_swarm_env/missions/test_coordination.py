@@ -11,7 +11,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
-from tests.clean_swarm_env.courses import avoidance, snapshot
+from tests.clean_swarm_env.courses import snapshot
 
 
 def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
@@ -52,9 +52,3 @@ def test_each_coordinator_wants_an_option():
     assert worlds.minds.coordinator_of("ExplorationPatrol") is worlds.coordinators[0]
     with pytest.raises(DocumentError, match="unknown coordinated goal 'ExplorationPatrol'"):
         Worlds(mission, models[1:])
-
-
-def test_a_goal_that_the_mission_does_not_coordinate_has_no_coordinator():
-    worlds = Worlds(load_mission("table1"), avoidance())
-    with pytest.raises(KeyError, match=r"unknown coordinated goal 'ExplorationPatrol' \(known: AvoidCollision\)"):
-        worlds.minds.coordinator_of("ExplorationPatrol")

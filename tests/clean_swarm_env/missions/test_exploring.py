@@ -30,16 +30,12 @@ def exploring(option, robots, items=()):
     return worlds
 
 
-def run(worlds, seconds):
-    ticked(worlds, round(5 * seconds))
-
-
 def test_who_finds_garbage_tells_where_for_a_while():
     worlds = exploring("Patrol", ((8.0, 7.6, 1.5), (25.0, 25.0, 0.0)), (tuple(FIND),))
     queries, far_robot = Queries(worlds.minds.buffers["pheromones"]), np.array([1])
     felt = np.zeros(2)
     for _ in range(130):
-        run(worlds, 1.0)
+        ticked(worlds, 5)
         for k, channel in enumerate(("find", "recent find")):
             look = Filter((channel,), view_distance=30.0)
             felt[k] += queries.choose("most_reach_attractive", worlds.now, far_robot, look)[1][0]
@@ -49,7 +45,7 @@ def test_who_finds_garbage_tells_where_for_a_while():
 @pytest.mark.parametrize(("option", "returns"), [("Finds", True), ("RecentFinds", True), ("Patrol", False)])
 def test_explorers_return_to_a_find_while_it_lasts(option, returns):
     worlds = exploring(option, ((8.0, 7.6, 1.5), (20.0, 8.0, 3.0)), (tuple(FIND),))
-    run(worlds, 18.0)
+    ticked(worlds, 90)
     place = worlds.physics.positions[1]
     assert (nearest_distance(place, FIND[None], worlds.extent) < 4.0) is returns
 
@@ -58,7 +54,7 @@ def test_who_holds_finds_without_one_patrols_with_the_bits_of_patrol():
     parts = []
     for option in ("Patrol", "Finds"):
         worlds = exploring(option, ((8.0, 7.6, 1.5), (20.0, 8.0, 3.0)))
-        run(worlds, 40.0)
+        ticked(worlds, 200)
         parts.append(snapshot(worlds, 0))
     assert np.array_equal(parts[0]["positions"], parts[1]["positions"])
 
@@ -69,7 +65,7 @@ def test_explorers_that_spread_out_are_farther_apart_than_those_that_walk():
         worlds = exploring(option, tuple((15.0 + 0.1 * k, 15.0, 0.7 * k) for k in range(8)))
         distances = []
         for _ in range(20):
-            run(worlds, 3.0)
+            ticked(worlds, 15)
             places = worlds.physics.positions
             distances.append(
                 [nearest_distance(p, np.delete(places, k, 0), worlds.extent) for k, p in enumerate(places)]

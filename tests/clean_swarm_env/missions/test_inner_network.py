@@ -18,7 +18,6 @@ from train.evaluation.repeat import record_run
 from train.running.runs import RunTask
 
 PATROL = {"channels": ["pheromone"], "pheromone": {"channel": "pheromone", "attraction": -1}, "min_speed": 0.5}
-NOTED = {"type": "SetState", "name": "roamed", "value": True}
 SEARCH = {
     "mechanisms": {"go": {"type": "Patrol", "buffer": "pheromones", "parameters": PATROL}},
     "knowledge": {"roamed": False},

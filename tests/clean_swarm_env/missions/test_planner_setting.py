@@ -1,22 +1,9 @@
 """The planner of the robots, by name."""
 
 import pytest
-from pydantic import ValidationError
 
-from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.world.worlds import Worlds
 from tests.clean_swarm_env.courses import avoidance, mission, worlds_at_start
-
-
-@pytest.mark.parametrize("name", ["built-in", "off", "aries"])
-def test_the_planner_is_named(name):
-    assert NetworkConfig(planner=name).planner == name
-
-
-@pytest.mark.parametrize("given", [1, "", None, False, ["built-in"]])
-def test_what_is_no_name_is_refused(given):
-    with pytest.raises(ValidationError):
-        NetworkConfig(planner=given)
 
 
 def test_robots_without_planner_have_none():

@@ -25,19 +25,6 @@ def of_seeds(config=MISSION, seeds=(0,)):
     return begun(Batch(config, worlds=len(seeds)), list(seeds))
 
 
-def test_both_models_do_their_part():
-    batch = of_seeds()
-    task, most, found = batch.worlds.task, 0, False
-    for _ in range(150):
-        batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
-        assert (task.garbage.cargo[4:] == -1).all()
-        found |= bool(task.garbage.found.any())
-        most = max(most, *(len(task.garbage.load(row)) for row in range(4)))
-    assert task.garbage.done[0] >= 4
-    assert most == 2
-    assert found
-
-
 def test_robots_have_the_behaviours_of_their_own_document_also_after_they_begin_anew():
     worlds = of_seeds(seeds=(0, 1)).worlds
     network = worlds.network

@@ -12,10 +12,6 @@ from clean_swarm_env.config.starts import nearest_distance, random_start
 from clean_swarm_env.physics.cells import nearest_of_kind
 from clean_swarm_env.tasks.cleaning.garbage import DONE
 from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING
-from clean_swarm_env.world.task import coordinators_of
-from clean_swarm_env.world.worlds import Worlds
-from selector.configurations.library import Library
-from selector.knowledge import load_knowledge
 from selforg.compiler.decorators import kernel
 from selforg.gradients.queries import Queries
 from selforg.space import Torus
@@ -150,21 +146,6 @@ def test_transport_steers_no_robot_that_avoids_another():
             seen.append(np.allclose(vector, avoided))
     assert len(seen) > 3
     assert all(seen)
-
-
-def test_one_robot_that_takes_the_nearest_station_moves_as_without_the_choice():
-    courses = []
-    for robot in ("cleaning-patrol", "cleaning-transport"):
-        mission = mission_of(1, 3, network={"robot": robot})
-        models = coordinators_of(mission, load_knowledge(mission.knowledge), Library())
-        worlds = begun(Worlds(mission, models), 0, random_start(mission, 2, 0), 3)
-        places = []
-        for _ in range(600):
-            worlds.tick()
-            places.append(worlds.physics.positions[0].copy())
-        assert worlds.task.garbage.done[0] > 0
-        courses.append(np.array(places))
-    np.testing.assert_allclose(*courses, atol=1e-6)
 
 
 def test_worlds_of_one_batch_may_have_their_stations_at_different_places():

@@ -94,12 +94,3 @@ def test_reset_stops_the_rows_it_names_only():
     drive.reset(slice(0, 2))
     assert (drive.speed > 0).tolist() == [False, False, True]
     assert (drive.turn_rate != 0).tolist() == [False, False, True]
-
-
-def test_the_arrays_stay_the_same_objects():
-    drive = DifferentialDrive(2)
-    speed, turn_rate = drive.speed, drive.turn_rate
-    command(drive, np.ones((2, 2)), np.ones(2, np.bool_), np.zeros(2), 0.0)
-    drive.reset(np.array([0]))
-    assert drive.speed is speed
-    assert drive.turn_rate is turn_rate

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.physics.contact_space import chipmunk_functions
 from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.motion import ALWAYS_TOUCHING, ROBOT_MOTION
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
@@ -176,12 +175,6 @@ def test_a_crowd_stays_solid_and_inside():
     assert (positions < SIZE).all()
 
 
-@pytest.mark.parametrize("robots", [5, 70])
-def test_same_calls_same_bits(robots):
-    runs = [wander(placed(2, robots, 1), 120, 2) for _ in range(2)]
-    assert np.array_equal(*runs)
-
-
 @pytest.mark.parametrize("world", [0, 3])
 def test_a_world_of_a_batch_has_the_bits_it_has_alone(world):
     walk = wander(placed(4, 12, 3), 200, 4)
@@ -207,20 +200,6 @@ def test_place_changes_one_world_and_wraps():
     np.testing.assert_allclose(physics.headings[3:], [4.0 - 2 * math.pi, math.pi, math.pi])
 
 
-def test_arrays_stay_the_same_objects_and_commands_are_only_read():
-    physics = placed(1, 30, 2)
-    arrays = physics.positions, physics.headings, physics.bodies
-    speed, turn_rate = np.full(30, 0.5), np.full(30, 0.1)
-    for _ in range(50):
-        substep(physics, speed, turn_rate)
-    assert all(
-        new is old for new, old in zip((physics.positions, physics.headings, physics.bodies), arrays, strict=True)
-    )
-    assert physics.positions.flags.c_contiguous
-    assert (speed == 0.5).all()
-    assert (turn_rate == 0.1).all()
-
-
 def drive_about(physics, ticks, seed):
     """Run ticks with random commands; return positions (T, R, 2) and velocities."""
     rows, rng = len(physics.positions), np.random.default_rng(seed)
@@ -233,17 +212,6 @@ def drive_about(physics, ticks, seed):
         physics.tick(0.2 * tick, 4, commands, drive, counter)
         history.append(np.hstack([physics.positions, physics.bodies[:, 2:]]))
     return np.array(history)
-
-
-def test_both_ways_to_pymunk_give_the_same_bits(monkeypatch):
-    courses = []
-    for functions in (chipmunk_functions(), chipmunk_functions(called=False)):
-        monkeypatch.setattr("clean_swarm_env.physics.physics.FUNCTIONS", functions)
-        physics = placed(2, 8, 0, width=4.0, height=4.0)
-        physics.remove(3)
-        courses.append(drive_about(physics, 40, 1))
-    assert np.array_equal(*courses)
-    assert np.abs(courses[0]).max() > 0.1
 
 
 def test_a_robot_that_was_taken_away_leaves_no_motion_behind():
@@ -264,12 +232,6 @@ def test_between_ticks_the_arrays_are_all_there_is(ticks):
     original = drive_about(physics, 20, 3)
     drive_about(placed(1, 7, 9, width=3.0, height=3.0), 5, 5)  # other worlds in between
     assert np.array_equal(drive_about(copy, 20, 3), original)
-
-
-def test_no_address_is_left_between_ticks():
-    physics = placed(1, 12, 4, width=4.0, height=4.0)
-    drive_about(physics, 5, 2)
-    assert not physics._motion.record.parts.any()
 
 
 def test_robots_in_a_jam_sink_in_little():

@@ -102,16 +102,6 @@ def test_rays_are_the_same_alone_in_a_batch_and_in_any_order_of_rows(name):
     assert_array_equal(batch_on(name, 1).reset([5], [moved(start, order)])[: len(order)], seen[order])
 
 
-def test_the_space_has_a_component_for_each_ray_within_its_weight():
-    batch = batch_on("walled", terms=({**SETTINGS, "weight": -2.0},))
-    seen = batch.reset([1, 2])
-    assert batch.observer.names == tuple(f"lidar_{k}" for k in range(12))
-    assert (batch.observer.bounds == 2.0).all()
-    assert seen.dtype == np.float32
-    assert seen.min() >= -2.0
-    assert seen.max() <= 0.0
-
-
 @pytest.mark.parametrize("name", ["torus with walls", "crowd"])
 def test_the_sensor_reads_the_nearest_of_the_rays_in_its_sector(name):
     batch = begun(batch_on(name), [3, 4])

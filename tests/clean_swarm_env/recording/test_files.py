@@ -63,16 +63,6 @@ def test_whole_numbers_come_back(order, size, count, by_address, monkeypatch):
 PAIR = [Channel(name, ("robot",), (2,), 1, 1, "-", "") for name in "ab"]
 
 
-def test_a_part_begins_with_the_numbers_of_its_first_frame():
-    whole = np.arange(12, dtype=np.int32).reshape(3, 4)
-    frames = waiting(whole, PAIR)
-    frames.pack(0)
-    frames.restart((0,))
-    frames.record()
-    frames.record()
-    assert unpacked(PAIR, frames.pack(0))[0].tolist() == [whole[-1].tolist()] * 2
-
-
 def test_numbers_of_an_option_that_nobody_holds_stay():
     numbers = np.arange(4)
     sampled = [Sampled(PAIR[0], numbers[:2]), Sampled(PAIR[1], numbers[2:], (0, 1))]

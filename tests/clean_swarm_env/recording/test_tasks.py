@@ -62,15 +62,6 @@ def test_a_recording_holds_the_course_the_things_and_the_measures(tmp_path, task
     assert page_of([recording])
 
 
-def test_a_task_takes_its_course_with_and_without_a_recording(tmp_path):
-    run = run_of("Shepherding", time_limit=6.0)
-    plain = Course(run)
-    while plain.in_progress:
-        plain.tick()
-    course = played(run, tmp_path)[1]
-    assert plain.worlds.get_state() == course.worlds.get_state()
-
-
 def test_things_that_move_are_where_they_were(tmp_path):
     course = Course(run_of("Shepherding", time_limit=10.0))
     recording, seen = recorded(course, tmp_path, lambda: course.worlds.task.state.places[0].copy())

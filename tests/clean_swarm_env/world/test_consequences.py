@@ -10,9 +10,7 @@ from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import DUMPINGS
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
-from clean_swarm_env.world.mission import MissionRun
 from tests.clean_swarm_env.courses import CROWD, begun, mission, ticked, worlds_at_start
 from tests.train.commands import run
 
@@ -142,33 +140,19 @@ def test_a_damaged_robot_is_slow_until_it_is_mended_at_a_station():
     assert consequences.damaged.tolist() == [True, False, False]
 
 
-def test_recordings_say_who_stands_and_how_often_it_collided(tmp_path):
-    config = crowd(stop=STOP).model_copy(update={"time_limit": 20.0})
-    start = StartConfiguration(id="1", robots=tuple((0.7 * k % 4.0, 1.0 + k // 5, 0.0) for k in range(8)),
-                               items=((3.5, 3.5), (0.5, 3.5)))  # fmt: skip
-    record_mission(MissionRun(config, start, 3, {}), RecordSettings(tmp_path, name="run"), {})
-    recording = RecordedMission(tmp_path / "run.swarm")
-    standing, collided, contact = recording["standing"], recording["collisions"], recording["contact"]
-    assert np.array_equal(collided, np.cumsum(contact, axis=0))
-    assert (standing[contact > 0] == round(STOP * 5) + 1).all()
-    assert contact.any()
-
-
-def test_explain_says_that_a_collision_stops_a_robot(tmp_path, capsys):
+def test_recordings_and_explanations_say_who_stands_and_how_often_it_collided(tmp_path, capsys):
     experiment = {"name": "x", "mission": {**crowd(stop=STOP).model_dump(mode="json"), "time_limit": 30.0},
                   "conditions": [{"name": "by score"}]}  # fmt: skip
     (tmp_path / "x.yaml").write_text(json.dumps(experiment))
     out = tmp_path / "run"
     assert run("evaluate", tmp_path / "x.yaml", "--scenarios", 1, "--workers", 1, "--record", "--output", out) == 0
     recording = RecordedMission(next((out / "recordings").iterdir()))
-    frame, robot = np.argwhere(recording["standing"] > 0)[-1].tolist()
+    standing, contact = recording["standing"], recording["contact"]
+    assert np.array_equal(recording["collisions"], np.cumsum(contact, axis=0))
+    assert (standing[contact > 0] == round(STOP * 5) + 1).all()
+    assert contact.any()
+    frame, robot = np.argwhere(standing > 0)[-1].tolist()
     capsys.readouterr()
     assert run("explain", out, "--robot", robot, "--time", frame * 0.2) == 0
-    seconds = recording["standing"][frame, robot] * 0.2
+    seconds = standing[frame, robot] * 0.2
     assert f"a collision stops it for {seconds:g} s" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("wrong", [{"stop": -1.0}, {"stop": 1e9}, {"damaged_speed": 0.0}, {"bounce": 1.0}])
-def test_settings_have_bounds(wrong):
-    with pytest.raises(ValueError, match="consequences"):
-        mission(consequences=wrong)

@@ -1,6 +1,5 @@
-"""Explanations as data are those of the command line and of the arrays, and what cannot be explained is one line."""
+"""Explanations as data are those of the arrays, and what cannot be explained is one line."""
 
-import json
 import math
 
 import numpy as np
@@ -11,38 +10,12 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.explaining import explain_robot
 from clean_swarm_env.world.mission import Course, MissionRun
 from tests.clean_swarm_env.courses import begun, mission, ticked
-from tests.train.commands import run
-from train.evaluation.repeat import task_of
 
 SHORT = mission(time_limit=12.0)
 
 
 def mission_run():
     return MissionRun(SHORT, random_start(SHORT, 3, 0), 17, {})
-
-
-def test_the_data_are_what_the_command_prints(tmp_path, capsys):
-    words = ("--scenarios", 1, "--condition", "RepulsionGradient", "--workers", 1, "--output", tmp_path / "run")
-    assert run("evaluate", *words) == 0
-    task = task_of(tmp_path / "run")
-    one = task.first
-    same = MissionRun(one.mission, one.start, one.seed, task.scores, task.strategy, task.directories)
-    for robot, time in ((0, 0.0), (3, 7.3), (4, 31.0)):
-        capsys.readouterr()
-        assert run("explain", tmp_path / "run", "--robot", robot, "--time", time, "--json") == 0
-        told = json.loads(capsys.readouterr().out)
-        named = {name: told.pop(name) for name in ("experiment", "scenario", "condition", "seed")}
-        own = (
-            "stayed_s",
-            "running_s",
-            "sentence",
-            "facts",
-            "policy",
-        )  # what led to the step, and more: the command only
-        before = {name: told.pop(name) for name in own}
-        assert json.loads(json.dumps(same.explain(robot, time).as_mapping())) == told
-        assert named["condition"] == "RepulsionGradient"
-        assert 0.0 <= before["stayed_s"] <= time + 0.2
 
 
 def test_the_stream_tells_of_every_period_what_is_told_of_one():

@@ -89,12 +89,6 @@ def test_an_item_goes_through_its_stages():
     assert garbage.done.tolist() == [1]
 
 
-def test_the_first_of_two_robots_gets_the_item_and_the_other_nothing():
-    garbage = _garbage([[1.0, 1.0]])
-    assert _handle(garbage, [[1.3, 1.0], [1.0, 1.0]], _starting(2, r0=PICK, r1=PICK)) == [[0, 0]]
-    assert garbage.cargo.tolist() == [0, NOTHING]
-
-
 def test_nobody_takes_a_second_item_or_one_out_of_reach():
     garbage = _garbage([[1.0, 1.0], [1.2, 1.0], [10.9, 6.9]])
     _handle(garbage, [[1.0, 1.0], [4.0, 4.0]], _starting(2, r0=PICK, r1=PICK))

@@ -1,18 +1,13 @@
 """The cost of a mission cannot be gamed: finished ones are cheapest, each item pays, standing still never does."""
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks.cleaning.cost import cost_terms, mission_cost, unavoidable_cost
 from clean_swarm_env.world.mission import run_mission
-from tests.clean_swarm_env.courses import begun, long_course, mission
-from train.deciders.named import decider_named
-from train.running.trials import run_trials
+from tests.clean_swarm_env.courses import mission
 
 ITEMS, LIMIT = 10, 600.0
 FINITE = mission(collision_cost=7.0, contact_cost=2.0, garbage={"count": ITEMS}, time_limit=LIMIT)
@@ -53,25 +48,6 @@ def test_every_collision_and_every_second_in_contact_costs(config, hits, touches
 def test_standing_still_costs_more_than_anything_that_dumps_an_item(hits, touches, done):
     assert mission_cost(COMING, LIMIT, hits, touches, done) < mission_cost(COMING, LIMIT, 0, 0, 0)
     assert mission_cost(FINITE, LIMIT, hits, touches, min(done, ITEMS)) < mission_cost(FINITE, LIMIT, 0, 0, 0)
-
-
-@long_course
-@pytest.mark.parametrize("name", ["crowded-bumpers", pytest.param("crowded", marks=pytest.mark.long)])
-def test_no_option_that_dumps_an_item_is_as_dear_as_standing_still(name):
-    family = load_family(name)
-    scenario = family.scenario(3, 0, "test")
-    standing = begun(Batch(family=family, source=lambda _: scenario, action={"mode": "velocity"}))
-    while not standing.step(np.zeros((standing.rows, 2))).truncated[0]:
-        pass
-    (end,) = standing.finished
-    assert end.collision_events == 0
-    results = [
-        run_trials([scenario], lambda p, t, o=option: decider_named(f"fixed:{o}").build(p, t))[0]
-        for option in ("RepulsionFernandez-view0.5", "RepulsionFernandez-view2.0", "RepulsionGradient")
-    ]
-    assert sum(result.garbage_done > 0 for result in results) >= 2
-    for result in results:
-        assert result.cost_s < end.result.cost_s or not result.garbage_done
 
 
 @given(st.integers(0, 60), st.integers(0, 60), events)

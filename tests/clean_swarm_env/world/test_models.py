@@ -6,9 +6,8 @@ import yaml
 from pettingzoo.test import parallel_api_test
 
 from clean_swarm_env import clean_swarm_v0
-from clean_swarm_env.config.load import load_family, load_mission, random_starts
+from clean_swarm_env.config.load import load_family, random_starts
 from clean_swarm_env.config.robots import RobotConfig, RobotModel
-from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.physics.collisions import CollisionCounter
 from selector.documents.errors import DocumentError
@@ -96,26 +95,6 @@ def test_a_family_draws_the_numbers_of_robots_of_models(tmp_path):
     assert [group.count for group in others] == [4, 2]
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {"groups": {"robot": [1, 2]}},
-            "groups: expected models of the mission's groups (carrier, scout)",
-        ),
-        ({"groups": {"scout": [3, 1]}}, "groups.scout: expected the least before the largest, got [3, 1]"),
-        ({"groups": {"scout": [0, 1]}}, "groups.scout.0: expected greater than or equal to 1, got 0"),
-        ({"groups": {"scout": [1, 2]}, "robots": [7, 7]}, "robots: expected nothing beside `groups`, got [7, 7]"),
-        ({"robots": [5, 9]}, "robots: expected 7, as in the groups of the mission, or `groups`; and no joins drawn"),
-    ],
-)
-def test_impossible_numbers_of_models_are_one_line(changes, message, tmp_path):
-    with pytest.raises(DocumentError) as error:
-        family_of(tmp_path, **changes)
-    assert f"mixed.yaml: {message}" in str(error.value)
-    assert "\n" not in str(error.value)
-
-
 def test_an_environment_has_the_same_numbers_of_models_in_all_worlds(tmp_path):
     family = family_of(tmp_path, groups={"scout": [1, 3]})
     with pytest.raises(DocumentError, match=r"^family mixed: groups\.scout: expected one number .*, got 1 to 3$"):
@@ -127,25 +106,3 @@ def test_one_group_is_a_team_and_a_mapping_is_one_model():
     assert RobotConfig.model_validate([{"count": 5}]).models == (RobotModel(count=5),)
     assert [model.model for model in RobotConfig(count=7).models] == ["robot"]
     assert mission(robots={"count": 7}).model_dump()["robots"]["count"] == 7
-
-
-BAD = {
-    "robots: []": "robots.groups: expected at least one group of robots, got none",
-    "robots: [{model: a, count: 0}]": "robots.groups.0.count: expected greater than or equal to 1, got 0",
-    "robots: [{model: a}, {model: a}]": "robots.groups.1.model: expected another name for each group, got 'a' twice",
-    "robots: {max_speed: 2.0, groups: [{model: a}]}": "robots.max_speed: expected it in each group, where there are "
-    "groups, got 2.0",
-    "robots: [{model: a, size: 3}]": "robots.groups.0.size: unknown key 'size'",
-    "robots: [{model: a}, {model: b, radius: 3.0}]": "robots.count: expected at most",
-    "robots: [{model: a}]\nevents: [{at: 1.0, do: join, model: b}]": "events.0.model: expected a model of the robots "
-    r"\(a\), got b",
-}
-
-
-@pytest.mark.parametrize("text", BAD)
-def test_groups_that_cannot_be_are_one_line(text, tmp_path):
-    path = tmp_path / "bad.yaml"
-    path.write_text(f"name: bad\n{text}\n")
-    with pytest.raises(ConfigurationError, match=BAD[text]) as caught:
-        load_mission(str(path))
-    assert "\n" not in str(caught.value)

@@ -112,11 +112,6 @@ def test_a_pose_that_came_late_is_kept_for_its_time_from_then_on():
     assert _spread(worlds) == [0, 0, 0]
 
 
-def test_a_delay_of_half_a_control_period_is_refused():
-    with pytest.raises(ValueError, match=r"whole multiple of the control period 0\.2 s, got 0\.3"):
-        mission(delivery={"delay": 0.3})
-
-
 def test_errors_of_poses_have_their_size_and_are_those_that_all_see():
     worlds = _still({"own_contents": True}, robots={"pose_noise": 0.2})
     errors = []

@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.mission import StartConfiguration
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING, NOTHING
-from clean_swarm_env.world.mission import run_mission
-from selector.strategies.registry import StrategySpec
 from selforg.gradients.queries import Filter, Queries
 from tests.clean_swarm_env.courses import (
     begun,
@@ -15,13 +12,10 @@ from tests.clean_swarm_env.courses import (
     difference,
     long_course,
     mission,
-    moved,
     ticked,
     worlds_at_start,
 )
 from tests.clean_swarm_env.physics.substeps import count, substep
-
-GRADIENT = StrategySpec(name="Fixed", parameters={"option": "RepulsionGradient"})
 
 CHANGING = {
     "events": [
@@ -79,25 +73,6 @@ def test_rows_that_are_absent_change_nothing(name):
     ):  # fmt: skip
         rows = slice(None) if name in {"samples", "events", "stage"} else slice(5)
         assert all(a[name].tobytes() == b[name][rows].tobytes() for a, b in zip(plain, roomy, strict=True)), name
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_the_order_of_the_robots_does_not_matter_while_the_team_changes(seed):
-    config = mission("reference", events=[{"at": 2.0, "do": "fail", "robots": [1]},
-                                          {"at": 3.0, "do": "remove", "robots": [2]}])  # fmt: skip
-    order = np.random.default_rng(seed).permutation(5)
-    places = np.argsort(order)
-    other = config.model_copy(update={"events": tuple(
-        event.model_copy(update={"robots": (int(places[event.robots[0]]),)}) for event in config.events)})  # fmt: skip
-    start = random_start(config, seed, 0)
-    first, second = worlds_at_start(config, [seed]), worlds_at_start(other, [seed])
-    first.reset(0, start, seed)
-    second.reset(0, moved(start, order), seed)
-    streams = np.random.SeedSequence(seed).spawn(5)
-    second.minds.directions.reset(np.arange(5), [np.random.default_rng(streams[k]) for k in order])
-    for one, two in zip(course(first, 0, 40), course(second, 0, 40), strict=True):
-        np.testing.assert_allclose(one["positions"][order], two["positions"], atol=1e-6)
-        assert np.array_equal(one["samples"], two["samples"])
 
 
 def _poses_seen(worlds, row):
@@ -174,14 +149,6 @@ def test_cargo_lies_where_its_robot_is_lost_and_is_picked_up_as_it_was(way, recy
 
 
 @long_course
-def test_missions_complete_although_robots_fail_with_their_cargo():
-    events = [{"at": 40.0, "do": "fail", "robots": [0, 1]}, {"at": 60.0, "do": "fail", "robots": [2]}]
-    for seed in range(4):
-        config = mission(events=events)
-        assert run_mission(config, random_start(config, seed, 0), seed, {}, GRADIENT).completed
-
-
-@long_course
 def test_a_robot_that_joins_works_like_the_others():
     config = mission(robots={"count": 1}, events=[{"at": 5.0, "do": "join", "places": [[1.0, 2.0, 0.5]]}])
     worlds = worlds_at_start(config, [3])
@@ -223,29 +190,6 @@ def test_robots_join_at_random_places_without_touching_anybody():
         distances = np.hypot(*np.minimum(offsets, worlds.extent - offsets).T) + 9.0 * np.eye(31)
         assert distances.min() > 0.5
     assert not np.allclose(worlds.physics.positions[:31], worlds.physics.positions[31:])
-
-
-@pytest.mark.parametrize(
-    ("event", "message"),
-    [
-        ({"do": "fail", "robots": [5]}, "events.0.robots: expected robots at work then (0, 1, 2, 3, 4), got 5"),
-        ({"do": "remove", "robots": [0, 1, 2, 3, 4]}, "events.0.robots: expected a robot that stays at work, got none"),
-        ({"do": "join", "robots": 900}, "events.0.robots: expected at most 277 solid robots"),
-        ({"do": "join", "places": [[0, 0, 0], [1, 1, 1]]}, "expected at most 1, one for each robot, got 2"),
-        ({"do": "dance"}, "'join', 'remove', 'fail'"),
-        ({"do": "move_spots", "spots": [[1.0, 1.0], [2.0, 12.0]]}, "events.0.spots.1: expected a point on the torus"),
-        ({"do": "move_stations", "recycling": [1.0, 1.0], "dump": [12.0, 1.0]}, "events.0.dump: expected a point on"),
-    ],
-)
-def test_impossible_events_are_named(event, message, tmp_path):
-    from clean_swarm_env.config.load import load_mission
-    from clean_swarm_env.config.types import ConfigurationError
-
-    path = tmp_path / "own.yaml"
-    path.write_text(f"events: [{ {'at': 3.0, **event} }]".replace("'", ""))
-    with pytest.raises(ConfigurationError) as error:
-        load_mission(str(path))
-    assert message in str(error.value)
 
 
 def test_garbage_comes_about_spots_wherever_these_move():

@@ -2,24 +2,19 @@
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
-from clean_swarm_env.config.load import load_mission
-from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.errors import one_line
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
 from tests.clean_swarm_env.courses import (
     avoidance,
     begun,
     course,
-    difference,
     mission,
     ticked,
 )
 
-SILENT = load_mission("silent-zone")
 LEFT = {"name": "left", "area": [[0.0, 0.0], [5.0, 11.0]]}
 PLACES = ((1.0, 1.0, 0.0), (2.0, 1.0, 0.0), (7.0, 1.0, 0.0), (8.0, 1.0, 0.0))
 
@@ -65,41 +60,6 @@ def test_robots_in_mud_drive_at_a_share_of_their_speed(vector):
     gone = worlds.physics.positions[:, 0] - np.array(PLACES)[:, 0]
     speed = min(vector[0], 1.0)
     assert gone == pytest.approx([0.5 * speed, 0.5 * speed, speed, speed], abs=1e-9)
-
-
-def test_a_zone_without_robots_changes_no_bit():
-    far = {"name": "far", "area": [[10.5, 10.5], [11.0, 11.0]], "loss": 0.9, "speed": 0.5}
-    courses = []
-    for zones in ([], [far]):
-        config = mission(world={"zones": zones}, delivery={"own_contents": True}, robots={"count": 4})
-        worlds = Worlds(config, avoidance(), 1)
-        items = tuple((1.0 + 0.5 * k, 5.0) for k in range(10))
-        worlds.reset(0, StartConfiguration(id="s", robots=PLACES, items=items), 1)
-        courses.append(course(worlds, 0, 20))
-    assert difference(*courses) == ""
-
-
-@pytest.mark.parametrize(
-    ("zone", "words"),
-    [
-        (
-            {"area": [[5.0, 0.0], [4.0, 1.0]]},
-            "world.zones.0.area: expected a lower left and an upper right corner on",
-        ),
-        ({"area": [[5.0, 0.0], [14.0, 1.0]]}, "world.zones.0.area: expected a lower left and an upper right corner"),
-        ({"loss": 1.5}, "world.zones.0.loss: expected less than or equal to 1"),
-        (
-            {"loss": 0.0},
-            "world.zones.0.loss: expected a loss above 0, or a speed below 1, got a zone that does nothing",
-        ),
-        ({"speed": 0.0}, "world.zones.0.speed: expected greater than or equal to 0.01"),
-        ({"sped": 0.5}, "world.zones.0.sped: unknown key 'sped'"),
-    ],
-)
-def test_a_mistake_is_one_line(zone, words):
-    with pytest.raises(ValidationError) as caught:
-        MissionConfig.model_validate({"world": {"zones": [{**LEFT, "loss": 0.5, **zone}]}})
-    assert words in one_line(caught.value, "m.yaml")
 
 
 @pytest.mark.parametrize(("max_speed", "mud", "damaged"), [(1.0, 0.3, 0), (0.3, 1.0, 0), (1.0, 1.0, 1)])
