@@ -8,6 +8,7 @@ import typer
 from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.listing import check_named
 from train.cli.options import (
+    KEEPING,
     MOST_SCENARIOS,
     REPORTING,
     SITUATIONS,
@@ -101,7 +102,7 @@ def score_command(
                 raise typer.Exit(code)
 
 
-@asking("seed", "store", *REPORTING)
+@asking("seed", "store", *KEEPING, "every_table")
 def tune_command(
     study: Annotated[str, typer.Argument(help="Name of a study, or path to its YAML file.", metavar="STUDY")],
     *,

@@ -49,8 +49,6 @@ class ValidationConfig(Closed):
     """Scenarios of each family."""
     every: Count = 1
     """Checkpoints from one measurement to the next."""
-    patience: Count = 1000
-    """Measurements without a better score after which the training stops."""
 
 
 class PpoConfig(Closed):

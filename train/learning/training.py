@@ -78,12 +78,6 @@ class CheckpointHistory:
         """The scores of all measurements so far."""
         return [entry["score"] for entry in self.entries if entry["score"] is not None]
 
-    @property
-    def since(self) -> int:
-        """Number of measurements since the best one."""
-        scores = self.scores
-        return len(scores) - 1 - scores.index(min(scores)) if scores else 0
-
     def note(self, entry: dict[str, Any], figures: Mapping[str, float]) -> bool:
         """Add a checkpoint's entry and its figures; return whether it is the best so far.
 
@@ -199,9 +193,8 @@ class Training(ABC):
 
     @property
     def finished(self) -> bool:
-        """Whether all checkpoints are done, or the best score is older than the patience allows."""
-        patient = self.history.since < self.config.validation.patience
-        return self.checkpoint >= self.config.checkpoints or not patient
+        """Whether all checkpoints are done."""
+        return self.checkpoint >= self.config.checkpoints
 
     @property
     def checkpoint(self) -> int:

@@ -35,7 +35,7 @@ FIGURES = ("cost_s", "duration_s", "events", "avoiding", "unfinished")
 """Figures of a mission: cost [s]; time [s] and collision events at the first distance, for each item done where garbage
 keeps coming; share of robots and decisions in which a robot avoided others [-]; 1 if items were left or
 another task missed a target, else 0."""
-COST, DURATION, EVENT_COUNT, AVOIDING, UNFINISHED = range(5)
+COST, UNFINISHED = FIGURES.index("cost_s"), FIGURES.index("unfinished")
 STAGES = ("search", "last", "statement")
 """Stages of a study; no two have a scenario in common."""
 SEARCH, LAST_RACE, STATEMENT = STAGES

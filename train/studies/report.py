@@ -1,4 +1,4 @@
-"""The report of a study: tables, `summary.json`, the trials as a table for other programs, and the picture."""
+"""The report of a study: tables, `summary.json`, and the trials as a table for other programs."""
 
 from __future__ import annotations
 
@@ -6,33 +6,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
 import optuna
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 from optuna.importance import get_param_importances
 from optuna.trial import create_trial
 
-from selforg.arrays import Floats
 from train.analysis.intervals import too_few
 from train.analysis.statistics import share_cell
 from train.analysis.verdict import Ranking, amount, unfinished_sentence
-from train.reports.charts import colour_of, panels
 from train.reports.ranking_table import ranking_table
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 from train.running.finished_runs import as_csv
 from train.studies.conclusion import TO_BEAT, UNCHANGED, Conclusion, Stated
-from train.studies.missions import COST, DURATION, EVENT_COUNT, FIGURES, UNFINISHED
+from train.studies.missions import COST, FIGURES, UNFINISHED
 from train.studies.search import Arm
 from train.studies.space import NULL_OPTION, StudySpace
 
 Importances = Mapping[str, float]
 FEWEST = 4
 """Least number of trials from which importances are computed."""
-COLOURS = (colour_of(0), "#999999")
-"""Of the method, and of random search beside it."""
-RESULT, YARDSTICK, MARKERS = colour_of(4), "#000000", "x+d"
 
 
 def importances(arms: Sequence[Arm], space: StudySpace) -> dict[str, float]:
@@ -136,34 +127,3 @@ def _values(conclusion: Conclusion, space: StudySpace, importance: Importances) 
 
 def _text(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def draw_study(arms: Sequence[Arm], conclusion: Conclusion) -> Figure:
-    """Return durations and events of all trials beside the result and its yardsticks."""
-    with panels(1, 1, (6.5, 4.2), heights=[1.0]) as (figure, ((plane,),)):
-        _draw_plane(plane, arms, conclusion)
-        return figure
-
-
-def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None:
-    for arm, colour in zip(arms, COLOURS, strict=False):
-        means = _means(arm)
-        if not len(means):
-            continue
-        axes.scatter(means[:, DURATION], means[:, EVENT_COUNT], s=14, color=colour, alpha=0.5, label=arm.method)
-    for number, stated in enumerate(conclusion.everyone):
-        own = stated is conclusion.result
-        x, y = stated.figures.mean(axis=1)[[DURATION, EVENT_COUNT]]
-        marker, colour = ("*", RESULT) if own else (MARKERS[number % 3], YARDSTICK)
-        axes.scatter(x, y, s=60, zorder=3, label=stated.label, marker=marker, color=colour)
-    axes.set(title="duration and collisions", xlabel="duration [s]", ylabel="collision events", xscale="log")
-    axes.set_ylim(bottom=0.0)
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(ScalarFormatter())
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.legend(fontsize=8)
-
-
-def _means(arm: Arm) -> Floats:
-    """Return the estimated means (T, F) of the trials that the library did not refuse."""
-    return np.array([trial.means for trial in arm.trials if trial.means]).reshape(-1, len(FIGURES))

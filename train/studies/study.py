@@ -25,7 +25,7 @@ from train.running.run_folder import default_directory, fingerprints
 from train.studies.conclusion import UNCHANGED, Conclusion, FoundKnowledge, conclude
 from train.studies.config import StudyConfig, study_versions
 from train.studies.missions import STAGES, Candidate, CandidateTasks, MissionField, TaskMaker
-from train.studies.report import draw_study, importances, study_summary, study_tables, trials_csv, verdict_of
+from train.studies.report import importances, study_summary, study_tables, trials_csv, verdict_of
 from train.studies.search import Arm, CandidateSearch, StudyTrial
 from train.studies.space import StudySpace
 
@@ -73,7 +73,6 @@ def run_study(study: StudyConfig, request: Request, console: Console, make: Task
             verdict_of(conclusion),
             study_tables(conclusion, space, importance),
             study_summary(conclusion, space, arms, importance),
-            draw_study(arms, conclusion),
         )
         publish(publication, folder, console, request)
         found.give(request.store)

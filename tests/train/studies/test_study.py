@@ -23,7 +23,7 @@ from train.studies.study import run_study
 pytestmark = pytest.mark.extra
 
 CONSOLE = Console(quiet=True)
-SAME = ("trials.csv", "summary.json", "table.md", "knowledge/planted.yaml", "figure.png")
+SAME = ("trials.csv", "summary.json", "table.md", "knowledge/planted.yaml")
 
 
 def request_of(configs, output, **more):
