@@ -9,7 +9,7 @@ import pytest
 import train.reports.machine_picture  # both with Matplotlib, so that what their imports take is not measured
 import train.reports.network_picture  # noqa: F401
 from tests.attacks.readers import MOST_BYTES, MOST_SECONDS
-from tests.train.commands import run, told
+from tests.train.commands import command, run
 
 ATTACKS = Path(__file__).with_name("data")
 CONFIGS = ("--configs", ATTACKS / "configs")
@@ -18,7 +18,7 @@ RUN = {"pile.yaml"}
 KNOWLEDGE = ("k1.yaml", "k2.yaml", "inf.yaml", "nan.json", "dup.json")
 
 
-def command(path):
+def words_for(path):
     if path.name in KNOWLEDGE:
         return ("learn", "knowledge", "import", path, "--store", "store.sqlite")
     if path.name == "starts.json":
@@ -27,7 +27,7 @@ def command(path):
 
 
 FILES = sorted(path for pattern in ("*.yaml", "*.json") for path in ATTACKS.glob(pattern) if path.name not in RUN)
-COMMANDS = {path.name: command(path) for path in FILES}
+COMMANDS = {path.name: words_for(path) for path in FILES}
 COMMANDS |= {
     f"draw {path.stem}": ("look", "draw", path.stem, *CONFIGS)
     for path in sorted((ATTACKS / "configs" / "robots").glob("*"))
@@ -54,14 +54,14 @@ def imported():
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_bad_input_is_refused_in_one_line_at_once_and_writes_nothing(name, imported, tmp_path, monkeypatch, capsys):
+def test_bad_input_is_refused_in_one_line_at_once_and_writes_nothing(name, imported, tmp_path, monkeypatch):
     here = tmp_path / "here"
     here.mkdir()
     monkeypatch.chdir(here)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     for _ in range(3):  # the first one imports more, and on a busy machine half a second of CPU time becomes one
         began = time.process_time()
-        code, out, err = told(capsys, *COMMANDS[name])
+        code, out, err = command(*COMMANDS[name])
         took = time.process_time() - began
         if took < MOST_SECONDS:
             break

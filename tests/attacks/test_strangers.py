@@ -7,7 +7,7 @@ import pytest
 import typer
 
 from tests.attacks.strangers import hostile_files
-from tests.train.commands import run, told
+from tests.train.commands import command, run
 from train.cli.app import app
 
 DOCUMENTS = ("--family", "--config", "--starts", "--knowledge", "--store", "--configs")
@@ -68,7 +68,7 @@ def run_silently(strange, monkeypatch, capsys, tmp_path):
     monkeypatch.delitem(sys.modules, "canary", raising=False)
 
     def run_words(*words):
-        code, _, err = told(capsys, *words)
+        code, _, err = command(*words)
         assert not (folder / "sang").exists(), words
         assert code in (0, 2) or "Abort" in err, (words, err)
         assert "Traceback" not in err

@@ -7,7 +7,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from multiprocessing import Pipe, get_context
@@ -18,8 +17,10 @@ import pytest
 
 from selector.configurations.library import library_of
 from selforg import plugins
+from selforg.registry import REGISTRIES, Registry
 from tests.paths import ROOT
 from tests.train import fake_mission
+from tests.train.waiting import until
 from train import cli
 from train.evaluation import pipeline, trial_task
 
@@ -57,11 +58,9 @@ def refused(*words: object) -> str:
     return err
 
 
-def told(capsys: pytest.CaptureFixture[str], *words: object) -> tuple[int, str, str]:
-    """Run a command; return its exit code, its output and its errors."""
-    code = run(*words)
-    out, err = capsys.readouterr()
-    return code, out, err
+def shipped(registry: Registry[Any]) -> dict[str, Any]:
+    """Return the classes of a registry that are ours: files of tests register others when they are imported."""
+    return {name: cls for name, cls in registry._classes.items() if not plugins.is_own(cls)}
 
 
 def apart(work: Callable[[], T], *places: Path) -> T:
@@ -74,6 +73,8 @@ def apart(work: Callable[[], T], *places: Path) -> T:
     receiver, sender = Pipe(duplex=False)
 
     def send() -> None:
+        for registry in REGISTRIES:
+            registry._classes = shipped(registry)
         sys.path[:0] = map(str, places)
         for forget in (plugins.installed.cache_clear, plugins._loaded.clear, library_of.cache_clear):
             forget()
@@ -105,13 +106,16 @@ def start(directory: Path, *words: str, seconds: str = "0.1") -> "subprocess.Pop
     return subprocess.Popen(line, cwd=directory, env=environment, start_new_session=True, **pipes)
 
 
+def finished(directory: Path) -> int:
+    """Return the number of runs that are kept."""
+    journal = directory / "runs.jsonl"
+    return journal.read_text().count("\n") if journal.exists() else 0
+
+
 def wait_for_runs(process: "subprocess.Popen[str]", directory: Path, count: int) -> None:
     """Wait until that number of runs is kept."""
-    journal, end = directory / "runs.jsonl", time.monotonic() + 600.0
-    while not journal.exists() or journal.read_text().count("\n") < count:
-        assert process.poll() is None
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    until(lambda: finished(directory) >= count or process.poll() is not None, 600.0)
+    assert process.poll() is None
 
 
 def living(group: int) -> list[str]:
@@ -129,10 +133,7 @@ def living(group: int) -> list[str]:
 
 def wait_for_end(group: int) -> None:
     """Wait until no process of a group lives; the resource tracker of multiprocessing ends when it notices."""
-    end = time.monotonic() + 60.0
-    while found := living(group):
-        assert time.monotonic() < end, found
-        time.sleep(0.01)
+    until(lambda: not living(group), 60.0)
 
 
 def rows(directory: Path) -> list[str]:

@@ -28,7 +28,7 @@ FILE_COSTS = {
     ".html": (6.0, 0.0, 1.5),
 }
 """Memory [byte], time [s] and room on the disk [byte] of a file by its ending: for a pixel in each picture of a video,
-for a byte of a recording on a page."""
+for a byte of a recording on a page, which may have any ending."""
 
 LONGEST = 7 * 86_400.0
 """Longest estimated time of a command [s], unless the user forces it."""
@@ -132,7 +132,7 @@ def check_file(output: Path, amount: float, what: str, hint: str) -> str:
         ConfigurationError: it is more memory, time or room than there is.
 
     """
-    memory, time, room = (amount * each for each in FILE_COSTS[output.suffix.lower()])
+    memory, time, room = (amount * each for each in FILE_COSTS.get(output.suffix.lower(), FILE_COSTS[".html"]))
     place = next(folder for folder in output.absolute().parents if folder.exists())
     limits = (memory_of_machine(), LONGEST, float(disk_usage(place).free))
     names, words = ("memory", "time", "room on the disk"), (_bytes, _duration, _bytes)

@@ -26,7 +26,7 @@ from docs.comparison.write_choosing import DOCS
 from selector.documents.reading import read_mapping
 from selector.knowledge import knowledge_from, load_knowledge
 from selector.strategies.registry import named, spec_from_text
-from tests.train.commands import told
+from tests.train.commands import done
 from train.deciders.named import decider_named
 from train.evaluation.claims import family_runs
 
@@ -63,19 +63,13 @@ KNOWN = knowledge_from({"goals": {"G": [{"configuration": name, "score": k} for 
 
 
 @pytest.fixture
-def rooms(tmp_path, monkeypatch, capsys):
-    """The path of a family, and a function that runs the command line."""
+def rooms(tmp_path, monkeypatch):
+    """The path of a family, in the directory where commands run in this process."""
     file = tmp_path / "rooms.yaml"
     file.write_text(yaml.safe_dump(ROOMS))
     monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        code, out, err = told(capsys, *words)
-        assert code == 0, err
-        return out
-
-    monkeypatch.setattr(loop_runs, "run", call)
-    return file, call
+    monkeypatch.setattr(loop_runs, "run", done)
+    return file
 
 
 def taken(directory):
@@ -86,8 +80,7 @@ def taken(directory):
 
 @pytest.mark.long
 def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms, tmp_path):
-    file, call = rooms
-    manifest = LoopManifest(**{**SMALL, "families": {"rooms": {"goal": GOAL, "file": str(file)}}})
+    manifest = LoopManifest(**{**SMALL, "families": {"rooms": {"goal": GOAL, "file": str(rooms)}}})
     own = make_loop(manifest, "rooms", tmp_path)
     assert own.training.scores.shape == (1, 3, 2)
     assert own.missions.scores.shape == (2, 3, 4)
@@ -97,7 +90,7 @@ def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms,
                                 own.missions.knowledge, own.missions, (3, 4))  # fmt: skip
         for row, seed in enumerate((3, 4)):
             output = tmp_path / f"{text[:3]}-{seed}"
-            call("evaluate", "--family", file, "--store", f"{output}.sqlite", "--learn", "--strategy", text,
+            done("evaluate", "--family", rooms, "--store", f"{output}.sqlite", "--learn", "--strategy", text,
                  "--scenarios", 4, "--seed", seed, "--output", output)  # fmt: skip
             assert taken(output) == [names[option] for option in found[row]]
             (excess,) = family_runs(output).table(lambda _, result: result.excess_s).values()
@@ -106,7 +99,6 @@ def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms,
 
 @pytest.mark.long
 def test_max_score_takes_what_the_store_says_at_the_beginning_of_each_command(rooms, tmp_path):
-    file, call = rooms
     options = [
         {**one.model_dump(), "score": 1.0 - 0.01 * k} for k, one in enumerate(load_knowledge("cleaning").options(GOAL))
     ]
@@ -114,11 +106,11 @@ def test_max_score_takes_what_the_store_says_at_the_beginning_of_each_command(ro
     knowledge.write_text(yaml.safe_dump({"goals": {GOAL: options}}))
     costs, expected = [], []
     for seed in (10, 11, 12):
-        asked = ("evaluate", "--family", file, "--knowledge", knowledge, "--scenarios", 1, "--seed", seed, "--output")
-        call(*asked, tmp_path / str(seed))
+        asked = ("evaluate", "--family", rooms, "--knowledge", knowledge, "--scenarios", 1, "--seed", seed, "--output")
+        done(*asked, tmp_path / str(seed))
         named_options = [f"fixed:{one['name']}" for one in options]
         costs.append(loop_runs.read_table(tmp_path / str(seed), "test", named_options, "cost_s"))
-        call(*asked, tmp_path / f"learned-{seed}", "--store", "s.sqlite", "--learn", "--strategy", "MaxScore")
+        done(*asked, tmp_path / f"learned-{seed}", "--store", "s.sqlite", "--learn", "--strategy", "MaxScore")
         expected += taken(tmp_path / f"learned-{seed}")
     cost = np.concatenate(costs, axis=1)[None]
     missions = LoopedMissions(load_knowledge(str(knowledge)), GOAL, cost, 1.0 - cost / 400.0)
@@ -181,7 +173,7 @@ def test_the_manifest_that_ships_names_what_there_is_and_the_page_has_its_tables
     page = (DOCS / "scores.md").read_text(encoding="utf-8")
     assert f"pictures/{manifest.name}-loop.png" in page
     for label, family in manifest.families.items():
-        assert load_family(family.file or label).name == label
+        assert load_family(family.rooms or label).name == label
         assert f"<!-- begin: scores of {label} -->" in page
         for strategy in family.beside:
             decider_named(strategy)

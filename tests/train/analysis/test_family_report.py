@@ -95,17 +95,3 @@ def test_no_two_strategies_look_alike():
     assert len(looks) == len(conditions)
     neighbours = [line.get_marker() for line in figure.axes[3].get_lines()]
     assert all(one != other for one, other in itertools.pairwise(neighbours))  # also in print without colours
-
-
-def test_equal_figures_are_equal_files():
-    one, other = (draw_family(report({})) for _ in range(2))
-    for suffix, beginning in {".pdf": b"%PDF", ".svg": b"<?xml", ".png": b"\x89PNG"}.items():
-        picture = picture_of(one, suffix)
-        assert picture == picture_of(other, suffix), suffix
-        assert picture.startswith(beginning)
-
-
-def test_a_line_says_what_the_names_of_strategies_mean():
-    ranked, *_ = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
-    said = "fixed: all robots hold the option that follows; Random: any option, drawn anew at every decision."
-    assert ranked.notes[-1] == said

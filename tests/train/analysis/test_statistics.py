@@ -33,10 +33,6 @@ def test_the_interval_of_a_mean_is_students():
     assert summary.std == pytest.approx(statistics.pstdev(values))
 
 
-def test_a_single_scenario_has_no_interval():
-    assert summarise(np.array([3.0])).ci95 is None
-
-
 def test_figures_take_every_record_to_its_place():
     records = [record(s, c, 10.0 * k + int(s)) for k, c in enumerate(("a", "b")) for s in ("10", "2", "1")]
     figures = figures_of(records, ["b", "a"], ["1", "2", "10"], [0.5, 1.0])

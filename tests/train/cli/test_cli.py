@@ -52,6 +52,7 @@ def test_the_default_is_table_1_on_its_five_start_configurations_in_a_new_direct
     assert "1484.70" in (directory / "table.md").read_text()
     manifest = json.loads((directory / "manifest.json").read_text())
     assert manifest["identity"]["seed"] == 0
+    assert manifest["command"] == ["clean-swarm", "evaluate", "--workers", "1"]  # as it was typed
     assert {"python", "numpy", "numba", "pymunk", "clean-swarm"} <= set(manifest["versions"])
     assert len(_configuration(directory)["starts"]) == 5
     assert "knowledge/cleaning.yaml" in manifest["identity"]["files"]
@@ -70,12 +71,6 @@ def test_equal_seeds_give_equal_runs_with_one_and_two_workers_and_others_do_not(
     done(*WORDS, "--seed", 1, "--output", "c")
     durations = [{r["duration_s"] for r in runs(directory)} for directory in (four, tmp_path / "c")]
     assert not durations[0] & durations[1]
-
-
-def test_conditions_share_the_scenarios_and_more_scenarios_keep_the_first(four, tmp_path):
-    done("evaluate", "--scenarios", 2, "--workers", 1, "--output", "2")
-    assert _configuration(tmp_path / "2")["starts"] == _configuration(four)["starts"][:2]
-    assert rows(tmp_path / "2") == rows(four)[:5]
 
 
 def _starts_file(path: Path) -> Path:
@@ -141,6 +136,7 @@ def _experiment(path: Path, **changes: object) -> Path:
         (["crowded.yaml"], "crowded.yaml: mission.robots.count: expected at most 277 solid robots"),
         (["scores.yaml"], "unknown option 'Repulsion' (known: RepulsionFernandez"),
         (["goals.yaml"], "unknown goal 'Avoid' (known: AvoidCollision"),
+        (["planned.yaml"], "planned.yaml: mission.network.planner: unknown planning engine 'ares'"),
         (["knowledge.yaml"], "unknown expert knowledge 'nothing' (known: avoidance, cleaning"),
     ],
 )
@@ -153,6 +149,7 @@ def test_bad_input_is_one_line_and_exit_code_2_and_writes_nothing(tmp_path, word
     _experiment(tmp_path / "scores.yaml", conditions=[{"name": "a", "scores": {"AvoidCollision": {"Repulsion": 1}}}])
     _experiment(tmp_path / "goals.yaml", conditions=[{"name": "a", "scores": {"Avoid": {}}}])
     _experiment(tmp_path / "knowledge.yaml", mission={"base": "table1", "knowledge": "nothing"})
+    _experiment(tmp_path / "planned.yaml", mission={"base": "table1", "network": {"planner": "ares"}})
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     assert expected in refused("evaluate", *words)
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
@@ -164,11 +161,6 @@ def test_resuming_does_only_what_is_missing(four, tmp_path, monkeypatch):
     done(*WORDS, "--output", "r", "--resume")
     assert (tmp_path / "log").read_text().split() == ["3", "4", "4"]
     assert rows(tmp_path / "r") == rows(four)
-
-
-@pytest.mark.parametrize("change", [("--seed", 1), ("--scenarios", 5), ("--condition", "RepulsionGradient")])
-def test_resuming_something_else_is_refused(four, change):
-    assert "has other results" in refused(*WORDS, "--output", four, *change, "--resume")
 
 
 def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(four, tmp_path):
@@ -209,8 +201,3 @@ def test_a_shell_completes_commands():
     script = "import sys; sys.argv = ['clean-swarm']; from train.cli import main; main()"
     environment = {**os.environ, "PYTHONPATH": str(ROOT), **typed}
     assert subprocess.check_output([sys.executable, "-c", script], env=environment, text=True).split() == ["train"]
-
-
-@pytest.mark.parametrize(("command", "config"), [("ppo", "exploring-ppo"), ("es", "es"), ("design", "design")])
-def test_help_names_the_training_that_runs_by_default(command, config):
-    assert f"[default: {config}]" in done("train", command, "--help")

@@ -89,8 +89,3 @@ def test_a_mistake_is_one_line_before_anything_is_written(directory, words, tmp_
     path.write_text(path.read_text().replace(old, new, 1))
     assert expected in refused(*words, tmp_path / "run")
     assert not (tmp_path / "run").exists()
-
-
-def test_a_directory_that_does_not_exist_is_named(tmp_path):
-    line = refused("evaluate", "--configs", tmp_path / "none")
-    assert line == f"error: {tmp_path / 'none'}: no such directory\n"

@@ -107,17 +107,11 @@ def test_a_full_disk_is_one_line_and_what_was_done_stays(fake_missions, tmp_path
     assert rows(tmp_path / "r") == rows(tmp_path / "whole")
 
 
-def synced(monkeypatch):
-    """Return the list that gets the name of every file that is brought to the disk."""
-    found = []
-    monkeypatch.setattr(os, "fsync", lambda number: found.append(Path(os.readlink(f"/proc/self/fd/{number}")).name))
-    return found
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_what_is_promised_to_be_kept_is_on_the_disk_before_it_counts(tmp_path, monkeypatch):
     results = Results(RunFolder(tmp_path / "r", IDENTITY, resume=False))
-    names = synced(monkeypatch)
+    names = []  # of the files that are brought to the disk
+    monkeypatch.setattr(os, "fsync", lambda number: names.append(Path(os.readlink(f"/proc/self/fd/{number}")).name))
     results.add(record("2", "a"))
     assert names == ["runs.jsonl"]
     names.clear()

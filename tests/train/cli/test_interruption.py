@@ -11,6 +11,7 @@ import pytest
 
 from tests.paths import ROOT
 from tests.train.commands import start, wait_for_end, wait_for_runs
+from tests.train.waiting import until
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 
@@ -55,8 +56,7 @@ def test_ctrl_c_twice_during_the_imports_is_one_line(tmp_path, wait):
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     process = subprocess.Popen(command, cwd=tmp_path, env=environment, start_new_session=True, **pipes)
-    while not handles_sigterm(process):
-        time.sleep(0.005)
+    until(lambda: handles_sigterm(process))
     time.sleep(wait)
     err = interrupt_twice(process, 0.02)
     assert process.returncode == 130

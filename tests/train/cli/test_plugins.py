@@ -311,11 +311,6 @@ def test_a_file_of_a_plugin_has_a_name_of_its_own(installed):
     assert "families/crowded.yaml: the family 'crowded' exists already: " in line
 
 
-def test_words_that_are_no_plugin_are_one_line(site):
-    assert "no_swarm: No module named 'no_swarm'" in refused(site, "list", "--import=no_swarm")
-    assert "--import: expected a module, or a file of Python code" in refused(site, "list", "--import")
-
-
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

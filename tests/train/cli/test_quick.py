@@ -8,7 +8,7 @@ import pytest
 
 from tests.paths import ROOT
 
-SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "pettingzoo")
+SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "pettingzoo", "optuna", "cmaes")
 MISTAKES = [
     ("evaluate tabel1", "did you mean 'table1'"),
     ("evaluate --family crowdde", "did you mean 'crowded'"),

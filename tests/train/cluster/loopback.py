@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.paths import ROOT
+from tests.train.commands import rows
 from tests.train.waiting import until
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": "0.3"}
@@ -25,14 +26,7 @@ def evaluate(folder: Path, *words: str, **more: str) -> subprocess.Popen[str]:
 
 def results(directory: Path) -> tuple[list[str], bytes, bytes]:
     """Return what the results of equal runs have in common: the rows without their wall time, summary and tables."""
-    rows = [line.rpartition(",")[0] for line in (directory / "runs.csv").read_text().splitlines()]
-    return rows, (directory / "summary.json").read_bytes(), (directory / "table.md").read_bytes()
-
-
-def journal(directory: Path) -> int:
-    """Return the number of finished runs."""
-    path = directory / "runs.jsonl"
-    return path.read_text().count("\n") if path.exists() else 0
+    return rows(directory), (directory / "summary.json").read_bytes(), (directory / "table.md").read_bytes()
 
 
 @dataclass

@@ -7,10 +7,11 @@ import shutil
 import socket
 import subprocess
 import tempfile
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+
+from tests.train.waiting import until
 
 PROGRAMS = ("slurmctld", "slurmd", "sbatch", "munged", "unshare", "nsenter", "ip")
 CONFIGURATION = """
@@ -66,13 +67,6 @@ class Slurm:
         assert done.returncode == 0, done.stderr
         return done.stdout
 
-    def wait(self, what: Callable[[], object]) -> None:
-        """Wait until something is so."""
-        end = time.monotonic() + 120.0
-        while not what():
-            assert time.monotonic() < end, self.do("squeue", "--states=all")
-            time.sleep(0.1)
-
 
 @contextmanager
 def running() -> Iterator[Slurm]:
@@ -101,6 +95,6 @@ def running() -> Iterator[Slurm]:
             stack.callback(daemon.wait)
             stack.callback(daemon.terminate)
             if command[0] == "munged":
-                slurm.wait((home / "munge.socket").exists)
-        slurm.wait(lambda: slurm.do("sinfo", "--noheader", "--format=%D %t") == "2 idle\n")
+                until((home / "munge.socket").exists)
+        until(lambda: slurm.do("sinfo", "--noheader", "--format=%D %t") == "2 idle\n")
         yield slurm

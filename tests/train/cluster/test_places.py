@@ -8,7 +8,7 @@ import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
 from tests.train.cluster.loopback import evaluate, results
-from tests.train.commands import told
+from tests.train.commands import refused
 from train.running import dask_engine
 from train.running.dask_engine import CLUSTERS, DaskEngine
 
@@ -38,9 +38,9 @@ def test_another_place_is_one_line(place):
         DaskEngine(place)
 
 
-def test_missions_that_learn_in_turn_stay_here(capsys):
-    code, _, err = told(capsys, "evaluate", "--store", "s", "--learn", "--workers", 1, "--on", "pbs:1")
-    assert (code, err) == (2, "error: --on: expected no --learn, where missions learn in turn\n")
+def test_missions_that_learn_in_turn_stay_here():
+    line = refused("evaluate", "--store", "s", "--learn", "--workers", 1, "--on", "pbs:1")
+    assert line == "error: --on: expected no --learn, where missions learn in turn\n"
 
 
 @pytest.mark.parametrize("place", ["tcp://10.0.0.1:8786", "slurm:1", "pbs:20", "lsf:300", "sge:9999"])

@@ -8,7 +8,9 @@ import pytest
 
 from tests.paths import ROOT
 from tests.train.cluster import slurm
-from tests.train.cluster.loopback import journal, results
+from tests.train.cluster.loopback import results
+from tests.train.commands import finished
+from tests.train.waiting import until
 
 pytestmark = [pytest.mark.long, pytest.mark.extra]
 WORDS = ("-m", "tests.train.fake_mission", "evaluate", "--scenarios", "12")
@@ -50,10 +52,10 @@ def log(cluster: slurm.Slurm) -> str:
 def test_workers_in_jobs_give_what_one_command_gives_after_scancel(cluster, tmp_path):
     given = environment(tmp_path, "2GB")
     with cluster.start(sys.executable, *WORDS, *ON_SLURM, folder=tmp_path, **given) as process:
-        cluster.wait(lambda: journal(tmp_path / "jobs") >= 3 or process.poll() is not None)
+        until(lambda: finished(tmp_path / "jobs") >= 3 or process.poll() is not None)
         first = cluster.do("squeue", "--noheader", "--states=R", "--format=%i").split()[0]
         cluster.do("scancel", first)
-        cluster.wait(lambda: process.poll() is not None)
+        until(lambda: process.poll() is not None)
     assert process.returncode == 0, log(cluster)
     cluster.do(sys.executable, *WORDS, "--workers", "2", "--output", "whole", folder=tmp_path, **given)
     assert results(tmp_path / "jobs") == results(tmp_path / "whole")

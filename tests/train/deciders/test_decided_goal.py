@@ -7,13 +7,11 @@ import pytest
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_mission
-from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError
 from train.deciders.decided_goal import DecidedGoal, named_goal, option_named
 from train.deciders.named import decider_named
-from train.evaluation.entrants import with_baselines
 from train.running.trials import TrialSettings, run_trials
 
 BOTH = ("ExplorationPatrol", "AvoidCollision")
@@ -99,9 +97,3 @@ def test_what_is_thought_of_combinations_is_recorded_for_each_goal(batch, monkey
         for k, option in enumerate(batch.options[goal]):
             of_option = [n for n, name in enumerate(joint.problem.options) if name.split("+")[place] == option]
             np.testing.assert_array_equal(thought[goal][:, k], opinions[:, of_option].max(axis=1))
-
-
-def test_off_and_random_stand_beside_combinations():
-    options = [f"{a}+{e}" for a in ("ORCA", "Off") for e in ("Patrol", "LevyWalk")]
-    labels = [entrant.label for entrant in with_baselines([], options, MissionConfig())]
-    assert labels == ["fixed:Off", "Random"]

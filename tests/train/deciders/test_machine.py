@@ -41,11 +41,6 @@ def test_a_machine_that_goes_to_the_state_of_its_situation_is_a_rule(tmp_path):
     assert run_trials(scenarios, decider_named("fsm:rule").build) == run_trials(scenarios, by_hand)
 
 
-def test_the_rule_has_another_course_than_its_first_option():
-    states = load_machine("rule").states
-    assert len({state.option for state in states.values()}) > 1
-
-
 def test_the_guide_shows_a_machine_for_the_options_that_ship():
     (block,) = blocks("docs/machines.md", "yaml")
     shown = StateMachine.model_validate(yaml_value(block.text, "guide"))

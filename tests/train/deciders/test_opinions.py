@@ -1,7 +1,5 @@
 """What a decider thinks, as a knowledge file with scores by situation, which MaxScore uses."""
 
-import csv
-
 import pytest
 import yaml
 
@@ -9,7 +7,7 @@ from selector.documents.reading import read_mapping
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
 from tests.selector.strategies.policies import exported
-from tests.train.commands import told
+from tests.train.commands import done, refused, runs
 
 GOAL = "ExplorationPatrol"
 FINDS = "finds_none,finds_apart,finds_together"
@@ -24,32 +22,27 @@ SMALL = {
 }  # fmt: skip
 
 
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Run the command line in a directory with a family and a directory of knowledge: code, output, errors."""
+OWN = ("--configs", "my")
+SCORED = ("evaluate", "--family", "small", "--goal", GOAL, *OWN, "--knowledge")
+
+
+@pytest.fixture(autouse=True)
+def here(monkeypatch, tmp_path):
+    """Be in a directory with a family and a directory of knowledge of our own in `my`."""
     monkeypatch.chdir(tmp_path)
     for kind in ("families", "knowledge"):
         (tmp_path / "my" / kind).mkdir(parents=True)
     (tmp_path / "my" / "families" / "small.yaml").write_text(yaml.safe_dump(SMALL))
-    return lambda *words: told(capsys, *words, "--configs", "my")
 
 
-def write(run, decider, output="my/knowledge/thoughts.yaml", family="small", situations=FINDS, more=()):
+def writing(decider, output="my/knowledge/thoughts.yaml", family="small", situations=FINDS, more=()):
+    """The words of the command that writes what a decider thinks."""
     words = ("learn", "knowledge", "from-policy", decider, output, "--family", family, "--situations", situations)
-    return run(*words, "--scenarios", 3, *more)
+    return (*words, "--scenarios", 3, *OWN, *more)
 
 
-def figures(directory, condition):
-    """The rows of a condition in runs.csv, without the time that they took."""
-    with (directory / "runs.csv").open(newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["condition"] == condition]
-    return [{key: value for key, value in row.items() if key not in ("wall_s", "condition")} for row in rows]
-
-
-def test_max_score_does_with_the_thoughts_of_a_rule_what_the_rule_does(run, tmp_path):
-    code, out, err = write(run, "fsm:finds-alone")
-    assert code == 0, err
-    assert out.endswith("decisions in my/knowledge/thoughts.yaml\n")
+def test_max_score_does_with_the_thoughts_of_a_rule_what_the_rule_does(tmp_path):
+    assert done(*writing("fsm:finds-alone")).endswith("decisions in my/knowledge/thoughts.yaml\n")
     known = load_knowledge("thoughts", [tmp_path / "my"])
     by_situation = known.situations[GOAL]
     assert [max(scores, key=scores.get) for scores in by_situation.values()] == ["RandomWalk", "Patrol", "Finds"]
@@ -58,26 +51,26 @@ def test_max_score_does_with_the_thoughts_of_a_rule_what_the_rule_does(run, tmp_
     assert [one.name for one in known.options(GOAL)] == [one.name for one in shipped.options(GOAL)]
     assert known.options("AvoidCollision") == shipped.options("AvoidCollision")
     assert sum(known.scores(GOAL)) == pytest.approx(1.0)
-    code, _, err = run(
-        "evaluate", "--family", "small", "--goal", GOAL, "--knowledge", "thoughts", "--strategy", "MaxScore",
-        "--strategy", "fsm:finds-alone", "--strategy", "fixed:Patrol", "--scenarios", 4, "--output", "both",
-    )  # fmt: skip
-    assert code == 0, err
-    by_rule = figures(tmp_path / "both", "fsm:finds-alone")
-    assert figures(tmp_path / "both", "MaxScore") == by_rule != figures(tmp_path / "both", "fixed:Patrol")
+    strategies = ("MaxScore", "fsm:finds-alone", "fixed:Patrol")
+    words = (word for name in strategies for word in ("--strategy", name))
+    done(*SCORED, "thoughts", *words, "--scenarios", 4, "--output", "both")
+    found = {name: [] for name in (*strategies, "Random")}
+    for row in runs(tmp_path / "both"):
+        found[row.pop("condition")].append(row)
+    assert found["MaxScore"] == found["fsm:finds-alone"] != found["fixed:Patrol"]
 
 
-def test_the_commands_of_the_page_run_in_their_order(run, tmp_path):
+def test_the_commands_of_the_page_run_in_their_order(tmp_path):
     commands = (ROOT / "docs" / "knowledge.md").read_text(encoding="utf-8").split("```sh\n")[2].split("```")[0]
     (tmp_path / "my/families/clustered.yaml").write_text(yaml.safe_dump({**SMALL, "name": "clustered"}))
     for line in commands.replace("\\\n", "").splitlines():
         program, *words = line.split()
-        code, _, err = run(*words, "--scenarios", 1)
-        assert (program, code) == ("clean-swarm", 0), err
+        assert program == "clean-swarm"
+        done(*words, "--scenarios", 1, *OWN)
 
 
-def test_a_situation_that_never_occurred_has_the_scores_of_all(run, tmp_path):
-    assert write(run, "policy:exploring-ppo", situations="crowd_2.5m,crowd_1m")[0] == 0
+def test_a_situation_that_never_occurred_has_the_scores_of_all(tmp_path):
+    done(*writing("policy:exploring-ppo", situations="crowd_2.5m,crowd_1m"))
     content = read_mapping(tmp_path / "my/knowledge/thoughts.yaml")
     overall = {one["name"]: one["score"] for one in content["goals"][GOAL]}
     seen, never = content["situations"][GOAL].values()
@@ -106,13 +99,10 @@ def test_a_situation_that_never_occurred_has_the_scores_of_all(run, tmp_path):
         ({"decider": "Random", "more": ("--goal", f"{GOAL}+AvoidCollision")}, "expected a decider for one goal, got"),
     ],
 )
-def test_mistakes_are_one_line_and_write_nothing(run, tmp_path, changes, expected):
+def test_mistakes_are_one_line_and_write_nothing(tmp_path, changes, expected):
     exported(tmp_path / "my" / "policies" / "steers", GOAL, (), ("idle",), vector=True)
     (tmp_path / "my/families/alone.yaml").write_text(yaml.safe_dump({**SMALL, "name": "alone", "robots": [1, 1]}))
-    code, _, err = write(run, **{"decider": "policy:exploring-ppo", **changes})
-    assert code == 2
-    assert expected in err
-    assert err.count("\n") == 1
+    assert expected in refused(*writing(**{"decider": "policy:exploring-ppo", **changes}))
     assert not (tmp_path / "my/knowledge/thoughts.yaml").exists()
 
 
@@ -126,26 +116,20 @@ def test_mistakes_are_one_line_and_write_nothing(run, tmp_path, changes, expecte
         ({GOAL: [1.0]}, f"situations.{GOAL}"),
     ],
 )
-def test_damaged_situations_are_one_line(run, tmp_path, situations, expected):
+def test_damaged_situations_are_one_line(tmp_path, situations, expected):
     goals = {
         "AvoidCollision": [{"configuration": "ORCA", "score": 1.0}],
         GOAL: [{"configuration": "Patrol", "score": 1.0}, {"configuration": "RandomWalk", "score": 0.5}],
     }
     (tmp_path / "my/knowledge/bad.yaml").write_text(yaml.safe_dump({"goals": goals, "situations": situations}))
-    code, _, err = run("evaluate", "--family", "small", "--goal", GOAL, "--knowledge", "bad", "--scenarios", 1)
-    assert code == 2
-    assert expected in err
-    assert err.count("\n") == 1
+    assert expected in refused(*SCORED, "bad", "--scenarios", 1)
 
 
-def test_situations_that_a_mission_does_not_show_are_an_error_and_stores_take_none(run, tmp_path, capsys):
-    assert write(run, "fsm:finds-alone")[0] == 0
+def test_situations_that_a_mission_does_not_show_are_an_error_and_stores_take_none(tmp_path):
+    done(*writing("fsm:finds-alone"))
     file = tmp_path / "my/knowledge/thoughts.yaml"
     file.write_text(file.read_text().replace("finds_apart:", "finds_lost:"))
-    words = ("evaluate", "--family", "small", "--goal", GOAL, "--knowledge", "thoughts", "--scenarios", 1)
-    code, _, err = run(*words, "--strategy", "MaxScore")
-    assert code == 2
-    assert "strategy MaxScore: unknown component 'finds_lost'" in err
-    code, _, err = told(capsys, "learn", "knowledge", "import", file, "--store", "s.sqlite")
-    assert code == 2
-    assert err.endswith("situations: expected none for a store, which keeps one score for each option\n")
+    line = refused(*SCORED, "thoughts", "--scenarios", 1, "--strategy", "MaxScore")
+    assert "strategy MaxScore: unknown component 'finds_lost'" in line
+    line = refused("learn", "knowledge", "import", file, "--store", "s.sqlite")
+    assert line.endswith("situations: expected none for a store, which keeps one score for each option\n")

@@ -2,14 +2,10 @@
 
 import dataclasses
 
-import numpy as np
-import pytest
-
 from benchmarks import ablation
 from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.mission import Course, MissionRun
-from selforg.network import state as st
 from tests.clean_swarm_env.courses import mission, snapshot
 
 
@@ -27,28 +23,6 @@ def test_each_variant_lacks_one_thing():
         assert network.model_copy(update={"weights": whole.weights}) == whole
 
 
-TERMS = {
-    "situation": {st.PRECONDITIONS},
-    "goal": {st.GOALS},
-    "conflictor": {st.INHIBITION, st.CONFLICTORS},
-    "predecessor": {st.PREDECESSORS},
-    "successor": {st.SUCCESSORS},
-    "plan": {st.PLAN},
-}
-
-
-@pytest.mark.parametrize("term", ablation.TERMS)
-def test_a_weight_of_0_takes_a_term_away_and_no_other(term):
-    config = mission(network={"weights": {term: 0.0}})
-    worlds = Course(MissionRun(config, random_start(config, 2, 0), 2, {})).worlds
-    added = dict.fromkeys(set.union(*TERMS.values()), 0.0)
-    for _ in range(100):
-        worlds.tick()
-        for layer in added:
-            added[layer] += np.abs(worlds.network.state.values[:, layer]).sum()
-    assert {layer for layer, sum_ in added.items() if sum_ == 0.0} == TERMS[term]
-
-
 def test_a_planner_without_weight_is_no_planner():
     without = [mission(network=network) for network in ({"weights": {"plan": 0.0}}, {"planner": "off"})]
     start = random_start(without[0], 3, 0)
@@ -62,13 +36,6 @@ def test_a_planner_without_weight_is_no_planner():
         other.tick()
         for name, part in snapshot(one.worlds, 0).items():
             assert part.tobytes() == snapshot(other.worlds, 0)[name].tobytes(), name
-
-
-def test_cells_hold_mean_ratio_and_share():
-    whole = np.array([100.0, 200.0, 300.0])
-    assert ablation.cells(whole, np.ones(3), whole) == "200 [-48, 448] |  | 3 of 3"
-    mean, ratio, done = ablation.cells(2.0 * whole, np.array([1.0, 1.0, 0.0]), whole).split(" | ")
-    assert (mean, ratio, done) == ("400 [-97, 897]", "2.00 [2.00, 2.00]", "2 of 3")
 
 
 @dataclasses.dataclass

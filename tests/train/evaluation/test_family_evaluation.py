@@ -8,12 +8,9 @@ import numpy as np
 import pytest
 import yaml
 
-from clean_swarm_env.config.frames import grouped
-from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.types import ConfigurationError
-from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
-from selector.strategies.learned_file import description_of, save_strategy
+from selector.strategies.learned_file import save_strategy
 from selector.strategies.policy_file import find_policy, load_policy, save_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import create
@@ -21,10 +18,8 @@ from selector.strategies.streams import row_keys
 from tests.paths import TRAINED
 from tests.train.commands import command, cut, done, refused, runs
 from train.analysis.statistics import share_cell
-from train.deciders.named import decider_named
 from train.evaluation.claims import claims_over, claims_table
 from train.reports.text_table import markdown
-from train.running.trials import TrialSettings, run_trials
 
 FAMILY = {
     "name": "small",
@@ -106,19 +101,6 @@ def test_what_strategies_learned_is_taken_from_their_files(words, undrawn, tmp_p
     assert found["learned#1"] == found["learned#2"] == found["fixed:RepulsionGradient"]
 
 
-def test_a_mission_takes_the_same_course_beside_any_others(family):
-    scenarios = [load_family(str(family)).scenario(4, k, "test") for k in range(4)]
-
-    def results(worlds, some):
-        return run_trials(
-            some, lambda problem, teams: decider_named("Random").build(problem, teams), TrialSettings(worlds=worlds)
-        )
-
-    together = results(3, scenarios)
-    assert together == [results(1, [scenario])[0] for scenario in scenarios]
-    assert len(grouped([scenario.mission for scenario in scenarios])) == 1
-
-
 @pytest.mark.parametrize(
     ("more", "line"),
     [
@@ -133,34 +115,6 @@ def test_a_mission_takes_the_same_course_beside_any_others(family):
 def test_mistakes_are_one_line_and_nothing_is_written(words, tmp_path, more, line):
     assert line in refused(*words, *more, "--output", tmp_path / "none")
     assert not (tmp_path / "none").exists()
-
-
-def test_the_policy_that_ships_fits_the_families(family):
-    policy = load_policy(find_policy("exploring-ppo"))
-    assert policy.spec.training["command"].startswith("clean-swarm train ppo --config exploring-ppo --seed ")
-    scenario = load_family("crowded-exploring").scenario(0, 0, "test")
-    member, goal = "policy:exploring-ppo", "ExplorationPatrol"
-    seen = TrialSettings(goal, observation=decider_named(member).observation(scenario.mission.terms))
-    (result,) = run_trials([scenario], lambda problem, teams: decider_named(member).build(problem, teams), seen)
-    assert result.completed
-    assert result.duration_s < 200.0
-
-
-def test_a_learned_strategy_fits_the_families_and_explores_no_more():
-    assert description_of(find_file("strategies", "rules", (TRAINED,))).spec.parameters["exploration"] == 0.0
-    scenario = load_family("random").scenario(0, 0, "test")
-
-    def trial(offset):
-        def decider(problem, teams):
-            made = decider_named("learned:rules", (TRAINED,)).build(problem, teams)
-            reset = made.reset
-            made.reset = lambda rows, seed: reset(rows, seed + offset)
-            return made
-
-        return run_trials([scenario], decider)
-
-    assert trial(0) == trial(1)
-    assert trial(0)[0].completed
 
 
 def test_claims_over_two_families_are_those_of_their_directories(words, undrawn, tmp_path, family):

@@ -5,7 +5,7 @@ import pytest
 
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
-from tests.train.commands import cut, done, refused
+from tests.train.commands import cut, done
 from tests.train.records import record
 from train.evaluation import headroom
 from train.evaluation.headroom import (
@@ -62,25 +62,6 @@ def test_the_search_finds_the_planted_rule_and_judges_it_on_test_scenarios():
     assert f"best choices: {found}" in notes
     assert "4 scenarios: no statement; " in notes[-1]
     assert len(done) - 4 * 4 <= 2 * (7 + 3 * 4 * 7)
-
-
-def test_the_best_choice_for_each_kind_of_scenario_is_found_and_judged():
-    goal = "AvoidCollision+ExplorationPatrol"
-    evaluation = evaluation_of((), 12, 8, "clustered", goal=goal)
-    planted = {"spots 0 stations 2": "ORCA+Patrol", "spots 1 stations 2": "PredictiveSteering+Finds"}
-
-    def excess(task, scenario):
-        if not isinstance(task, RuleTask):
-            return 99.0
-        [kind] = scenario_kinds([scenario])
-        return 10.0 + abs(task.rules[scenario.id][0] - evaluation.options.index(planted[kind]))
-
-    done, _ = played(evaluation, excess)
-    rows, notes = rows_of(evaluation, done)
-    assert float(rows[RULE_FOUND][1]) == 10.0 < float(rows[SINGLE][1])
-    assert rows["fixed:Off"][1] == rows["Random"][1] == "99.0"
-    assert f"{8 * len(evaluation.options)} missions of search" in notes
-    assert "best choices: " + ", ".join(f"{kind} {option}" for kind, option in planted.items()) in notes
 
 
 def test_a_search_among_many_options_drops_the_worse_half_and_judges_who_is_left():
@@ -147,11 +128,6 @@ def test_a_search_that_was_cut_off_goes_on_to_the_same_results(tmp_path, monkeyp
     done(*words, tmp_path / "cut", "--resume")
     whole, again = ((tmp_path / name / "table.md").read_text() for name in ("whole", "cut"))
     assert whole == again
-
-
-def test_unknown_situations_are_one_line():
-    line = refused("study", "headroom", "random", "--situations", "free_far,asleep")
-    assert "--situations: unknown component 'asleep'" in line
 
 
 def test_situations_may_come_from_the_terms_of_a_mission():

@@ -10,6 +10,7 @@ from selector.knowledge import load_knowledge
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
 from tests.paths import TRAINED
+from tests.train.learning.trainings import written
 from train.deciders.named import decider_named
 from train.evaluation.entrants import entrants_of, remarks_on, with_baselines
 from train.learning.config import load_training
@@ -19,13 +20,6 @@ from train.running.trials import run_trials
 GOAL, SIX = "AvoidCollision", load_knowledge("repulsion").options("AvoidCollision")
 LEARNED = ("policy:general", "learned:rules")
 OWN = (TRAINED,)
-
-
-def test_the_library_begins_with_the_options_that_policies_were_trained_for():
-    assert load_knowledge("avoidance").options(GOAL)[: len(SIX)] == SIX
-    assert load_policy(find_policy("general", OWN)).spec.goals == {
-        "AvoidCollision": tuple(option.name for option in SIX)
-    }
 
 
 @pytest.mark.parametrize("member", LEARNED)
@@ -78,12 +72,14 @@ def test_off_and_random_come_beside_once():
     labels = [e.label for e in with_baselines(entrants, ("A", "Off"), mission)]
     assert labels == ["fixed:A", "fixed:Off", "fsm:rule", "Random"]
     assert [e.label for e in with_baselines(entrants_of(["Random"], ("A",)), ("A",), mission)] == ["Random"]
-    assert [e.label for e in with_baselines([], ("A", "Off"), mission)] == ["fixed:Off", "Random"]
+    for options in (("A", "Off"), ("A+Patrol", "Off+Patrol", "Off+LevyWalk")):
+        assert [e.label for e in with_baselines([], options, mission)] == ["fixed:Off", "Random"]
 
 
-def test_a_training_learns_the_options_of_the_knowledge_that_its_task_names():
-    config = load_training("rules", "bandit", OWN)
-    named = Curriculum(config.model_copy(update={"tasks": (config.tasks[0].model_copy(update={"worlds": 1}),)}), 1)
-    assert named.batches[0].options[GOAL] == tuple(option.name for option in SIX)
-    own = config.tasks[0].model_copy(update={"worlds": 1, "knowledge": None})
-    assert "Off" in Curriculum(config.model_copy(update={"tasks": (own,)}), 1).batches[0].options[GOAL]
+def test_a_training_learns_the_options_of_the_knowledge_that_its_task_names(tmp_path):
+    for knowledge, large in (("repulsion", False), (None, True)):
+        task = {"family": "random", "worlds": 1, "knowledge": knowledge}
+        config = load_training(str(written(tmp_path, "bandit", tasks=[task])), "bandit")
+        options = Curriculum(config, 1).batches[0].options[GOAL]
+        assert options[: len(SIX)] == tuple(option.name for option in SIX)
+        assert ("Off" in options) == large == (len(options) > len(SIX))

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_family
@@ -164,34 +163,6 @@ def test_a_policy_that_steers_corrects_or_both_is_evaluated_as_what_it_gives(fol
     runs = [[record.result for record in task.run()] for task in tasks]
     assert runs[0] == runs[1]
     assert runs[2] == runs[3] != runs[4]
-
-
-def test_strategies_see_the_terms_of_a_mission(folder):
-    machine = {
-        "goal": "ExplorationPatrol",
-        "start": "looking",
-        "states": {
-            "looking": {
-                "option": "Patrol",
-                "transitions": [{"to": "returning", "when": "finds_together", "above": 0.5}],
-            },
-            "returning": {"option": "Finds", "transitions": [{"to": "looking", "when": "finds_apart", "above": 0.5}]},
-        },
-    }
-    (folder / "finder.yaml").write_text(yaml.safe_dump(machine))
-    given = {"goal": "ExplorationPatrol", "scenarios": 1}
-
-    def evaluation_of(name, **changes):
-        return FamilyEvaluation(Request("clustered", (name,), 3, **given), short("clustered", **changes))
-
-    (task,) = (task for task in evaluation_of("fsm:finder.yaml").tasks({}) if task.member == "fsm:finder.yaml")
-    (record,) = task.run()
-    assert record.result.garbage_done > 0
-    assert sum(1 for _ in steps_of(task)) == record.result.ticks
-    with pytest.raises(DocumentError, match="unknown component 'finds_together'"):
-        evaluation_of("fsm:finder.yaml", terms=())
-    with pytest.raises(DocumentError, match=r"observation: .*unknown observation term 'fines'.*did you mean 'finds'"):
-        evaluation_of("fixed", terms=("fines",))
 
 
 @pytest.mark.parametrize(

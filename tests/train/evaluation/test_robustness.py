@@ -7,7 +7,6 @@ import scipy.stats
 import yaml
 
 from clean_swarm_env.config.load import load_robustness
-from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import DocumentError
 from tests.train.commands import cut, done, refused, runs
 from tests.train.records import record
@@ -52,16 +51,6 @@ def test_a_disturbance_changes_the_mission_and_nothing_else(tmp_path):
     assert base.mission == lossy.mission.model_copy(update={"delivery": base.mission.delivery})
 
 
-def test_the_shipped_experiment_has_the_disturbances_that_are_asked_for():
-    missions = [family.mission for family in load_robustness("robustness").disturbed.values()]
-    assert {mission.delivery.loss for mission in missions} == {0.0, 0.25, 0.5, 0.75}
-    assert {mission.delivery.delay for mission in missions} >= {0.0, 2.0}
-    assert {len(mission.events) for mission in missions} == {0, 1, 2, 3}
-    assert max(mission.robots.pose_noise for mission in missions) > 0.0
-    kinds = {name.partition(":")[0] for name in load_robustness("robustness").strategies}
-    assert kinds == {"fixed", "fsm"}
-
-
 def test_figures_have_intervals_and_an_evaluation_goes_on_to_the_same_results(tmp_path):
     words = ("evaluate", written(tmp_path / "small.yaml"), "--workers", 1, "--output")
     done(*words, tmp_path / "whole")
@@ -95,16 +84,6 @@ def test_the_interval_of_a_share_is_by_the_scenarios_however_many_members_do_the
     assert found.estimates["none"]["one"]["duration_s"].ci95 == (10.0, 10.0)
 
 
-def test_strategies_can_be_added_later(tmp_path):
-    path = written(tmp_path / "small.yaml", scenarios=1, disturbances=SMALL["disturbances"][:1])
-    words = ("evaluate", path, "--workers", 1, "--output", tmp_path / "grown")
-    done(*words)
-    written(path, scenarios=1, disturbances=SMALL["disturbances"][:1], strategies=[*SMALL["strategies"], "MaxScore"])
-    done(*words, "--resume")
-    summary = json.loads((tmp_path / "grown" / "summary.json").read_text())
-    assert list(summary["disturbances"]["none"]) == [*SMALL["strategies"], "MaxScore", *BESIDE]
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -125,15 +104,3 @@ def test_mistakes_are_one_line_before_anything_runs(tmp_path, changes, message):
 def test_options_that_have_no_meaning_here_are_refused(tmp_path):
     line = refused("evaluate", written(tmp_path / "small.yaml"), "--condition", "fsm:rule")
     assert "--condition: expected with experiments without disturbances only" in line
-
-
-def test_events_of_a_family_happen_in_each_of_its_scenarios():
-    family = load_robustness("robustness")
-    joining = family.mission.model_dump() | {
-        "events": [{"at": 1.0, "do": "join"}, {"at": 2.0, "do": "land", "items": 3}]
-    }
-    grown = type(family).model_validate(family.model_dump() | {"mission": joining, "disturbances": family.disturbances})
-    mission = grown.scenario(0, 5, "test").mission
-    assert isinstance(mission, MissionConfig)
-    assert [event.do for event in mission.events] == ["join", "land"]
-    assert (mission.rows, mission.items.rows) == (6, 13)

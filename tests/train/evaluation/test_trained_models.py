@@ -11,7 +11,6 @@ import pytest
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
-from tests.train.commands import done
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.models import ModelDecider, TrainedOn, remembered, write_names
 from train.deciders.named import decider_named
@@ -100,15 +99,6 @@ def test_models_that_steer_or_correct_are_evaluated(mode, algorithm, tmp_path):
         (record,) = task(Request(name, (f"policy:{path}",), 0, 1)).run()
         assert record.result.duration_s <= 3.0
         assert envs.action_space.shape == ((2 + (mode == "both") * sum(envs.unwrapped.batches[0].choices.counts)),)
-
-
-def test_the_command_of_the_first_example_runs(clustered, tmp_path):
-    (tmp_path / "families").mkdir()
-    text = "name: near\ndescription: short\nmission: {base: exploring, time_limit: 3.0}\n"
-    (tmp_path / "families" / "near.yaml").write_text(text)
-    words = ["evaluate", "--family", "near", "--configs", tmp_path, "--scenarios", 1, "--workers", 1]
-    words += ["--strategy", f"policy:{clustered}", "--strategy", "fixed:ORCA", "--output", tmp_path / "r"]
-    assert "sb3_ppo.zip" in done(*words)
 
 
 def test_options_and_observations_go_by_their_names(tmp_path):

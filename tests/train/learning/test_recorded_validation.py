@@ -3,7 +3,7 @@
 import json
 
 from clean_swarm_env.recording.reader import RecordedMission
-from tests.train.commands import run
+from tests.train.commands import done
 from tests.train.learning.trainings import written
 
 
@@ -11,7 +11,7 @@ def test_missions_of_validations_are_recorded(tmp_path, monkeypatch):
     monkeypatch.setattr("train.learning.training.best_fixed", lambda *_: ("none", {"random": [1.0]}))
     config = written(tmp_path, "bandit", checkpoints=1, decisions=60, validation={"scenarios": 1})
     for name, more in (("plain", ()), ("recorded", ("--record",))):
-        assert run("train", "bandit", "--config", config, "--seed", 1, "--output", tmp_path / name, *more) == 0
+        done("train", "bandit", "--config", config, "--seed", 1, "--output", tmp_path / name, *more)
     histories = [(tmp_path / name / "history.jsonl").read_text() for name in ("plain", "recorded")]
     assert histories[0] == histories[1]
     figures = json.loads(histories[0])

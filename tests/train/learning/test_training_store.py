@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import sys
 
 import numpy as np
 import pytest
@@ -12,27 +11,22 @@ from clean_swarm_env.config.load import load_family
 from selector.documents.arrays import load_arrays
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore, RewardSums
+from tests.train.commands import command, done, refused
 from tests.train.learning.trainings import unvalidated, written
-from train import cli
 
 STRATEGY = {"name": "UCB1", "parameters": {"prior": 0.0}}
 BANDIT = {"strategy": STRATEGY, "credit": {"hold": 5.0, "horizon": 10.0}}
 
 
-@pytest.fixture
-def train(monkeypatch, capsys, tmp_path):
+TRAIN = ("train", "bandit", "--config", "bandit.yaml")
+
+
+@pytest.fixture(autouse=True)
+def here(monkeypatch, tmp_path):
+    """Be in a directory with a training `bandit.yaml`, whose validations run no missions."""
     monkeypatch.chdir(tmp_path)
     unvalidated(monkeypatch)
-    config = written(tmp_path, "bandit", bandit=BANDIT, checkpoints=1, validation={"scenarios": 1}, decisions=200)
-
-    def call(*words):
-        given = ["clean-swarm", "train", "bandit", "--config", str(config), *map(str, words)]
-        monkeypatch.setattr(sys, "argv", given)
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        return int(ended.value.code or 0), capsys.readouterr().err
-
-    return call
+    written(tmp_path, "bandit", bandit=BANDIT, checkpoints=1, validation={"scenarios": 1}, decisions=200)
 
 
 def counts(directory):
@@ -47,43 +41,42 @@ def held(context="training tiny"):
     return {name: one.count for name, one in learned.items()}
 
 
-def test_counts_and_means_go_on_where_another_training_ended(train, tmp_path):
-    assert train("--store", "s.sqlite", "--learn", "--output", "a")[0] == 0
+def test_counts_and_means_go_on_where_another_training_ended(tmp_path):
+    done(*TRAIN, "--store", "s.sqlite", "--learn", "--output", "a")
     first = {name: count for name, count in counts(tmp_path / "a").items() if count}
     assert held() == first
     shutil.copy("s.sqlite", "before.sqlite")
-    assert train("--store", "s.sqlite", "--learn", "--seed", 1, "--output", "b")[0] == 0
+    done(*TRAIN, "--store", "s.sqlite", "--learn", "--seed", 1, "--output", "b")
     both = {name: count for name, count in counts(tmp_path / "b").items() if count}
     assert held() == both
     assert sum(both.values()) > sum(first.values())
     known = json.loads((tmp_path / "b/manifest.json").read_text())["learned"]["AvoidCollision"]
     assert {name: one["count"] for name, one in known.items()} == first
-    assert train("--store", "before.sqlite", "--seed", 1, "--output", "c")[0] == 0
+    done(*TRAIN, "--store", "before.sqlite", "--seed", 1, "--output", "c")
     assert (tmp_path / "c/strategy.safetensors").read_bytes() == (tmp_path / "b/strategy.safetensors").read_bytes()
 
 
-def test_the_same_training_is_not_learned_again_and_missions_do_not_mix_in(train, tmp_path):
-    assert train("--store", "s.sqlite", "--learn", "--output", "a")[0] == 0
+def test_the_same_training_is_not_learned_again_and_missions_do_not_mix_in(tmp_path):
+    done(*TRAIN, "--store", "s.sqlite", "--learn", "--output", "a")
     before = held()
-    code, err = train("--store", "s.sqlite", "--learn", "--output", "b")
-    assert code == 2
-    assert "s.sqlite: holds what 'training tiny, seed 0' learned already" in err
+    line = refused(*TRAIN, "--store", "s.sqlite", "--learn", "--output", "b")
+    assert "s.sqlite: holds what 'training tiny, seed 0' learned already" in line
     assert held() == before
     options = [option.name for option in load_knowledge("avoidance").options("AvoidCollision")]
     sums = RewardSums("AvoidCollision", options)
     sums.record(np.arange(len(options)), np.ones(len(options)))
     KnowledgeStore("other.sqlite").add(sums, source="missions", context="mission random")
-    assert train("--store", "other.sqlite", "--output", "c")[0] == 0
+    done(*TRAIN, "--store", "other.sqlite", "--output", "c")
     assert (tmp_path / "c/strategy.safetensors").read_bytes() == (tmp_path / "a/strategy.safetensors").read_bytes()
 
 
-def test_a_family_that_names_a_store_is_refused(train, tmp_path):
+def test_a_family_that_names_a_store_is_refused(tmp_path):
     family = load_family("random").model_dump(mode="json")
     family["mission"]["store"] = "s.sqlite"
     (tmp_path / "f.yaml").write_text(yaml.safe_dump(family))
     config = yaml.safe_load((tmp_path / "bandit.yaml").read_text())
     config["tasks"][0]["family"] = str(tmp_path / "f.yaml")
     (tmp_path / "bandit.yaml").write_text(yaml.safe_dump(config))
-    code, err = train("--output", "a")
+    code, _, err = command(*TRAIN, "--output", "a")
     assert code == 2
     assert "family random: mission.store: expected none in a training, see --store" in err

@@ -23,25 +23,6 @@ def test_the_world_fits_without_scrolling(session, opened, size, scheme):
         assert set(groups) == {size[0] > 900}
 
 
-def test_only_kinds_of_events_that_happened_have_a_line(page):
-    assert page.text_content("#kinds") == "no event yet"
-    page.click("#play")
-    shows(page, "#kinds", "item found", "includes")
-    page.click("#play")
-    kinds = "new Set(replay.events()[0].map(event => event.kind)).size"
-    lines = "document.querySelectorAll('#kinds span').length"
-    height = "document.querySelector('#timeline').height"
-    until(page, f"() => !replay.page.state.playing && {lines} === {kinds} && 12 * {lines} === {height}")
-
-
-def test_a_paused_play_says_what_to_do(page):
-    shows(page, ".banner", "Ready: press Play or space")
-    page.keyboard.press(" ")
-    until(page, "() => document.querySelector('.banner').hidden")
-    page.keyboard.press(" ")
-    shows(page, ".banner", "Paused. Space goes on.")
-
-
 def test_a_robot_is_dragged_while_the_world_runs(session, opened):
     with served(session, speed=0.25, playing=True) as server:
         page = opened(server)
@@ -62,18 +43,6 @@ def test_click_and_drag_take_the_same_things(page):
         page.mouse.down()
         assert page.evaluate("replay.page.taken?.number ?? -1") == (3 if near else -1)
         page.mouse.up()
-
-
-def test_the_pointer_says_what_a_press_would_do(session, page):
-    robot = on_screen(page, *place_of(page, 3))
-    page.mouse.move(*robot)
-    shows(page, "#hint", "a click chooses robot 3, dragging moves the robot")
-    assert page.evaluate("document.querySelector('.world').style.cursor") == "grab"
-    page.mouse.move(*on_screen(page, *free_place(session)))
-    page.wait_for_selector("#hint", state="hidden")
-    page.select_option("#tool", "add_item")
-    page.mouse.move(*robot)
-    shows(page, "#hint", "a click adds an item here")
 
 
 def test_the_end_has_a_verdict_and_leads_on(sessions, opened):
@@ -113,11 +82,3 @@ def test_a_keyboard_is_enough(page):
     page.keyboard.press("ArrowDown")
     until(page, "() => replay.page.state.strategy !== 'MaxScore'")
     shows(page, "#panel h2", "Robot 1")
-
-
-def test_every_control_has_a_plain_line(page):
-    without = page.evaluate(
-        "[...document.querySelectorAll('button, select, summary, label, input:not([data-layer])')]"
-        ".filter(one => one.checkVisibility() && !one.title && !one.closest('.charts')).map(one => one.outerHTML)"
-    )
-    assert without == []

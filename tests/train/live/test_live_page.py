@@ -185,15 +185,6 @@ def test_after_the_end_the_same_mission_or_another_one_begins(sessions, tmp_path
 
 
 @pytest.mark.long
-def test_the_page_is_shown_in_no_frame_of_another_page(session, watched):
-    with served(session) as server:
-        page, *_ = watched()
-        with page.expect_console_message(lambda message: "frame-ancestors" in message.text):
-            page.set_content(f"<iframe src='{server.address}'></iframe>")
-        assert [frame.url for frame in page.frames if "token" in frame.url] == []
-
-
-@pytest.mark.long
 def test_walls_are_drawn_and_can_be_hidden(opened, tmp_path):
     walled = {"world": {"ground": "walled", "walls": [{"corners": [[5.0, 0.0], [5.0, 8.0]]}]}}
     with served(Session(play_of({**SMALL, **walled}), tmp_path / "walled.swarm")) as server:
@@ -204,20 +195,6 @@ def test_walls_are_drawn_and_can_be_hidden(opened, tmp_path):
         assert picture(page) != drawn
         wide, high = page.evaluate("[replay.page.shown[0].view.wide, replay.page.shown[0].view.high]")
         assert wide == high  # the field, not the whole torus
-
-
-@pytest.mark.long
-def test_a_period_that_fails_is_said_and_the_same_again_can_be_opened(session, opened, tmp_path, monkeypatch):
-    monkeypatch.setattr(session, "_course", (1 / 0 for _ in range(1)))
-    others = {"": lambda: Session(play_of(SMALL), tmp_path / "again.swarm")}
-    with served(session, others=others) as server:
-        page = opened(server)
-        page.click("#step")
-        shows(page, "#said", "the mission failed: ZeroDivisionError", "includes")
-        until(page, "() => document.querySelector('#step').disabled")  # the server tells it after its answer
-        page.click("#again")
-        until(page, "() => window.replay?.page && !replay.page.state.failure && replay.page.state.number == 2")
-        step(page)
 
 
 @pytest.mark.long

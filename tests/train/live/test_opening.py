@@ -8,7 +8,7 @@ from urllib.request import url2pathname
 
 import pytest
 
-from tests.train.commands import run
+from tests.train.commands import done, run
 from train.cli import play
 from train.live.conductor import Conductor
 
@@ -28,10 +28,9 @@ def opened(monkeypatch):
     return found
 
 
-def test_the_token_is_in_a_file_of_the_user_and_not_in_the_command_line(tmp_path, monkeypatch, capsys, opened):
+def test_the_token_is_in_a_file_of_the_user_and_not_in_the_command_line(tmp_path, monkeypatch, opened):
     monkeypatch.chdir(tmp_path)
-    assert run("play", "ReachGoal") == 0
-    printed = capsys.readouterr().out.splitlines()[0]
+    printed = done("play", "ReachGoal").splitlines()[0]
     address, of_file, of_folder, content = opened
     assert address.startswith("file:///")
     assert printed.partition("token=")[2] not in address

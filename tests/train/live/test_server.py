@@ -16,7 +16,7 @@ import pytest
 from clean_swarm_env.recording.file import blocks_in
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, frames_from
 from tests.paths import ROOT
-from tests.train.commands import run
+from tests.train.commands import refused
 from tests.train.live.sessions import SMALL, asked, ordered, play_of, served
 from train.live.session import Session
 
@@ -43,12 +43,12 @@ def test_only_this_machine_can_connect(session):
                 socket.create_connection((other, port), timeout=5)
 
 
-def test_a_port_in_use_is_one_line(tmp_path, monkeypatch, capsys):
+def test_a_port_in_use_is_one_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
-        assert run("play", "table1", "--port", port, "--no-browser") == 2
-    assert capsys.readouterr().err == f"error: --port: {port} is in use; expected a free port, or 0 for any\n"
+        line = refused("play", "table1", "--port", port, "--no-browser")
+    assert line == f"error: --port: {port} is in use; expected a free port, or 0 for any\n"
     assert list(tmp_path.iterdir()) == []
 
 
@@ -63,13 +63,10 @@ def test_a_port_in_use_is_one_line(tmp_path, monkeypatch, capsys):
         (("table1", "--output", "there.swarm"), "--output: there.swarm exists already"),
     ],
 )
-def test_bad_input_is_one_line(tmp_path, monkeypatch, capsys, words, expected):
+def test_bad_input_is_one_line(tmp_path, monkeypatch, words, expected):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there.swarm").write_bytes(b"")
-    assert run("play", *words, "--no-browser") == 2
-    errors = capsys.readouterr().err
-    assert expected in errors
-    assert len(errors.splitlines()) == 1
+    assert expected in refused("play", *words, "--no-browser")
     assert [path.name for path in tmp_path.iterdir()] == ["there.swarm"]
 
 

@@ -176,12 +176,3 @@ def test_a_mission_opens_with_the_strategy_that_is_best_there(name, expected):
     play = chosen(name, 1, 0, None, ())
     assert (play.strategy, *usual(play.scenario.mission, ())) == (expected[0], *expected)
     assert chosen(name, 1, 0, "Random", ()).strategy == "Random"
-
-
-def test_something_happens_within_ten_seconds(tmp_path):
-    session = Session(chosen("crowded", 1, 0, None, ()), tmp_path / "crowded.swarm", minds=False)
-    for _ in range(50):
-        session.tick()
-    assert (session.worlds.task.garbage.cargo >= 0).sum() >= 5
-    assert session.worlds.task.garbage.recycled.any()
-    session.close()

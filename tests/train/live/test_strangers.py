@@ -141,8 +141,3 @@ def test_every_answer_forbids_frames_and_guesses(server):
                 head = connection.makefile("rb").read(400)
             assert b"X-Content-Type-Options: nosniff\r\n" in head, line
             assert b"Content-Security-Policy: frame-ancestors 'none'\r\n" in head, line
-
-
-def test_orders_are_given_at_one_address(server):
-    assert asked(server, "other", ORDER)[0] == 404
-    assert server.conductor.session.ticks == server.before

@@ -44,17 +44,6 @@ def test_a_task_that_was_changed_by_hand_runs_again_with_the_same_bits(tmp_path)
     assert RecordedMission(tmp_path / "b.swarm").checksums() == recording.checksums()
 
 
-def test_a_task_ends_with_its_measures(tmp_path):
-    session = Session(chosen("AgentCollisionAvoidance", 2, 0, None, ()), tmp_path / "a.swarm", minds=False)
-    while session.result is None:
-        session.tick()
-    session.close()
-    assert session.result["ticks"] == 600
-    result = RecordedMission(tmp_path / "a.swarm").result
-    assert set(result["measures"]) == {"collisions per robot and minute", "progress on the errand"}
-    assert result["measures"] == session.result["measures"]
-
-
 def test_what_other_tasks_do_not_have_is_one_line(tmp_path):
     session = Session(chosen("ReachGoal", 1, 4, None, ()), tmp_path / "a.swarm", minds=False)
     x, y = session.worlds.physics.positions[1].tolist()

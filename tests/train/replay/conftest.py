@@ -9,7 +9,7 @@ import yaml
 
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.paths import TRAINED
-from tests.train.commands import run
+from tests.train.commands import done
 
 FAMILY = {
     "name": "small",
@@ -29,9 +29,9 @@ def results(tmp_path_factory) -> Path:
     (directory / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     settings = ("--scenarios", 1, "--workers", 1, "--minds", "--configs", TRAINED, "--output", directory / "run")
     strategies = (word for name in CONDITIONS for word in ("--strategy", name))
-    assert run("evaluate", "--family", directory / "small.yaml", *strategies, *settings) == 0
+    done("evaluate", "--family", directory / "small.yaml", *strategies, *settings)
     conditions = (word for name in CONDITIONS for word in ("--condition", name))
-    assert run("replay", directory / "run", *conditions, "--html", directory / "both.html") == 0
+    done("replay", directory / "run", *conditions, "--html", directory / "both.html")
     return directory
 
 
@@ -61,7 +61,7 @@ def opened(watched, results):
 
 
 @pytest.fixture
-def explained(results, recordings, capsys):
+def explained(results, recordings):
     """Show some robots at some times on a page; with run, frame and robot comes what the command tells of them."""
 
     def draw(page, count: int, seed: int):
@@ -72,9 +72,7 @@ def explained(results, recordings, capsys):
             there = recordings[k]["present"][: frame + 1].any(axis=0)
             robot = int(rng.choice(np.flatnonzero(there)))  # also one that has joined
             page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose({k}, {robot})")
-            capsys.readouterr()
             words = ("--condition", CONDITIONS[k], "--robot", robot, "--time", frame * 0.2, "--json")
-            assert run("explain", results / "run", *words) == 0
-            yield k, frame, robot, json.loads(capsys.readouterr().out)
+            yield k, frame, robot, json.loads(done("explain", results / "run", *words))
 
     return draw

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
-from tests.train.commands import run
+from tests.train.commands import done
 from tests.train.replay.conftest import CONDITIONS
 from train.evaluation import explain
 from train.evaluation.why import Facts, sentence
@@ -95,15 +95,14 @@ def test_facts_and_inputs_are_those_of_the_command(opened, explained, recordings
     assert chosen
 
 
-def test_what_if_it_goes_on_as_it_did(results, recordings, capsys):
+def test_what_if_it_goes_on_as_it_did(results, recordings):
     """The option that the robot holds anyway leads where the recorded robot went."""
     recording = recordings[1]
     for frame in (23, 60):
         robot = int(np.flatnonzero(recording["working"][frame : frame + 27].all(axis=0))[0])
-        capsys.readouterr()
         words = ("--condition", CONDITIONS[1], "--robot", robot, "--time", frame * 0.2, "--json", "--what-if")
-        assert run("explain", results / "run", *words) == 0
-        foretold = {one["option"]: one for one in json.loads(capsys.readouterr().out)["what_if"]}
+        told = json.loads(done("explain", results / "run", *words))["what_if"]
+        foretold = {one["option"]: one for one in told}
         course = [[recording[name][t, robot] for name in "xy"] for t in range(frame + 1, frame + 27)]
         assert np.allclose(foretold["RepulsionGradient"]["path"], course, atol=0.0006)
         assert len(foretold) > 5

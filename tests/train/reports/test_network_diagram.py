@@ -14,13 +14,11 @@ from selforg.network.model.conditions import Condition, Conjunction, Disjunction
 from train.reports.network_content import (
     BoxKind,
     LinkKind,
-    change_in_words,
-    component_in_words,
     condition_in_words,
     configuration_panels,
     robot_panels,
 )
-from train.reports.network_picture import BORDER, FILLS, HEADING, STROKES, draw_panels, place_boxes, text_width
+from train.reports.network_picture import BORDER, HEADING, draw_panels, place_boxes, text_width
 
 NESTED = """
 root: robot
@@ -91,16 +89,6 @@ def _links(panel, kind):
 )
 def test_conditions_are_said_in_words(condition, words):
     assert condition_in_words(condition) == words
-
-
-def test_effects_show_their_sign():
-    assert change_in_words("far", 0.5) == "far +0.5"
-    assert change_in_words("far", -1.0) == "far \N{MINUS SIGN}1"
-
-
-def test_actions_name_what_they_refer_to():
-    assert component_in_words({"type": "SetState", "name": "carrying", "value": True}) == "SetState: carrying = true"
-    assert component_in_words({"type": "Move", "mechanism": "home"}) == "Move: home"
 
 
 def test_the_cleaning_robot_shows_all_that_its_document_declares(cleaning):
@@ -187,10 +175,3 @@ def test_drawn_text_lies_inside_the_figure_and_apart(cleaning):
     width, height = figure.canvas.get_width_height()
     assert all(f.x0 >= 0 and f.y0 >= 0 and f.x1 <= width and f.y1 <= height for f in frames)
     assert not [(a, b) for a, b in itertools.combinations(frames, 2) if a.padded(-1.0).overlaps(b.padded(-1.0))]
-
-
-def test_every_kind_has_a_look_of_its_own():
-    assert set(FILLS) == set(BoxKind)
-    assert len(set(FILLS.values())) == len(BoxKind)
-    assert set(STROKES) == set(LinkKind)
-    assert len(set(STROKES.values())) == len(LinkKind)

@@ -1,15 +1,14 @@
 """The finished runs of an evaluation: none is lost, whenever the program ends."""
 
-import csv
 import json
 
 import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
+from tests.train.commands import runs
 from tests.train.records import record
 from train.running.finished_runs import Results, natural_order
 from train.running.run_folder import RunFolder
-from train.running.runs import RUN_COLUMNS
 
 MANIFEST = {"identity": {"experiment": "x"}}
 
@@ -18,24 +17,13 @@ def opened(directory, resume=False):
     return Results(RunFolder(directory, MANIFEST, resume=resume))
 
 
-def _rows(directory):
-    with (directory / "runs.csv").open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def test_the_columns_are_those_of_the_issue():
-    identity, figures = "experiment scenario seed condition", "completed duration_s collision_samples_per_s"
-    further = "collision_events_per_s garbage_done robots ticks items_per_min cost_s unavoidable_s wall_s"
-    assert " ".join(RUN_COLUMNS) == f"{identity} {figures} {further}"
-
-
 def test_every_finished_run_is_on_the_disk_at_once(tmp_path):
     results = opened(tmp_path / "new" / "r")
     results.add(record("1", "a", 0.1 + 0.2))
     lines = (results.folder.path / "runs.jsonl").read_text().splitlines()
     assert [json.loads(line)["duration_s"] for line in lines] == [0.1 + 0.2]
     results.close()
-    assert float(_rows(results.folder.path)[0]["duration_s"]) == 0.1 + 0.2
+    assert float(runs(results.folder.path)[0]["duration_s"]) == 0.1 + 0.2
     assert json.loads((results.folder.path / "manifest.json").read_text())["identity"] == MANIFEST["identity"]
 
 
@@ -48,7 +36,7 @@ def test_runs_are_sorted_in_the_end_whatever_their_order(tmp_path):
             results.add(record(*key))
         results.close()
         contents.append([(results.folder.path / file).read_bytes() for file in ("runs.csv", "runs.jsonl")])
-        assert [(r["scenario"], r["condition"]) for r in _rows(results.folder.path)] == sorted(
+        assert [(r["scenario"], r["condition"]) for r in runs(results.folder.path)] == sorted(
             keys, key=lambda key: (int(key[0]), key[1])
         )
     assert contents[0] == contents[1]
@@ -83,5 +71,5 @@ def test_a_text_that_begins_like_a_formula_is_quoted_and_numbers_stay_numbers(tm
     for name in ("=1+1", "+x", "-x", "@x", "x=1"):
         results.add(record("1", name))
     results.close()
-    assert [row["condition"] for row in _rows(tmp_path / "r")] == ["'+x", "'-x", "'=1+1", "'@x", "x=1"]
-    assert {float(row["duration_s"]) for row in _rows(tmp_path / "r")} == {10.0}
+    assert [row["condition"] for row in runs(tmp_path / "r")] == ["'+x", "'-x", "'=1+1", "'@x", "x=1"]
+    assert {float(row["duration_s"]) for row in runs(tmp_path / "r")} == {10.0}

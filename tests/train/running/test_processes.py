@@ -1,9 +1,7 @@
 """Worker processes: each run comes back when it is done, and a kill in any phase or Ctrl-C costs none that is."""
 
-import csv
 import multiprocessing
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -18,11 +16,9 @@ import pytest
 import yaml
 
 from tests.paths import ROOT
-from tests.train import fake_mission
-from tests.train.commands import told
+from tests.train.commands import finished, runs
 from tests.train.records import record
 from tests.train.waiting import until
-from train.evaluation import pipeline, trial_task
 from train.running import pulse
 from train.running.engine import WorkerLost
 from train.running.processes import Processes
@@ -73,8 +69,8 @@ class Some:
             yield record(str(number), self.name)
 
 
-def keys(runs) -> list[RunKey]:
-    return sorted(run.key for run in runs)
+def keys(records) -> list[RunKey]:
+    return sorted(record.key for record in records)
 
 
 def all_of(names: str) -> list[RunKey]:
@@ -105,12 +101,6 @@ def test_a_single_worker_or_task_needs_no_other_process(workers, names, monkeypa
     assert keys(each_done(tasks_of(names), workers)) == all_of(names)
     with pytest.raises(ValueError, match="no third run"):
         list(each_done([Some("a", "fail")], workers))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("workers", [2, 8])
-def test_any_number_of_processes_does_all(workers):
-    assert keys(each_done(tasks_of("abcde"), workers)) == all_of("abcde")
 
 
 @pytest.mark.long
@@ -192,11 +182,6 @@ def test_workers_that_die_between_rounds_are_replaced():
 # Commands
 
 
-def rows(directory: Path) -> list[dict[str, str]]:
-    with (directory / "runs.csv").open(newline="") as file:
-        return [{k: v for k, v in row.items() if k != "wall_s"} for row in csv.DictReader(file)]
-
-
 def started(folder: Path, output: str) -> subprocess.Popen[str]:
     """Start an evaluation of the family by two workers."""
     (folder / "uneven.yaml").write_text(yaml.safe_dump(FAMILY))
@@ -212,51 +197,18 @@ def whole(tmp_path_factory) -> list[dict[str, str]]:
     """The rows of a command that nobody disturbs."""
     folder = tmp_path_factory.mktemp("whole")
     assert started(folder, "whole").wait(600) == 0
-    return rows(folder / "whole")
-
-
-def test_an_interruption_keeps_the_runs_that_are_done_and_resume_does_the_rest(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)
-    words = ("evaluate", "--scenarios", 3, "--workers", 1, "--output", tmp_path / "r")
-
-    def interrupted(mission, start, *more):
-        if start.id == "2":
-            raise KeyboardInterrupt
-        return fake_mission.run_mission(mission, start, *more)
-
-    for run, code, kept, resume in ((interrupted, 130, 2, ()), (fake_mission.run_mission, 0, 6, ("--resume",))):
-        monkeypatch.setattr(trial_task, "run_mission", run)
-        ended, _, err = told(capsys, *words, *resume)
-        assert (ended, len(rows(tmp_path / "r"))) == (code, kept)
-        assert ("2 of 6 runs are kept; to go on:\n  clean-swarm evaluate" in err) is (code == 130)
+    return runs(folder / "whole")
 
 
 @LINUX
 @pytest.mark.long
 @pytest.mark.parametrize("phase", ["imports", "missions"])
 def test_a_command_whose_worker_dies_ends_with_all_missions(tmp_path, phase, whole):
-    process, journal = started(tmp_path, "cut"), tmp_path / "cut" / "runs.jsonl"
-    shown = {"imports": lambda: True, "missions": lambda: journal.exists() and journal.read_text().count("\n") >= 2}
-    until(lambda: process.poll() is not None or (workers_of(process.pid) and shown[phase]()))
+    process, least = started(tmp_path, "cut"), {"imports": 0, "missions": 2}[phase]
+    until(lambda: process.poll() is not None or (workers_of(process.pid) and finished(tmp_path / "cut") >= least))
     os.kill(workers_of(process.pid)[0], signal.SIGKILL)
     _, err = process.communicate(timeout=600)
     assert process.returncode == 0, err
     assert "Traceback" not in err
-    assert rows(tmp_path / "cut") == whole
+    assert runs(tmp_path / "cut") == whole
     assert len(whole) == 3 * SCENARIOS
-
-
-@LINUX
-@pytest.mark.long
-def test_ctrl_c_costs_no_finished_mission_of_a_family(tmp_path):
-    process, journal = started(tmp_path, "cut"), tmp_path / "cut" / "runs.jsonl"
-    until(lambda: process.poll() is not None or (journal.exists() and journal.read_text().count("\n") >= 2))
-    os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=600)
-    assert process.returncode == 130
-    kept = rows(tmp_path / "cut")
-    of_condition = [sum(row["condition"] == name for row in kept) for name in {row["condition"] for row in kept}]
-    assert len(kept) >= 2
-    assert max(of_condition) < SCENARIOS, "each worker had one task, which was not over"
-    assert re.search(rf"{len(kept)} of {3 * SCENARIOS} runs are kept", err)
-    assert "Traceback" not in err

@@ -91,15 +91,6 @@ def test_results_are_continued_by_resume_only_and_tuples_are_lists(tmp_path):
     assert contents(tmp_path) == before
 
 
-def test_one_command_at_a_time_has_a_directory(tmp_path):
-    first, second = (RunFolder(tmp_path, MANIFEST, resume=resume) for resume in (False, True))
-    refused = pytest.raises(ConfigurationError, match="another command writes these results now")
-    with first.alone(), refused, second.alone():
-        pass
-    with second.alone():
-        pass
-
-
 def test_default_directories_are_numbered_and_resumed_last(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     first, second = default_directory("t", resume=False), default_directory("t", resume=True)
@@ -110,11 +101,3 @@ def test_default_directories_are_numbered_and_resumed_last(tmp_path, monkeypatch
     assert default_directory("t", resume=True) == first
     following.mkdir()
     assert default_directory("t", resume=True) == following
-
-
-def test_writing_replaces_the_whole_file_and_leaves_no_parts(tmp_path):
-    folder = RunFolder(tmp_path, MANIFEST, resume=False)
-    folder.write("x", b"long content")
-    folder.write("x", "short")
-    assert {path.name for path in tmp_path.iterdir()} == {"manifest.json", "x"}
-    assert (tmp_path / "x").read_bytes() == b"short"

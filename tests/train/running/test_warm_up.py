@@ -19,11 +19,8 @@ from selector.coordination.selection import BY_SCORE
 from selforg.compiler.decorators import KERNELS
 from selforg.gradients.store import tables
 from tests.train import fake_mission
+from tests.train.commands import command, done, faked_missions
 from train.evaluation import pipeline
-from train.evaluation.base import Evaluation
-from train.reports.text_table import Grid, Publication
-from train.request import Request
-from train.running.engine import compile_first
 from train.running.runs import RunTask
 
 
@@ -36,66 +33,29 @@ LINE = "compiling this copy of the package for this machine, once: about a minut
 
 
 @pytest.fixture
-def limits():
-    """Time limits of the missions run, in their order."""
-    return []
+def task():
+    """A mission of the world."""
+    mission = MissionConfig()
+    one = Scenario("1", 0, mission, random_start(mission, 0, 0))
+    return RunTask("table1", 0, (one,), "RepulsionGradient", {}, BY_SCORE, run_mission)
 
 
-@pytest.fixture
-def task(limits):
+@pytest.mark.parametrize(("compiled", "expected"), [(False, [300.0, 3000.0]), (True, [3000.0])])
+def test_an_evaluation_compiles_in_one_process_before_the_workers_start(compiled, expected, monkeypatch, tmp_path):
+    limits = []
+
     def run(mission, *given):
         limits.append(mission.time_limit)
         return fake_mission.run_mission(mission, *given)
 
-    mission = MissionConfig()
-    start = random_start(mission, 0, 0)
-    return RunTask("table1", 0, (Scenario("1", 0, mission, start),), "RepulsionGradient", {}, BY_SCORE, run)
-
-
-def test_the_beginning_of_a_run_compiles_and_says_so(task, limits, capsys):
-    compile_first(task)
-    assert limits == [300.0]
-    assert capsys.readouterr().err == LINE
-    assert task.first.mission.time_limit == 3000.0
-
-
-class OneRun(Evaluation):
-    """One run."""
-
-    stem, manifest = "one", {"identity": {"one": 1}}
-
-    def __init__(self, task, **settings):
-        super().__init__(Request("one", **settings))
-        self.task = task
-
-    def tasks(self, done):
-        return [] if done else [self.task]
-
-    def mistake(self, record):
-        return ""
-
-    def choosers(self):
-        raise AssertionError("nothing is learned")
-
-    def task_with(self, scenario, condition, options):
-        raise AssertionError("nothing is learned")
-
-    def publication(self, records):
-        return Publication("", "", [], [Grid("", ("",), [])], {})
-
-
-@pytest.mark.parametrize(("compiled", "expected"), [(False, [300.0, 3000.0]), (True, [3000.0])])
-def test_an_evaluation_compiles_in_one_process_before_the_workers_start(
-    task, limits, compiled, expected, monkeypatch, tmp_path, capsys
-):
-    monkeypatch.setattr(pipeline, "compiled_before", lambda: compiled)
-    evaluation = OneRun(task, output=tmp_path / "r")
-    assert pipeline.evaluate(evaluation, pipeline.Console()) == pipeline.FINISHED
-    assert limits == expected
-    assert (LINE in capsys.readouterr().err) is not compiled
-    again = OneRun(task, output=tmp_path / "r", resume=True)
-    assert pipeline.evaluate(again, pipeline.Console()) == pipeline.FINISHED
-    assert limits == expected, "nothing is compiled for an evaluation that is done"
+    words = ("evaluate", "--condition", "RepulsionGradient", "--scenarios", 1, "--workers", 1, "--output", tmp_path)
+    with faked_missions(run):
+        monkeypatch.setattr(pipeline, "compiled_before", lambda: compiled)
+        code, _, err = command(*words)
+        assert (code, limits) == (0, expected)
+        assert (LINE in err) is not compiled
+        done(*words, "--resume")
+        assert limits == expected, "nothing is compiled for an evaluation that is done"
 
 
 def test_compiled_code_is_looked_for_in_the_folder_of_todays_sources(monkeypatch, tmp_path):
@@ -109,7 +69,7 @@ def test_compiled_code_is_looked_for_in_the_folder_of_todays_sources(monkeypatch
 
 
 def test_what_a_mission_compiled_is_found(task):
-    replace(task, run_mission=run_mission).beginning().run()
+    task.beginning().run()
     assert warm_up.compiled_before()
 
 
@@ -122,7 +82,7 @@ def test_a_mission_shorter_than_the_warm_up_keeps_its_limit(task):
 def test_the_warm_up_calls_a_kernel_that_no_first_second_needs(task, monkeypatch):
     called, compiled = [], tables.rebuild
     monkeypatch.setattr(tables, "rebuild", lambda *given: called.append(given) or compiled(*given))
-    replace(task, run_mission=run_mission).beginning().run()
+    task.beginning().run()
     assert called
 
 
@@ -244,18 +204,3 @@ def test_others_wait_for_the_one_that_compiles(monkeypatch, tmp_path):
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # as another process does
     with (tmp_path / "compiling.lock").open() as lock:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
-@pytest.mark.long
-def test_other_processes_wait_for_the_one_that_compiles(tmp_path):
-    code = (
-        "import time\nfrom clean_swarm_env.learning.warm_up import one_process\n"
-        "with one_process():\n    print(time.time(), flush=True)\n    time.sleep(0.3)\n    print(time.time())"
-    )
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    two = [
-        subprocess.Popen([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True)
-        for _ in range(2)
-    ]
-    (begin, end), (next_begin, _) = sorted([float(time) for time in one.communicate()[0].split()] for one in two)
-    assert begin < end <= next_begin

@@ -49,13 +49,6 @@ def test_a_planted_optimum_is_found(configs, tmp_path, method):
     assert all(missions <= 60 * 50 / 2 for _, missions in found)
 
 
-@pytest.mark.long
-def test_random_search_does_not_find_it_and_drops_candidates_early(configs, tmp_path):
-    found = [planted_regret(configs, tmp_path / str(seed), "random", seed) for seed in range(10)]
-    assert sum(regret < 0.05 for regret, _ in found) < 5
-    assert all(missions <= 60 * 50 / 2 for _, missions in found)
-
-
 @pytest.mark.parametrize("method", get_args(Method))
 def test_every_method_stays_in_the_space_and_repeats_itself(configs, tmp_path, method):
     found = []
