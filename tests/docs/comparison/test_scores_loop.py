@@ -16,7 +16,6 @@ from docs.comparison.loop import (
     LoopedMissions,
     LoopManifest,
     learned_choices,
-    stored_choices,
     tried_numbers,
 )
 from docs.comparison.loop_runs import LoopedRuns, make_loop
@@ -24,7 +23,7 @@ from docs.comparison.loop_tables import LoopResults
 from docs.comparison.thoughts import BY_SCORE
 from docs.comparison.write_choosing import DOCS
 from selector.documents.reading import read_mapping
-from selector.knowledge import knowledge_from, load_knowledge
+from selector.knowledge import knowledge_from
 from selector.strategies.registry import named, spec_from_text
 from tests.train.commands import told
 from train.deciders.named import decider_named
@@ -102,29 +101,6 @@ def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms,
             assert taken(output) == [names[option] for option in found[row]]
             (excess,) = family_runs(output).table(lambda _, result: result.excess_s).values()
             assert excess[0, :, 0].tolist() == own.missions.paid(found)[row].tolist()
-
-
-@pytest.mark.long
-def test_max_score_takes_what_the_store_says_at_the_beginning_of_each_command(rooms, tmp_path):
-    file, call = rooms
-    options = [
-        {**one.model_dump(), "score": 1.0 - 0.01 * k} for k, one in enumerate(load_knowledge("cleaning").options(GOAL))
-    ]
-    knowledge = tmp_path / "close.yaml"
-    knowledge.write_text(yaml.safe_dump({"goals": {GOAL: options}}))
-    costs, expected = [], []
-    for seed in (10, 11, 12):
-        asked = ("evaluate", "--family", file, "--knowledge", knowledge, "--scenarios", 1, "--seed", seed, "--output")
-        call(*asked, tmp_path / str(seed))
-        named_options = [f"fixed:{one['name']}" for one in options]
-        costs.append(loop_runs.read_table(tmp_path / str(seed), "test", named_options, "cost_s"))
-        call(*asked, tmp_path / f"learned-{seed}", "--store", "s.sqlite", "--learn", "--strategy", "MaxScore")
-        expected += taken(tmp_path / f"learned-{seed}")
-    cost = np.concatenate(costs, axis=1)[None]
-    missions = LoopedMissions(load_knowledge(str(knowledge)), GOAL, cost, 1.0 - cost / 400.0)
-    found = stored_choices(missions.knowledge, missions)[0][0]
-    assert [missions.options[option] for option in found] == expected
-    assert len(set(expected)) == 3  # each one did worse than the next one's score
 
 
 def looped(means, missions=40, seeds=2):

@@ -138,20 +138,6 @@ def test_an_option_taken_up_begins_anew_and_others_go_on(model):
     assert host.memory["ready"].values.tolist() == [0, 1, 0]
 
 
-def test_a_movement_is_held_as_long_as_it_says(model):
-    host = host_of(model)
-    robots = CoordinatedRobots(model, host)
-    host.memory["ready"].write([0, 1, 2], True)
-    asked = []
-    mechanism = robots.coordinators[0].contents[0].mechanisms["go"]
-    move_into = mechanism.move_into
-    mechanism.move_into = lambda now, *rest: (asked.append(round(now, 1)), move_into(now, *rest))[1]
-    for step in range(1, 13):
-        host.poses.update(np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]]), np.zeros(3), 0.2 * step)
-        robots.tick(0.2 * step)
-    assert asked == [0.2, 1.2, 2.2]
-
-
 @pytest.mark.parametrize(
     ("place", "value", "message"),
     [

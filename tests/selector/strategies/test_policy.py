@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from selector.documents.errors import DocumentError
-from selector.strategies.policy_file import Network, TrainedPolicy, find_policy, load_policy, save_policy
+from selector.strategies.policy_file import Network, TrainedPolicy, load_policy, save_policy
 from selector.strategies.problem import Problem
 from tests.selector.strategies.policies import exported, untrained
 from train.deciders.strategies import PolicyDecider
@@ -166,13 +166,6 @@ def test_files_that_do_not_fit_are_one_line(tmp_path, change, message):
     with pytest.raises(DocumentError, match=message) as caught:
         load_policy(tmp_path)
     assert "\n" not in str(caught.value)
-
-
-def test_a_policy_is_found_by_name_in_the_users_directories(tmp_path):
-    exported(tmp_path / "policies" / "mine", "Goal", OPTIONS, OBSERVATIONS)
-    assert find_policy("mine", (tmp_path,)) == tmp_path / "policies" / "mine"
-    with pytest.raises(DocumentError, match=r"unknown policy 'luck' .*no directory with a policy\.json"):
-        find_policy("luck")
 
 
 def test_weights_that_are_not_numbers_are_not_written(tmp_path):

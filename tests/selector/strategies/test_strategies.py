@@ -10,7 +10,6 @@ from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, StrategySpec, create, spec_from_text
-from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.unlearned import Fixed, MaxScore, Random
 from tests.fields import descriptions
 
@@ -73,13 +72,6 @@ def test_random_options_are_equally_frequent_among_those_that_can_serve():
     assert counts[2] == 0
     np.testing.assert_allclose(counts[[0, 1, 3]], rows / 3, atol=5 * np.sqrt(rows * 2 / 9))  # five standard deviations
     np.testing.assert_allclose(strategy.chance, 1 / 3)
-
-
-def test_unknown_and_double_names_are_refused():
-    with pytest.raises(DocumentError, match=r"unknown strategy 'UCB' \(known: .*MaxScore.*did you mean 'UCB1'"):
-        create("UCB", problem([1.0]), KEYS)
-    with pytest.raises(ValueError, match="'MaxScore' is registered already"):
-        STRATEGIES.register(MaxScore)
 
 
 @pytest.mark.parametrize("name", STRATEGIES.names())
@@ -146,27 +138,6 @@ def test_sharing_says_who_learns_together():
 def test_problems_that_make_no_sense_are_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         Problem(arguments[0], arguments[1], np.array(arguments[2]), *arguments[3:])
-
-
-def test_an_option_that_does_not_exist_or_cannot_serve_is_the_strategys_error():
-    class Wild(DecisionStrategy):
-        def _select(self, decisions):
-            return np.full(len(decisions.rows), 1 if decisions.allowed.all() else 7)
-
-        def _update(self, outcomes):
-            pass
-
-    strategy = Wild(problem([0.0, 0.0]), KEYS)
-    assert strategy.select(NO_CONTEXT).tolist() == [1, 1, 1]
-    with pytest.raises(ValueError, match=r"Wild\._select: expected options 0\.\.1, got 7"):
-        strategy.select(NO_CONTEXT, np.tile([True, False], (3, 1)))
-
-    class Stubborn(Wild):
-        def _select(self, decisions):
-            return np.ones(len(decisions.rows), int)
-
-    with pytest.raises(ValueError, match=r"Stubborn\._select: option 1 cannot serve row 2"):
-        Stubborn(problem([0.0, 0.0]), KEYS).select(NO_CONTEXT, np.array([[True, True], [True, True], [True, False]]))
 
 
 @pytest.mark.parametrize("module", [selector.strategies.strategy, selector.strategies.registry])
