@@ -79,8 +79,8 @@ class Flow:
             inner = self.source(node.value)
             return (inner[0], node.attr) if inner is not None and node.attr != "shape" else None
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.args:
-            if id(self.kernel.resolve(node.func.id)) in self.opened:
-                return self.source(node.args[0])
+            opened = id(self.kernel.resolve(node.func.id)) in self.opened
+            return self.source(node.args[0]) if opened else None
         return None
 
     def assigned(self) -> set[tuple[str, str]]:

@@ -108,7 +108,8 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     for registry in REGISTRIES:
         registry.names()  # our own are there
-        monkeypatch.setattr(registry, "_classes", dict(registry._classes))
+        own = {name: cls for name, cls in registry._classes.items() if not cls.__module__.startswith("tests.")}
+        monkeypatch.setattr(registry, "_classes", own)
     yield tmp_path
     for name in [name for name in sys.modules if name.startswith(plugins.OF_FILE)]:
         del sys.modules[name]

@@ -1,4 +1,4 @@
-"""Single rules of a step, each on the smallest network that shows it."""
+"""Readings that are refused, and behaviours that clash; all other rules: `test_reference.py` and the golden traces."""
 
 import numpy as np
 import pytest
@@ -10,9 +10,8 @@ from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.step.readings import ReadingError
 
-ROW = np.array([0])
 FACT, NUMBER = Sensor("fact", "fact"), Sensor("number")
-IS, IS_NOT = Condition("fact", Boolean()), Condition("fact", Boolean(False))
+IS = Condition("fact", Boolean())
 EAGER = NetworkSettings(activation_threshold=0.5)
 STEADY = NetworkSettings(activation_threshold=0.5, threshold_decay=1.0)
 
@@ -30,9 +29,6 @@ def stepped(network, times=1, guarantee=False, **readings):
 
 def running(network):
     return [b.name for b, on in zip(network.model.behaviours, network.executing[0], strict=True) if on]
-
-
-# readings
 
 
 @pytest.mark.parametrize(
@@ -72,12 +68,6 @@ def test_a_wrong_reading_stops_the_step_before_anything_has_changed(column, valu
     np.testing.assert_array_equal(network.state.values, before[0])
     np.testing.assert_array_equal(network.state.marks, before[1])
     network.step(np.array([0, 1]))  # the rows that read well go on
-
-
-# conditions
-
-
-# arbitration
 
 
 def clashing(old, new, **more):
