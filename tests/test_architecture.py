@@ -4,7 +4,6 @@ import ast
 import re
 import subprocess
 import sys
-from importlib.metadata import distributions
 from pathlib import Path
 
 from tests.paths import ROOT
@@ -87,29 +86,3 @@ def test_what_runs_missions_needs_no_extra_and_draws_nothing():
     code = f"import sys; sys.modules.update({missing}); from clean_swarm_env import clean_swarm_v0, siblings"
     jobs = "; ".join(f"import train.{job}" for job in MAIN_JOBS)
     assert "numba" in _loaded_after(f"{code}; siblings.own('train'); {jobs}")
-
-
-def _others_with_our_names(found) -> dict[str, set[str]]:
-    """Return which of our top-level names other distributions install, by the name of the distribution."""
-    owners: dict[str, set[str]] = {}
-    for distribution in found:
-        name = distribution.metadata["Name"]
-        tops = {path.parts[0].removesuffix(".py") for path in distribution.files or () if path.suffix == ".py"}
-        if name != "clean-swarm" and tops & set(PACKAGES):
-            owners[name] = tops & set(PACKAGES)
-    return owners
-
-
-def test_no_other_installed_package_claims_one_of_our_names():
-    # a module on sys.path does no harm (tests/clean_swarm_env/test_siblings.py); who installs last overwrites files
-    assert _others_with_our_names(distributions()) == {}
-
-
-def test_a_foreign_package_of_our_name_would_be_noticed(tmp_path):
-    (tmp_path / "selector").mkdir()
-    (tmp_path / "selector" / "__init__.py").write_text("")
-    info = tmp_path / "foreign-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: foreign\nVersion: 1.0\n")
-    (info / "RECORD").write_text("selector/__init__.py,,\nforeign-1.0.dist-info/METADATA,,\n")
-    assert _others_with_our_names(distributions(path=[str(tmp_path)])) == {"foreign": {"selector"}}

@@ -200,11 +200,3 @@ def test_a_figure_is_told_rounded_or_as_what_is_saved():
         assert Figure("", "", Decimal(value), unit, (Decimal(low), Decimal(high))).tells(exact)
     for value, low, high, unit in (("0.86", "0.81", "0.88", ""), ("0.85", "0.81", "0.89", ""), ("16", "12", "20", "%")):
         assert not Figure("", "", Decimal(value), unit, (Decimal(low), Decimal(high))).tells(exact)
-
-
-def test_the_command_says_what_differs_and_how_it_is_used(capsys, monkeypatch, copy):
-    monkeypatch.setattr(numbers, "faults", lambda: ["README.md: something"])
-    assert numbers.main(["--check"]) == 1
-    assert capsys.readouterr().err == "README.md: something\n"
-    with pytest.raises(SystemExit):
-        numbers.main(["--keep", "choosing/main"])

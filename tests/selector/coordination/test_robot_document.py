@@ -141,13 +141,6 @@ def test_inner_networks_have_no_coordinators(coordinators):
         network_from(whole, coordinators=coordinators)
 
 
-def test_a_name_given_twice_names_the_line(tmp_path):
-    path = tmp_path / "twice.yaml"
-    path.write_text("root: a\nnetworks:\n  a:\n    sensors: {x: fact}\n    sensors: {y: fact}\n")
-    with pytest.raises(DocumentError, match=r"twice\.yaml: line 5: networks\.a: key 'sensors' twice"):
-        load_network(path)
-
-
 def based(tmp_path, text, name="own"):
     path = tmp_path / "robots" / f"{name}.yaml"
     path.parent.mkdir(exist_ok=True)

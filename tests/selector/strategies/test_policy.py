@@ -63,26 +63,6 @@ def test_components_of_vectors_are_at_most_one():
     np.testing.assert_allclose(free["vector"], np.clip(8.0 * heads["vector"], -1.0, 1.0), atol=1e-5)
 
 
-@pytest.mark.extra
-@pytest.mark.parametrize("activation", ["tanh", "relu"])
-def test_outputs_are_those_of_torch(tmp_path, activation):
-    torch = pytest.importorskip("torch", reason="torch is not installed (extra train)")
-    policy = exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, activation=activation, hidden=(64, 32))
-    kind = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}[activation]
-    names = ("hidden.0", "hidden.1", "options")
-    linear = [torch.nn.Linear(*reversed(policy.weights[f"{name}.weight"].shape)) for name in names]
-    for layer, name in zip(linear, names, strict=True):
-        parts = {part: torch.from_numpy(policy.weights[f"{name}.{part}"]) for part in ("weight", "bias")}
-        layer.load_state_dict(parts)
-    network = torch.nn.Sequential(linear[0], kind(), linear[1], kind(), linear[2])
-    context = np.random.default_rng(0).normal(size=(50, 7))
-    normal = (context - np.array(policy.spec.mean)) / np.sqrt(np.array(policy.spec.variance) + 1e-8)
-    with torch.no_grad():
-        expected = network(torch.from_numpy(normal.astype(np.float32))).numpy()
-    outputs = network_of(tmp_path).heads(context)["options"]
-    np.testing.assert_allclose(outputs, expected, atol=2e-6 * np.abs(expected).max())
-
-
 def test_a_row_gets_the_same_bits_alone_and_in_a_batch(tmp_path):
     exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, hidden=(64, 64))
     network = network_of(tmp_path)

@@ -6,8 +6,7 @@ import pytest
 
 import selector.strategies.registry
 import selector.strategies.strategy
-from selector.documents.errors import DocumentError, validated
-from selector.documents.fields import Closed
+from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, StrategySpec, create, spec_from_text
 from selector.strategies.unlearned import Fixed, MaxScore, Random
@@ -146,25 +145,3 @@ def test_the_examples_in_the_texts_work(module, monkeypatch):
     failed, attempted = doctest.testmod(module)
     assert attempted > 0
     assert failed == 0
-
-
-@pytest.mark.parametrize(
-    ("strategy", "message"),
-    [
-        ({"name": "Luck"}, r"^file: strategy: unknown strategy 'Luck' \(known: DiscountedUCB"),
-        (
-            {"name": "UCB1", "parameters": {"luck": 7}},
-            r"^file: strategy: UCB1: luck: unknown key 'luck' \(known: .*\)$",
-        ),
-        (
-            {"name": "UCB1", "share": "all"},
-            r"^file: strategy\.share: unknown key 'share' \(known: .*did you mean 'sharing'\?\)$",
-        ),
-    ],
-)
-def test_a_strategy_in_a_file_is_checked_as_it_is_read(strategy, message):
-    class Holder(Closed):
-        strategy: StrategySpec
-
-    with pytest.raises(DocumentError, match=message):
-        validated(Holder, {"strategy": strategy}, "file")
