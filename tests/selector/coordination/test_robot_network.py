@@ -4,11 +4,11 @@ import pytest
 import yaml
 
 from selector.coordination.robot_document import load_network, network_from
-from selector.documents.errors import DocumentError
 from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import NetworkSettings, Weights
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
 from tests.selector.changes import changed as changed_in
+from tests.selector.refusing import refusal
 
 TEXT = """
 root: robot
@@ -103,10 +103,7 @@ def test_a_file_becomes_the_model_it_describes(tmp_path):
     ],
 )
 def test_a_mistake_is_one_line_that_says_where(document, message):
-    with pytest.raises(DocumentError) as caught:
-        network_from(document)
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)
+    assert message in refusal(network_from, document)
 
 
 def test_the_same_condition_may_be_named_again():

@@ -1,4 +1,5 @@
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from selector.strategies.learned_file import description_of, load_strategy, save
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
+from tests.selector.refusing import refusal
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.array([1.0, 2.0, 3.0]), ("x", "y"))
 LEARNING = sorted(set(STRATEGIES.names()) - {"Fixed", "MaxScore", "Random"})
@@ -85,9 +87,7 @@ def test_a_file_of_something_else_says_what_differs(tmp_path, strategy, message)
     save_strategy(tmp_path / "file", made("UCB1"))
     taker = strategy()
     before = taker.state_dict()
-    with pytest.raises(DocumentError, match=message) as caught:
-        load_strategy(tmp_path / "file", taker)
-    assert "\n" not in str(caught.value)
+    assert re.search(message, refusal(load_strategy, tmp_path / "file", taker))
     for key, value in taker.state_dict().items():
         np.testing.assert_array_equal(value, before[key])
 
@@ -114,9 +114,7 @@ def test_groups_that_do_not_fit_are_said(tmp_path):
 def test_other_files_are_one_line(tmp_path, write, message):
     path = tmp_path / "file"
     write(path)
-    with pytest.raises(DocumentError, match=message) as caught:
-        load_strategy(path, made("UCB1"))
-    assert "\n" not in str(caught.value)
+    assert re.search(message, refusal(load_strategy, path, made("UCB1")))
 
 
 def test_a_place_that_cannot_be_written_is_one_line(tmp_path):
