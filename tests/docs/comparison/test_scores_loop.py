@@ -61,22 +61,6 @@ SMALL = {
 KNOWN = knowledge_from({"goals": {"G": [{"configuration": name, "score": k} for k, name in enumerate("abc")]}})
 
 
-@pytest.fixture
-def rooms(tmp_path, monkeypatch, capsys):
-    """The path of a family, and a function that runs the command line."""
-    file = tmp_path / "rooms.yaml"
-    file.write_text(yaml.safe_dump(ROOMS))
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        code, out, err = told(capsys, *words)
-        assert code == 0, err
-        return out
-
-    monkeypatch.setattr(loop_runs, "run", call)
-    return file, call
-
-
 def taken(directory):
     """The options of the missions of an evaluation that learned."""
     lines = map(json.loads, (directory / "choices.jsonl").read_text().splitlines())
@@ -84,8 +68,16 @@ def taken(directory):
 
 
 @pytest.mark.long
-def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms, tmp_path):
-    file, call = rooms
+def test_strategies_learn_from_runs_of_single_options_as_the_command_does(tmp_path, monkeypatch, capsys):
+    def call(*words):
+        code, out, err = told(capsys, *words)
+        assert code == 0, err
+        return out
+
+    monkeypatch.setattr(loop_runs, "run", call)
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "rooms.yaml"
+    file.write_text(yaml.safe_dump(ROOMS))
     manifest = LoopManifest(**{**SMALL, "families": {"rooms": {"goal": GOAL, "file": str(file)}}})
     own = make_loop(manifest, "rooms", tmp_path)
     assert own.training.scores.shape == (1, 3, 2)

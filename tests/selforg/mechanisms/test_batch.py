@@ -12,7 +12,7 @@ from selforg.space import Torus
 TICKS, ROBOTS = 150, 5
 
 
-def run(worlds, capacity=64, late=()):
+def run(worlds, capacity=64):
     """Run robots that follow the sum of all mechanisms; return the trajectory of each world (T, ROBOTS, 2)."""
     space = Torus(11.0, 11.0)
     rngs = [np.random.default_rng(seed) for seed in worlds]
