@@ -55,9 +55,8 @@ class Flow:
 
     def __init__(self, kernel: Kernel) -> None:
         self.kernel = kernel
-        self.opened = {id(recording.open): kind for kind, recording in Recording.of.items()}
+        self.opened = {id(recording.open) for recording in Recording.of.values()}
         self.names: dict[str, tuple[str, str]] = {name: (name, WHOLE) for name in kernel.parameters}
-        self.kinds: dict[str, type] = {}
         for node in ast.walk(kernel.node):
             if isinstance(node, ast.Assign):
                 for target in node.targets:
@@ -80,11 +79,8 @@ class Flow:
             inner = self.source(node.value)
             return (inner[0], node.attr) if inner is not None and node.attr != "shape" else None
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.args:
-            kind = self.opened.get(id(self.kernel.resolve(node.func.id)))
-            inner = self.source(node.args[0])
-            if kind is not None and inner is not None:
-                self.kinds[inner[0]] = kind
-                return inner
+            opened = id(self.kernel.resolve(node.func.id)) in self.opened
+            return self.source(node.args[0]) if opened else None
         return None
 
     def assigned(self) -> set[tuple[str, str]]:

@@ -41,7 +41,7 @@ SOAKS = (
     Soak("copies between guard pages", ("tests.clean_swarm_env.guarded_copies",), 100, 150.0),
     Soak("random networks, 50 steps", ("tests.selforg.network.soak",), 10_000, 250.0),
     Soak("sequences of messages", ("tests.selforg.gradients.fuzz",), 100_000, 250.0),
-    Soak("kills of processes with a store", ("tests.selector.store.soak",), 2000, 250.0),
+    Soak("kills of processes with a store", ("tests.selector.store.killing", "2000"), 2000, 250.0),
     Soak("periods of switching options", ("tests.selector.coordination.soak_switching",), 3600, 250.0),
     *(Soak(f"contents: {name}", ("tests.attacks.soak", name), 100_000, FUZZ_SECONDS) for name in TARGETS),
 )

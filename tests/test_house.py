@@ -65,6 +65,14 @@ def test_a_course_takes_no_functions_whose_bits_differ_between_cpus():
     assert taken == []
 
 
+@pytest.fixture
+def package(tmp_path):
+    """An empty package in a checkout of its own."""
+    (tmp_path / "selforg").mkdir()
+    (tmp_path / "selforg" / "__init__.py").touch()
+    return tmp_path / "selforg"
+
+
 @pytest.mark.parametrize(
     ("text", "found"),
     [
@@ -74,32 +82,25 @@ def test_a_course_takes_no_functions_whose_bits_differ_between_cpus():
         ("import os", []),
     ],
 )
-def test_hidden_circles_are_found(tmp_path, text, found):
-    package = tmp_path / "selforg"
-    package.mkdir()
-    (package / "__init__.py").write_text("")
+def test_hidden_circles_are_found(package, text, found):
     (package / "a.py").write_text(
         text.replace("import b", "import selforg.b").replace("from pkg import selforg.b", "from selforg import b")
     )
     (package / "b.py").write_text("import selforg.a\n")
-    assert house.circle(tmp_path) == [f"selforg.{name}" for name in found]
+    assert house.circle(package.parent) == [f"selforg.{name}" for name in found]
 
 
-def test_retired_names_are_found(tmp_path):
-    package = tmp_path / "selforg"
-    package.mkdir()
+def test_retired_names_are_found(package):
     (package / "a.py").write_text(
         "class A:\n    told: int\n    tolds: int\n    def _begin(self): ...\ndef a_begin(): ...\ndef beginning(): ...\n"
     )
-    assert set(house.retired_names(tmp_path)) == {"selforg.a.A._begin", "selforg.a.A.told", "selforg.a.a_begin"}
+    assert set(house.retired_names(package.parent)) == {"selforg.a.A._begin", "selforg.a.A.told", "selforg.a.a_begin"}
 
 
-def test_long_signatures_are_found(tmp_path):
-    package = tmp_path / "selforg"
-    package.mkdir()
+def test_long_signatures_are_found(package):
     names = ", ".join(f"a{k}" for k in range(MOST_PLAIN + 1))
     more = ", ".join(f"a{k}" for k in range(MOST_COMPILED + 1))
     (package / "a.py").write_text(
         f"def plain({names}): ...\n@part\ndef fits({names}): ...\n@part\ndef long({more}): ...\n"
     )
-    assert {name for name, _ in house.long_signatures(tmp_path)} == {"selforg.a.plain", "selforg.a.long"}
+    assert {name for name, _ in house.long_signatures(package.parent)} == {"selforg.a.plain", "selforg.a.long"}

@@ -2,7 +2,6 @@
 
 import json
 from functools import cache
-from pathlib import Path
 
 import yaml
 from hypothesis import strategies as st
@@ -118,9 +117,3 @@ def json_documents(content):
     return st.builds(
         lambda text, value: text.replace(f'"{MARK}"', value, 1), st.sampled_from(texts_with_a_mark), values
     )
-
-
-def write(directory: Path, name: str, text: str) -> Path:
-    path = directory / name
-    path.write_bytes(text.encode("utf-8", errors="surrogatepass"))
-    return path

@@ -1,6 +1,5 @@
 """docs/figures.json has every result of README and pages, and what differs from it or is out of date is found."""
 
-import json
 import re
 import shutil
 from decimal import Decimal
@@ -8,8 +7,8 @@ from decimal import Decimal
 import pytest
 
 from docs.figures import numbers
-from docs.figures.printed import Figure, has_results, parsed, printed_intervals, result_tables, shown
-from docs.figures.stored import ROOT, STORE, head_commit, input_files, keep, load, record, save, take
+from docs.figures.printed import Figure, has_results, parsed, printed_intervals, result_tables
+from docs.figures.stored import ROOT, STORE, input_files, keep, load, record, save, take
 from tests.house import PACKAGES
 
 
@@ -182,21 +181,6 @@ def test_a_new_result_needs_a_command(copy):
         record("network/more", "| | |", root=copy)
 
 
-def test_figures_of_a_block_and_back():
-    rows = "| `p1` | 1,200 [1,100, 1,300] | **0.80** |\n| q2 | 3 | 12 % [-1, 13] |"
-    block = f"Over 20 runs {{x}}: 1.5 of 3.\n\n| a | time [s] | ratio |\n|---|---|---|\n{rows}"
-    layout, figures = parsed(block)
-    assert shown(layout, figures) == block
-    assert [(one.row, one.column, str(one.value), one.unit) for one in figures] == [
-        ("Over 20 runs {x}:", "", "1.5", ""),
-        ("p1", "time [s]", "1200", "s"),
-        ("p1", "ratio", "0.80", ""),
-        ("q2", "time [s]", "3", "s"),
-        ("q2", "ratio", "12", "%"),
-    ]
-    assert figures[4].interval == (Decimal(-1), Decimal(13))
-
-
 def test_intervals_in_prose():
     text = "It is `a[0, 1]` in [0, 1],\n16\n% [12, 19] less, **0.8** [0.7,\n0.9].\n"
     text += "\n```py\nx = 1 [2, 3]\n```\n| 1 [2, 3] |\n"
@@ -216,21 +200,3 @@ def test_a_figure_is_told_rounded_or_as_what_is_saved():
         assert Figure("", "", Decimal(value), unit, (Decimal(low), Decimal(high))).tells(exact)
     for value, low, high, unit in (("0.86", "0.81", "0.88", ""), ("0.85", "0.81", "0.89", ""), ("16", "12", "20", "%")):
         assert not Figure("", "", Decimal(value), unit, (Decimal(low), Decimal(high))).tells(exact)
-
-
-def test_the_commit_is_that_of_the_checkout():
-    assert re.fullmatch("[0-9a-f]{12}", head_commit())
-
-
-def test_the_command_says_what_differs_and_how_it_is_used(capsys, monkeypatch, copy):
-    monkeypatch.setattr(numbers, "faults", lambda: ["README.md: something"])
-    assert numbers.main(["--check"]) == 1
-    assert capsys.readouterr().err == "README.md: something\n"
-    with pytest.raises(SystemExit):
-        numbers.main(["--keep", "choosing/main"])
-
-
-def test_the_store_is_plain_json():
-    read = json.loads((ROOT / STORE).read_text(encoding="utf-8"))
-    assert list(read) == sorted(read)
-    assert {"row", "column", "value", "unit", "interval"} == set(read["choosing/main"]["figures"][0])

@@ -88,14 +88,6 @@ def test_links_lead_to_the_same_places(tmp_path):
     assert stage.linked("[h](#here)", page, "names/tasks/A.md") == "[h](../../play.md#here)"
 
 
-def test_what_an_earlier_build_wrote_goes(tmp_path):
-    old, new = Stage(tmp_path), Stage(tmp_path)
-    old.write("names/tasks/Gone.md", "# Gone\n")
-    new.write("index.md", "# Here\n")
-    new.clear()
-    assert [path.name for path in tmp_path.rglob("*")] == ["index.md"]
-
-
 @pytest.mark.parametrize(
     "text",
     [

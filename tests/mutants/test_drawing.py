@@ -59,11 +59,6 @@ def test_the_tests_of_the_own_folder_are_taken_the_namesake_first():
     assert all((ROOT / folder).is_dir() and (ROOT / "tests" / folder).is_dir() for folder in UNCOMPILED)
 
 
-def test_a_text_that_is_not_there_is_refused():
-    with pytest.raises(ValueError, match="expected 'b' at 1 of a file, got ' '"):
-        Mutant("a name", "a file", "b", "c", (), 1).applied("b b")
-
-
 A_TEST = """
 import pytest
 from b import a

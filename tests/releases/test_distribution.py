@@ -16,12 +16,6 @@ from clean_swarm_env import __version__
 from tests.paths import ROOT
 from tests.releases.build import BESIDE, PACKAGES, build, faults, metadata_faults
 
-CITED = {"cff-version", "message", "title", "type", "version", "date-released", "license", "authors", "references"}
-CITED_OF_A_PAPER = {
-    "authors", "title", "type", "collection-title", "volume-title", "conference", "year", "publisher", "doi", "start",
-    "end",
-}  # fmt: skip
-"""Keys of CITATION.cff that the schema of CFF 1.2.0 knows, among them all of ours."""
 MOMENT = 1_795_000_000
 """Any time after 1980, as that of a commit [s]."""
 
@@ -107,13 +101,3 @@ def test_the_release_has_one_version():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert project["dynamic"] == ["version"]
     assert "version" not in project
-
-
-def test_the_citation_has_what_its_schema_asks_for_and_the_paper():
-    held = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
-    assert {"cff-version", "message", "title", "authors"} <= held.keys() <= CITED
-    (paper,) = held["references"]
-    assert [author["family-names"] for author in paper["authors"]] == ["Hrabia", "Kaiser", "Albayrak"]
-    assert f"https://doi.org/{paper['doi']}" in (ROOT / "README.md").read_text(encoding="utf-8")
-    assert {"authors", "title", "type"} <= paper.keys() <= CITED_OF_A_PAPER
-    assert isinstance(held["authors"][0]["name"], str)

@@ -16,7 +16,6 @@ from docs.comparison.loop import (
     LoopedMissions,
     LoopManifest,
     learned_choices,
-    stored_choices,
     tried_numbers,
 )
 from docs.comparison.loop_runs import LoopedRuns, make_loop
@@ -24,7 +23,7 @@ from docs.comparison.loop_tables import LoopResults
 from docs.comparison.thoughts import BY_SCORE
 from docs.comparison.write_choosing import DOCS
 from selector.documents.reading import read_mapping
-from selector.knowledge import knowledge_from, load_knowledge
+from selector.knowledge import knowledge_from
 from selector.strategies.registry import named, spec_from_text
 from tests.train.commands import done
 from train.deciders.named import decider_named
@@ -62,16 +61,6 @@ SMALL = {
 KNOWN = knowledge_from({"goals": {"G": [{"configuration": name, "score": k} for k, name in enumerate("abc")]}})
 
 
-@pytest.fixture
-def rooms(tmp_path, monkeypatch):
-    """The path of a family, in the directory where commands run in this process."""
-    file = tmp_path / "rooms.yaml"
-    file.write_text(yaml.safe_dump(ROOMS))
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(loop_runs, "run", done)
-    return file
-
-
 def taken(directory):
     """The options of the missions of an evaluation that learned."""
     lines = map(json.loads, (directory / "choices.jsonl").read_text().splitlines())
@@ -79,8 +68,12 @@ def taken(directory):
 
 
 @pytest.mark.long
-def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms, tmp_path):
-    manifest = LoopManifest(**{**SMALL, "families": {"rooms": {"goal": GOAL, "file": str(rooms)}}})
+def test_strategies_learn_from_runs_of_single_options_as_the_command_does(tmp_path, monkeypatch):
+    monkeypatch.setattr(loop_runs, "run", done)
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "rooms.yaml"
+    file.write_text(yaml.safe_dump(ROOMS))
+    manifest = LoopManifest(**{**SMALL, "families": {"rooms": {"goal": GOAL, "file": str(file)}}})
     own = make_loop(manifest, "rooms", tmp_path)
     assert own.training.scores.shape == (1, 3, 2)
     assert own.missions.scores.shape == (2, 3, 4)
@@ -95,28 +88,6 @@ def test_strategies_learn_from_runs_of_single_options_as_the_command_does(rooms,
             assert taken(output) == [names[option] for option in found[row]]
             (excess,) = family_runs(output).table(lambda _, result: result.excess_s).values()
             assert excess[0, :, 0].tolist() == own.missions.paid(found)[row].tolist()
-
-
-@pytest.mark.long
-def test_max_score_takes_what_the_store_says_at_the_beginning_of_each_command(rooms, tmp_path):
-    options = [
-        {**one.model_dump(), "score": 1.0 - 0.01 * k} for k, one in enumerate(load_knowledge("cleaning").options(GOAL))
-    ]
-    knowledge = tmp_path / "close.yaml"
-    knowledge.write_text(yaml.safe_dump({"goals": {GOAL: options}}))
-    costs, expected = [], []
-    for seed in (10, 11, 12):
-        asked = ("evaluate", "--family", rooms, "--knowledge", knowledge, "--scenarios", 1, "--seed", seed, "--output")
-        done(*asked, tmp_path / str(seed))
-        named_options = [f"fixed:{one['name']}" for one in options]
-        costs.append(loop_runs.read_table(tmp_path / str(seed), "test", named_options, "cost_s"))
-        done(*asked, tmp_path / f"learned-{seed}", "--store", "s.sqlite", "--learn", "--strategy", "MaxScore")
-        expected += taken(tmp_path / f"learned-{seed}")
-    cost = np.concatenate(costs, axis=1)[None]
-    missions = LoopedMissions(load_knowledge(str(knowledge)), GOAL, cost, 1.0 - cost / 400.0)
-    found = stored_choices(missions.knowledge, missions)[0][0]
-    assert [missions.options[option] for option in found] == expected
-    assert len(set(expected)) == 3  # each one did worse than the next one's score
 
 
 def looped(means, missions=40, seeds=2):

@@ -8,7 +8,7 @@ from matplotlib.colors import to_rgba
 
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING
 from docs.figures import draw_paper, draw_scores, draw_trajectories
-from docs.figures.draw_patterns import FRAMES, depth, direct, draw_patterns, placed_blocks
+from docs.figures.draw_patterns import FRAMES, draw_patterns, placed_blocks
 from selforg.mechanisms.purposes import PATTERNS
 from tests.pages import text_of
 
@@ -47,20 +47,6 @@ def test_fig_1_shows_every_pattern_with_its_mechanisms_in_the_frame_of_its_purpo
         assert block.y + block.height <= frame.y + frame.height
     for a, b in combinations(blocks.values(), 2):
         assert a.x + a.width <= b.x or b.x + b.width <= a.x or a.y + a.height <= b.y or b.y + b.height <= a.y
-
-
-def test_fig_1_draws_no_arrow_that_others_imply():
-    by_name = {pattern.name: pattern for pattern in PATTERNS}
-    assert depth(by_name["Gradients"]) == 1
-    assert direct(by_name["Flocking"]) == ["Repulsion"]  # which builds on gradients itself
-
-
-def test_fig_3_and_4_name_what_documents_and_registries_hold():
-    coordination = [text.get_text() for text in _texts(draw_paper.draw_coordination())]
-    assert {"MoveToDump", "GarbageCleaned", "Coordinator AvoidCollision\na behaviour with a network of its own"} <= set(
-        coordination
-    )
-    assert {"RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient"} <= set(coordination)
 
 
 def test_fig_5_colours_ways_by_cargo(monkeypatch):

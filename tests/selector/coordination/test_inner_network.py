@@ -17,6 +17,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.space import Euclidean
 from tests.selector.changes import changed as changed_in
+from tests.selector.refusing import refusal
 
 TEXT = """
 root: robot
@@ -164,10 +165,7 @@ def test_a_copy_made_in_the_middle_goes_on_like_the_original():
     ],
 )
 def test_a_mistake_inside_is_one_line_that_says_where(document, message):
-    with pytest.raises(DocumentError) as caught:
-        network_from(document, "mine.yaml")
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)
+    assert message in refusal(network_from, document, "mine.yaml")
 
 
 def test_a_host_that_lacks_something_is_told_what():

@@ -1,19 +1,14 @@
 from functools import partial
 
-import numpy as np
 import pytest
 import yaml
 
-from selector.configurations.host import Host
 from selector.coordination.robot_document import load_network, network_from
-from selector.coordination.robots import CoordinatedRobots
-from selector.documents.errors import DocumentError
-from selforg.gradients.poses import OwnPoses
 from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import NetworkSettings, Weights
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
-from selforg.space import Euclidean
 from tests.selector.changes import changed as changed_in
+from tests.selector.refusing import refusal
 
 TEXT = """
 root: robot
@@ -59,16 +54,6 @@ def test_a_file_becomes_the_model_it_describes(tmp_path):
     assert model.goals[0].satisfaction_threshold == 0.8
     assert model.settings == NetworkSettings(weights=Weights(plan=0.0), activation_threshold=0.5, max_parallel=1)
     assert [b.name for b in nested.inner["Approach"].model.behaviours] == ["Straight", "Detour"]
-
-
-def test_what_a_file_describes_runs():
-    robots = CoordinatedRobots([], Host(OwnPoses(Euclidean(2), 2), {}), network=network_from(CONTENT))
-    robots.network.readings[:] = [[1.0, 4.0], [0.0, 4.0]]
-    robots.tick(0.2)
-    (approach,) = robots.inner
-    assert robots.network.executing.tolist() == [[1, 0], [0, 1]]
-    assert approach.network.executing.tolist() == [[0, 1], [0, 0]]  # Straight, Detour
-    np.testing.assert_array_equal(approach.network.readings, [[4.0], [0.0]])
 
 
 @pytest.mark.parametrize(
@@ -118,10 +103,7 @@ def test_what_a_file_describes_runs():
     ],
 )
 def test_a_mistake_is_one_line_that_says_where(document, message):
-    with pytest.raises(DocumentError) as caught:
-        network_from(document)
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)
+    assert message in refusal(network_from, document)
 
 
 def test_the_same_condition_may_be_named_again():

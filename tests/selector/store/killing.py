@@ -1,7 +1,7 @@
 """Processes that update one store at the same time, and processes that are killed.
 
-`python -m tests.selector.store.killing FOLDER [KILLS] [PROCESSES] [UPDATES] [SEED]` is a program of its own because it
-forks: in a process without threads that is safe, and nothing is imported twice. A new store begins with every tenth
+`python -m tests.selector.store.killing [KILLS] [PROCESSES] [UPDATES] [SEED]` is a program of its own because it forks:
+in a process without threads that is safe, and nothing is imported twice. A new store begins with every tenth
 kill, so that kills hit the making of a store as well. A process says when an update was committed; after each kill the
 store holds every update that was said to be committed, whole, and at most one more, committed but not yet said.
 """
@@ -9,6 +9,7 @@ store holds every update that was said to be committed, whole, and at most one m
 import os
 import signal
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -18,7 +19,7 @@ import numpy as np
 
 from selector.store import KnowledgeStore, Moments, RewardSums
 from selector.store.exact_sums import NO_REWARDS
-from tests.soaking import rounds
+from tests.soaking import report, rounds
 
 GOAL, OPTIONS = "Avoid", ("near", "far")
 SAME_STORE = 10
@@ -111,11 +112,13 @@ def kill_many(folder: Path, kills: int, seed: int = 0) -> tuple[int, int]:
 
 
 def main(arguments: list[str]) -> int:
-    folder, numbers = Path(arguments[0]), [int(word) for word in arguments[1:]]
+    numbers = [int(word) for word in arguments]
     kills, processes, updates, seed = [*numbers, *(200, 8, 500, 0)[len(numbers) :]]
-    lost = lost_updates(folder / f"{seed}.sqlite", processes, updates)
-    tried, mistakes = kill_many(folder, kills, seed)
-    print(f"{lost} of {processes} processes lost updates; {tried} kills, {mistakes} mistakes")
+    with tempfile.TemporaryDirectory() as folder:
+        lost = lost_updates(Path(folder) / f"{seed}.sqlite", processes, updates)
+        tried, mistakes = kill_many(Path(folder), kills, seed)
+    print(f"{lost} of {processes} processes lost updates")
+    report(tried, tried - mistakes)
     return 1 if lost or mistakes else 0
 
 

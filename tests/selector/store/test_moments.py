@@ -36,13 +36,6 @@ def test_adding_is_exact_in_any_order_and_grouping(parts, random):
     assert parts[0] == forwards
 
 
-def test_floats_would_not_do():
-    values = [0.1, 0.2, 0.3]
-    assert sum(values) != sum(reversed(values))
-    assert some.moments_of(values) == some.moments_of(values[::-1])
-    assert math.isclose(some.moments_of(values).mean, 0.2, abs_tol=2.0**-24)
-
-
 def test_sums_of_more_rows_than_fit_into_64_bits():
     many = 2**12
     sums = RewardSums("G", ["a", "b"])

@@ -1,8 +1,7 @@
 """A store keeps what it is given, to the last bit, and refuses what it cannot keep without changing anything."""
 
 import os
-import sqlite3
-from contextlib import closing, suppress
+from contextlib import suppress
 from datetime import UTC, datetime
 
 import numpy as np
@@ -14,7 +13,6 @@ from selector.knowledge import knowledge_from, load_knowledge
 from selector.store import Key, KnowledgeStore, Moments, RewardSums, StoredKnowledge, StoreError
 from selector.store.contents import stored
 from selector.store.exact_sums import COUNT_LIMIT
-from selector.store.knowledge_store import COLUMN_NAMES, TABLE
 from tests.selector.store import strategies as some
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)
@@ -186,47 +184,3 @@ def test_a_forked_process_goes_on_with_a_store(store):
     os.waitpid(child, 0)
     store.add(some.sums_of([4.0]), source="run")
     assert store.contents().learned[Key("G", "a", "", "run")].moments == some.moments_of([1.0, 2.0, 4.0])
-
-
-VALUES = (
-    st.integers(-(2**63), 2**63 - 1)
-    | st.floats(allow_nan=False)
-    | st.text(st.characters(codec="utf-8"), max_size=6)
-    | st.binary(max_size=6)
-    | st.sampled_from([0, 1, 1.5, "1", b"1", "", "{}", "{", "[1]", '{"a": NaN}', "[" * 3000, "x" * 200])
-)
-
-
-@pytest.fixture
-def template(store, tmp_path):
-    """The bytes of a store with an expert's option and a reward."""
-    store.introduce(options({"configuration": "A", "name": "a"}))
-    store.add(some.sums_of([1.0]), source="run")
-    return (tmp_path / "k.sqlite").read_bytes()
-
-
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.sampled_from(COLUMN_NAMES), VALUES, st.booleans())
-def test_rows_that_no_store_writes_are_refused_in_one_line(template, tmp_path, column, value, learned):
-    path = tmp_path / "k.sqlite"
-    path.write_bytes(template)
-    store = KnowledgeStore(path)
-    with closing(sqlite3.connect(path)) as connection, connection:
-        condition = f"source {'!=' if learned else '='} ''"
-        connection.execute(f"UPDATE {TABLE} SET {column} = ? WHERE {condition}", [value])
-    uses = (
-        store.contents,
-        lambda: store.absorb(StoredKnowledge()),
-        lambda: store.introduce(options({"configuration": "B"})),
-        lambda: store.add(some.sums_of([1.0]), source="run"),
-    )
-    messages = []
-    for use in uses:
-        try:
-            use()
-        except StoreError as error:
-            messages.append(str(error))
-    assert [message for message in messages if "\n" in message] == []
-    assert len(messages) in (0, 3, 4)  # an update reads the entries of its own source only
-    if messages:
-        assert all("k.sqlite: is corrupt: " in message for message in messages)

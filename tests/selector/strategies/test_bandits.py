@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selector.strategies.registry import create
 from selector.strategies.streams import row_keys, uniforms
@@ -265,20 +264,3 @@ def test_linear_models_stay_exact_over_many_rewards():
         np.testing.assert_allclose(strategy.inverse[0, k] @ a, np.eye(5), atol=1e-8)
         np.testing.assert_allclose(strategy.weights[0, k], weights, rtol=1e-8)
         np.testing.assert_array_equal(strategy.inverse[0, k], strategy.inverse[0, k].T)
-
-
-@pytest.mark.parametrize(
-    ("name", "parameters", "message"),
-    [
-        ("UCB1", {"prior": -1}, "prior: expected greater than or equal to 0"),
-        ("EpsilonGreedy", {"epsilon": 1.5}, "epsilon: expected less than or equal to 1"),
-        ("DiscountedUCB", {"discount": 0}, "discount: expected greater than 0"),
-        ("SlidingWindowUCB", {"window": 0}, "window: expected greater than or equal to 1"),
-        ("GaussianThompson", {"prior": 0}, "prior: expected greater than 0"),
-        ("EXP3", {"gamma": 0.0}, "gamma: expected greater than 0"),
-        ("LinUCB", {"exploration": "much"}, "exploration: expected a valid number, got 'much'"),
-    ],
-)
-def test_parameters_outside_their_range_are_one_line(name, parameters, message):
-    with pytest.raises(DocumentError, match=f"strategy {name}: {message}"):
-        made(name, parameters)

@@ -1,10 +1,9 @@
-import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,11 +11,11 @@ import safetensors.numpy
 
 from selector.documents.arrays import load_arrays, save_arrays
 from selector.documents.errors import DocumentError
-from selector.store import KnowledgeStore, RewardSums
 from selector.strategies.learned_file import description_of, load_strategy, save_strategy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
+from tests.selector.refusing import refusal
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.array([1.0, 2.0, 3.0]), ("x", "y"))
 LEARNING = sorted(set(STRATEGIES.names()) - {"Fixed", "MaxScore", "Random"})
@@ -88,9 +87,7 @@ def test_a_file_of_something_else_says_what_differs(tmp_path, strategy, message)
     save_strategy(tmp_path / "file", made("UCB1"))
     taker = strategy()
     before = taker.state_dict()
-    with pytest.raises(DocumentError, match=message) as caught:
-        load_strategy(tmp_path / "file", taker)
-    assert "\n" not in str(caught.value)
+    assert re.search(message, refusal(load_strategy, tmp_path / "file", taker))
     for key, value in taker.state_dict().items():
         np.testing.assert_array_equal(value, before[key])
 
@@ -117,9 +114,7 @@ def test_groups_that_do_not_fit_are_said(tmp_path):
 def test_other_files_are_one_line(tmp_path, write, message):
     path = tmp_path / "file"
     write(path)
-    with pytest.raises(DocumentError, match=message) as caught:
-        load_strategy(path, made("UCB1"))
-    assert "\n" not in str(caught.value)
+    assert re.search(message, refusal(load_strategy, path, made("UCB1")))
 
 
 def test_a_place_that_cannot_be_written_is_one_line(tmp_path):
@@ -154,30 +149,3 @@ def test_a_writer_that_is_killed_leaves_a_whole_file(tmp_path):
         writer.stdout.close()
         arrays, description = load_arrays(path)
         assert (arrays["array"] == description["number"]).all()
-
-
-def test_the_description_is_plain_json(tmp_path):
-    save_strategy(tmp_path / "file", made("UCB1"))
-    header = (tmp_path / "file").read_bytes()
-    length = int.from_bytes(header[:8], "little")
-    description = json.loads(json.loads(header[8 : 8 + length])["__metadata__"]["description"])
-    assert description["options"] == ["a", "b", "c"]
-    assert description["version"] == 1
-
-
-def test_what_was_learned_goes_through_a_store_of_knowledge(tmp_path):
-    strategy, batch = made("GaussianThompson"), RewardSums("Goal", PROBLEM.options)
-    generator = np.random.default_rng(0)
-    for _ in range(30):
-        context = generator.normal(size=(6, 2))
-        option = strategy.select(context)
-        reward = generator.normal(size=6)
-        strategy.update(option, reward, context)
-        batch.record(option, reward)
-    store = KnowledgeStore(tmp_path / "knowledge.sqlite")
-    store.add(batch, source="test")
-    known = [store.contents().totals()["Goal", option, ""] for option in PROBLEM.options]
-    rewards = np.array([(one.count, one.mean, one.variance) for one in known]).T
-    later = made("GaussianThompson", problem=replace(PROBLEM, rewards=rewards))
-    for key, value in strategy.learned().items():
-        np.testing.assert_allclose(later.learned()[key], value, atol=1e-5)  # the store rounds rewards to 2^-24

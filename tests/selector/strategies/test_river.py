@@ -14,7 +14,6 @@ from selector.strategies.streams import row_keys, uniforms
 
 bandit = pytest.importorskip("river.bandit", reason="river is not installed (extra dev)")
 pytestmark = pytest.mark.extra
-from river import proba  # noqa: E402
 
 ARMS = (0, 1, 2, 3)
 MEANS = np.array([0.3, 0.45, 0.5, 0.2])
@@ -93,41 +92,3 @@ def test_exp3_takes_the_same_options(gamma):
     together(strategy, policy)
     weights = np.array([policy._weights[arm] for arm in ARMS])
     np.testing.assert_allclose(np.exp(strategy.log_weights[0]), weights / weights.max(), rtol=1e-8)
-
-
-def rewarded(steps=1500):
-    generator = np.random.default_rng(8)
-    option = generator.integers(4, size=steps)
-    return option, MEANS[option] + 0.2 * generator.normal(size=steps)
-
-
-def test_gaussian_thompson_knows_the_same_means_and_variances():
-    strategy, policy = made("GaussianThompson", {}), bandit.ThompsonSampling(reward_obj=proba.Gaussian(), seed=1)
-    for option, reward in zip(*rewarded(), strict=True):
-        policy.update(int(option), float(reward))
-        strategy.update(np.array([option]), np.array([reward]), NO_CONTEXT)
-    laws = [policy._rewards[arm] for arm in ARMS]
-    np.testing.assert_allclose(strategy.means[0], [law.mu for law in laws], rtol=1e-12)
-    np.testing.assert_allclose(
-        strategy.spreads[0] / (strategy.counts[0] - 1), [law.sigma**2 for law in laws], rtol=1e-11
-    )
-
-
-def test_lin_ucb_has_the_same_regressions():
-    strategy = made("LinUCB", {"prior": 2.0}, features=("x", "y"))
-    policy = bandit.LinUCBDisjoint(alpha=2.0, beta=1.0, seed=1)
-    generator = np.random.default_rng(4)
-    for _ in range(300):
-        x, arm = generator.normal(size=2), int(generator.integers(4))
-        reward = float(x @ (arm, 1 - arm) + 0.1 * generator.normal())
-        policy.update(arm, {"constant": 1.0, "x": x[0], "y": x[1]}, reward)
-        strategy.update(np.array([arm]), np.array([reward]), x[None])
-    for x in generator.normal(size=(20, 2)):
-        laws = [
-            policy._bayes_lin_regs[arm].predict_one({"constant": 1.0, "x": x[0], "y": x[1]}, with_dist=True)
-            for arm in ARMS
-        ]
-        # river's variance is that of a reward: the noise, 1 / beta, and the variance of the estimate
-        errors = np.sqrt([law.sigma**2 - 1.0 for law in laws])
-        bounds = np.array([law.mu for law in laws]) + errors
-        assert strategy.select(x[None])[0] == bounds.argmax()

@@ -20,7 +20,6 @@ from selforg.plugins import PluginError
 LUCK = np.random.default_rng(1)
 """Random numbers that no seed decides, for classes that break their promises."""
 ROWS = 6
-SCORES = PROBLEM.scores
 
 each_sharing = pytest.mark.parametrize("sharing", list(SHARED_BY))
 each_strategy = pytest.mark.parametrize("name", STRATEGIES.names())
@@ -142,18 +141,6 @@ def test_late_rewards_of_several_decisions_come_together(fresh):
     mixed = np.random.default_rng(4).permutation(len(rows))
     other.update(option[mixed], reward[mixed], context[mixed], rows[mixed], chance[mixed])
     same(strategy.learned(), other.learned())
-
-
-@each_strategy
-@each_sharing
-def test_what_one_group_learned_is_given_to_many(fresh):
-    teacher = fresh(groups=np.zeros(ROWS, int))
-    live(teacher, contexts())
-    learner = fresh(keys=KEYS[:9], groups=np.arange(9))
-    learner.load_learned(teacher.learned())
-    for key, value in learner.learned().items():
-        assert value.shape[0] == 9
-        np.testing.assert_array_equal(value, np.broadcast_to(teacher.learned()[key], value.shape))
 
 
 @each_strategy

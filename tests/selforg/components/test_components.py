@@ -83,27 +83,6 @@ def test_a_source_renews_only_the_rows_it_is_asked_for(buffer):
     assert source.active[2]
 
 
-def test_times_of_a_levy_walk_follow_the_power_law(buffer):
-    rows, exponent, longest = 400, 2.0, 20.0
-    poses = OwnPoses(Euclidean(2), rows)
-    poses.update(np.zeros((rows, 2)), np.zeros(rows), 1.0)
-    streams = DirectionStream([np.random.default_rng(row) for row in range(rows)])
-    source = MovementSource(Exploration(poses, directions=streams), 1.0, exponent, longest)
-    every = np.arange(rows)
-    since, held, before = np.zeros(rows), [], np.full((rows, 2), np.nan)
-    for tick in range(1, 1500):
-        now = 0.2 * tick
-        asked(source, now, every)
-        new = (source.vectors != before).any(axis=1)
-        held += (now - since)[new].tolist() if tick > 1 else []
-        since[new], before = now, source.vectors.copy()
-    held = np.array(held)
-    assert held.min() == pytest.approx(1.2)  # the first tick after more than 1 s
-    assert held.max() == pytest.approx(longest)
-    for time in (2.0, 4.0, 8.0, 16.0):  # the share of longer times is (time / shortest) ** (1 - exponent)
-        assert np.mean(held > time + 0.1) == pytest.approx(1.0 / time, rel=0.1)
-
-
 def test_times_of_a_levy_walk_against_a_naive_reference(buffer):
     streams, naive = (DirectionStream([np.random.default_rng(row) for row in range(3)]) for _ in range(2))
     source = asked(MovementSource(Exploration(buffer, directions=streams), 2.0, 1.5, 300.0))

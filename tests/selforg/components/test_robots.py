@@ -5,9 +5,6 @@ import pytest
 
 from selforg.components import (
     Act,
-    Changed,
-    Decide,
-    DecisionSource,
     GoalDistance,
     GoalPresent,
     GoalReached,
@@ -24,7 +21,7 @@ from selforg.components import (
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import ChemotaxisBalch, GossipMax, RepulsionGradient
+from selforg.mechanisms import ChemotaxisBalch, RepulsionGradient
 from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition
@@ -127,45 +124,6 @@ def test_only_the_rows_asked_for_act():
     commands = robots.tick(0.2, np.array([2]))
     assert not commands.commanded[[0, 1, 3]].any()
     assert (robots.network.readings[[0, 1, 3]] == 0.0).all()
-
-
-def test_news_spread_until_nobody_would_decide_otherwise():
-    places = np.array([[float(k), 0.0] for k in range(6)])
-    poses = OwnPoses(Euclidean(2), 6, goal_radius=0.0, diffusion=0.5)
-    poses.update(places, np.zeros(6), 0.5)
-    buffer = SoBuffer(BufferSettings(view_distance=1.0), poses.space, poses)
-    gossip = GossipMax(buffer, channel="news", value=[1.0, 2.0, 9.0, 3.0, 4.0, 5.0], carried=None, view_distance=1.5)
-    first = RobotMemory(6, {"spoken": False})
-    model = NetworkModel(
-        facts("news", "spoken"),
-        [
-            Behaviour("Tell", (yes("news"),), (Effect("news", -1.0),)),
-            Behaviour("Greet", (yes("spoken", False),), (Effect("spoken", 1.0),)),
-        ],
-        [Goal("up to date", (yes("news", False), yes("spoken")))],
-        NetworkSettings(activation_threshold=0.5),
-    )
-    greeted = []
-    robots = OrganisedRobots(
-        BehaviourNetwork(model, 6), {"news": Changed(DecisionSource(gossip)), "spoken": Known(first["spoken"])},
-        {"Tell": Decide(gossip), "Greet": Greeting(gossip, first, greeted)},
-    )  # fmt: skip
-    for tick in range(1, 40):
-        robots.tick(0.5 + 0.2 * tick)
-    assert gossip.values.tolist() == [9.0] * 6
-    assert sorted(greeted) == list(range(6))
-
-
-class Greeting(Decide):
-    """Spread once, so that the neighbours have something to hear."""
-
-    def __init__(self, mechanism, memory, greeted):
-        super().__init__(mechanism)
-        self.memory, self.greeted = memory, greeted
-
-    def act(self, now, rows, started, commands):
-        self.greeted += started.tolist()
-        self.memory["spoken"].write(started, True)
 
 
 def test_a_host_function_is_called_when_its_behaviour_starts():

@@ -1,13 +1,14 @@
 """Plays sequences of messages into a buffer, with all mechanisms looking on.
 
-`python -m tests.selforg.gradients.fuzz` is a soak: it plays 10^5 random sequences of messages by default, stops at the
-first crash or movement that is not finite, naming the seed of the sequence.
+`python -m tests.selforg.gradients.fuzz [SEQUENCES]` is a soak: it plays 10^5 random sequences by default, and stops at
+the first crash or movement that is not finite, with the smallest sequence that Hypothesis finds.
 """
 
-import argparse
 import sys
 
 import numpy as np
+from hypothesis import HealthCheck, given, seed, settings
+from hypothesis import strategies as st
 
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
@@ -25,19 +26,50 @@ FIELDS = (
 MOVEMENTS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), MovementMechanism)]
 RULES = ("max", "min", "average", "new", "newparent", "newframe")
 
+EACH = 100
+"""Sequences of a round of the soak, which has a seed of its own."""
+
+any_float = st.one_of(st.floats(), st.sampled_from([0.0, 0.5, 1.0, -1.0, 2.0, 1e8, 1e-7]))
+payloads = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3) | st.dates(),
+    lambda inner: st.lists(inner, max_size=2) | st.dictionaries(st.text(max_size=3), inner, max_size=2),
+    max_leaves=4,
+)
+messages = st.fixed_dictionaries(
+    {},
+    optional={
+        "channel": st.text(max_size=3),
+        "position": st.tuples(any_float, any_float),
+        "source": st.one_of(st.integers(-1, 5), st.text(max_size=3)),
+        "heading": st.one_of(st.just(()), st.tuples(any_float, any_float)),
+        "attraction": st.sampled_from([-1, 0, 1, 2, 0.5]),
+        "diffusion": any_float,
+        "goal_radius": any_float,
+        "evaporation_factor": any_float,
+        "evaporation_period": any_float,
+        "stamp": any_float,
+        "clock": st.one_of(st.none(), any_float),
+        "moving": st.booleans(),
+        "payload": st.dictionaries(st.text(max_size=3), payloads, max_size=2),
+    },
+)
+steps = st.tuples(messages, st.floats(-1.0, 3.0), st.tuples(st.floats(-20, 20), st.floats(-20, 20)))
+SEQUENCES = st.sampled_from(RULES), st.booleans(), st.booleans(), st.lists(steps, max_size=12)
+"""Rule of aggregation, whether the space is a torus, whether seconds are whole, and the messages."""
+
 
 def parts_of(name, buffer):
     """Return the arguments of a mechanism that are made of others."""
     return {key: one(buffer) for key, one in MECHANISMS.find(name).example.items() if callable(one)}
 
 
-def play(rule, torus, whole_seconds, sequence, movements=MOVEMENTS):
+def play(rule, torus, whole_seconds, sequence):
     """Play (message, pause [s], pose) steps; return why messages were refused, and all movements (M, 2)."""
     space = Torus(11.0, 7.0) if torus else Euclidean(2)
     poses = OwnPoses(space, 1)
     settings = BufferSettings(aggregation={"DEFAULT": rule}, whole_seconds=whole_seconds)
     buffer = SoBuffer(settings, space, poses)
-    looking = [MECHANISMS.create(name, buffer, **parts_of(name, buffer)) for name in movements]
+    looking = [MECHANISMS.create(name, buffer, **parts_of(name, buffer)) for name in MOVEMENTS]
     queries, now, refused, vectors = Queries(buffer), 0.0, [], [np.zeros(2)]
     for message, pause, pose in sequence:
         now += pause  # negative too: clocks do run backwards
@@ -53,46 +85,22 @@ def play(rule, torus, whole_seconds, sequence, movements=MOVEMENTS):
     return refused, np.array(vectors)
 
 
-def random_sequence(rng):
-    """Return steps in the manner of the hypothesis test, drawn faster."""
-    odd = np.array([np.nan, np.inf, -np.inf, -1.0, 0.0, 1e-300, 1e300, 1e9, 1e10])
-
-    def number(low, high):
-        return float(rng.choice(odd)) if rng.random() < 0.08 else float(rng.uniform(low, high))
-
-    steps = []
-    for _ in range(rng.integers(1, 12)):
-        message = {
-            "channel": str(rng.choice(["f", "g", "robot", ""])), "position": (number(-5, 15), number(-5, 15)),
-            "source": str(rng.choice(["a", "b", ""])), "attraction": int(rng.integers(-1, 2)),
-            "diffusion": number(0, 5), "goal_radius": number(0, 1), "evaporation_factor": number(0, 1),
-            "evaporation_period": number(0, 3), "moving": bool(rng.random() < 0.3),
-            "heading": (number(-1, 1), number(-1, 1)),
-        }  # fmt: skip
-        if rng.random() < 0.3:
-            message["stamp"] = number(-5, 20)
-        steps.append((message, float(rng.uniform(-0.5, 2.0)), tuple(rng.uniform(-20, 20, 2))))
-    return steps
+def check(rule, torus, whole_seconds, sequence):
+    """AssertionError unless all messages are stored or refused by the name of a field, and movements are finite."""
+    refused, vectors = play(rule, torus, whole_seconds, sequence)
+    assert all(any(name in reason for name in FIELDS) for reason in refused)
+    assert np.isfinite(vectors).all()
 
 
-def main():
-    """Run the soak; return 1 at the first movement that is not finite."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sequences", type=int, default=100_000)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
-    tried, survived = 0, 0
-    for index in rounds(options.sequences):
-        rng = np.random.default_rng((options.seed, index))
-        sequence, some = random_sequence(rng), rng.choice(MOVEMENTS, 4, replace=False).tolist()
-        vectors = play(RULES[index % 6], bool(index & 1), bool(index & 2), sequence, some)[1]
-        tried, survived = tried + 1, survived + bool(np.isfinite(vectors).all())
-        if survived < tried:
-            print(f"a movement is not finite: seed {options.seed}, sequence {index}, mechanisms {some}")
-            break
-    report(tried, survived)
-    return int(survived < tried)
+def main(sequences="100_000"):
+    """Run the soak; the first sequence that fails raises its error, the smallest that Hypothesis finds."""
+    tried, slow = 0, [HealthCheck.too_slow]
+    limits = settings(max_examples=EACH, deadline=None, database=None, suppress_health_check=slow)
+    for number in rounds(-(-int(sequences) // EACH)):
+        seed(number)(limits(given(*SEQUENCES)(check)))()
+        tried += EACH
+    report(tried, tried)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main(*sys.argv[1:])

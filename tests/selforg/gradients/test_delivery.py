@@ -8,7 +8,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
-from selforg.mechanisms import Carried, GossipMax, Patrol, SpreadGradient
+from selforg.mechanisms import Carried, Patrol, SpreadGradient
 from selforg.space import Euclidean
 
 EVERYTHING = Filter(view_distance=np.inf)
@@ -96,15 +96,6 @@ def test_clearing_a_team_also_drops_what_is_under_way():
     buffer.clear(0)
     buffer.deliver(2.0)
     assert heard(buffer, 2.0) == [0, 0, 1, 1]
-
-
-def test_gossip_still_converges_along_a_chain_of_short_range():
-    buffer = line(rows=5, reach=1.0)
-    gossip = GossipMax(buffer, value=[9, 1, 1, 1, 1])
-    for tick in range(5):
-        buffer.poses.update(np.arange(5.0)[:, None] * [1.0, 0.0], None, 1.0 + tick)
-        gossip.spread(1.0 + tick)
-    assert (gossip.values == 9).all()
 
 
 @pytest.mark.parametrize(

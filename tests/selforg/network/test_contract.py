@@ -76,12 +76,6 @@ def test_only_the_rows_asked_for_are_stepped():
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_the_same_life_gives_the_same_state(seed):
-    model, readings = drawn(seed)
-    assert_same(lived(model, readings), lived(model, readings))
-
-
-@pytest.mark.parametrize("seed", SEEDS)
 def test_a_step_changes_neither_model_nor_readings(seed):
     model, readings = drawn(seed)
     before = copy.deepcopy(model.packed.record)

@@ -22,38 +22,6 @@ from tests.selforg.network.planning.generated_problems import generated
 from tests.selforg.network.planning.planner_reference import as_arrays, best_plan, execute, true_in
 from tests.selforg.network.planning.robot_problem import robot_problem, robot_state
 
-CHAIN = ["MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"]
-
-
-def robot_plan(*true, **distances):
-    search = ForwardSearch(robot_problem())
-    answer = plan_by_priority(search, search.read_state(*robot_state(*true, **distances)), (0, 1, 2))
-    assert isinstance(answer.outcome, Plan)
-    assert answer.goals == (0, 1, 2)
-    return [search.problem.actions[index].name for index in answer.outcome.actions]
-
-
-@pytest.mark.parametrize(
-    ("true", "tasks"),
-    [
-        ((), []),
-        (("garbage_seen", "garbage_found"), CHAIN),
-        (("garbage_seen", "garbage_at", "garbage_found"), CHAIN[1:]),
-        (("carrying", "garbage_found"), CHAIN[2:]),
-        (("carrying", "garbage_found", "at_recycling"), CHAIN[3:]),
-        (("carrying", "recycled", "garbage_found", "at_recycling"), CHAIN[4:]),
-        (("carrying", "recycled", "garbage_found", "at_dump"), CHAIN[5:]),
-    ],
-)
-def test_robot_plans_its_task_chain_then_patrol_then_avoidance(true, tasks):
-    assert robot_plan(*true) == [*tasks, "Patrol"]
-    assert robot_plan(*true, "rep_bool", avoidance=0.4) == [*tasks, "Patrol", "Avoid"]
-
-
-def test_robot_plan_does_not_depend_on_how_far_the_stations_are():
-    far = robot_plan("carrying", "garbage_found", recycling=7.7, dump=7.7)
-    assert robot_plan("carrying", "garbage_found", recycling=0.51, dump=0.06) == far
-
 
 def test_a_station_that_cannot_be_driven_to_leaves_the_goals_that_remain():
     search = ForwardSearch(robot_problem())
