@@ -4,4 +4,4 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 TRAINED = ROOT / "tests" / "trained"
-"""A directory of configurations with a policy and a learned strategy, which no longer ship, and their trainings."""
+"""A directory of configurations with a policy and a learned strategy, which no longer ship."""
