@@ -91,12 +91,13 @@ def test_the_report_of_pytest_is_counted_by_files(tmp_path):
         """<testsuites><testsuite>
         <testcase classname="tests.train.test_one" name="a" time="1.5"/>
         <testcase classname="tests.train.test_one.TestIt" name="b" time="1"><failure/></testcase>
-        <testcase classname="tests.test_two" name="c" time="0"><skipped/></testcase>
+        <testcase classname="tests.test_two" name="c" time="0"><skipped message="no Chromium"/></testcase>
+        <testcase classname="tests.test_two" name="d" time="0"><skipped message="needs ray: make examples"/></testcase>
         </testsuite></testsuites>"""
     )
     assert outcomes(tmp_path / "report.xml") == {
         "train/test_one.py": {"passed": 1, "failed": 1, "seconds": 2.5},
-        "test_two.py": {"skipped": 1, "seconds": 0},
+        "test_two.py": {"skipped": 1, "elsewhere": 1, "seconds": 0},
     }
 
 
