@@ -144,7 +144,7 @@ def test_the_manifest_that_ships_names_what_there_is_and_the_page_has_its_tables
     page = (DOCS / "scores.md").read_text(encoding="utf-8")
     assert f"pictures/{manifest.name}-loop.png" in page
     for label, family in manifest.families.items():
-        assert load_family(family.rooms or label).name == label
+        assert load_family(family.file or label).name == label
         assert f"<!-- begin: scores of {label} -->" in page
         for strategy in family.beside:
             decider_named(strategy)

@@ -42,7 +42,8 @@ def planted_regret(configs, folder, method, seed):
     return regret(search.winner(arm).goals["AvoidCollision"][0]), len(field.results.runs)
 
 
-@pytest.mark.parametrize("method", ["TPE", pytest.param("CMA-ES", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("method", ["TPE", "CMA-ES"])
 def test_a_planted_optimum_is_found(configs, tmp_path, method):
     found = [planted_regret(configs, tmp_path / str(seed), method, seed) for seed in range(10)]
     assert sum(regret < 0.05 for regret, _ in found) >= 9
