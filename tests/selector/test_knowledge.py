@@ -4,7 +4,7 @@ import pytest
 
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
-from selector.knowledge import Option, knowledge_from, load_knowledge
+from selector.knowledge import Option, knowledge_from, learned_from, load_knowledge
 from tests.selector.refusing import refusal
 
 OPTIONS = [
@@ -81,3 +81,9 @@ def test_knowledge_that_the_library_cannot_build_names_goal_and_option():
     option = {"configuration": "RepulsionGradient", "name": "near", "score": 1.0, "parameters": {"view": 1.0}}
     with pytest.raises(DocumentError, match=r"k\.yaml: goals\.G\.near: .*RepulsionGradient\.yaml: .*parameter 'view'"):
         Library().check(knowledge_from({"goals": {"G": [option]}}, "k.yaml"))
+
+
+@pytest.mark.parametrize("content", [[1], {"Avoid": [1]}, "Avoid"])
+def test_what_was_learned_is_a_mapping_of_options_by_goal(content):
+    with pytest.raises(DocumentError, match=r"^learned: expected a mapping of options by goal, got "):
+        learned_from(content, "learned")

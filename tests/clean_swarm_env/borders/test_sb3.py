@@ -57,6 +57,7 @@ def test_rows_are_those_of_the_batch_and_truncation_is_kept_apart():
                 assert np.array_equal(info["terminal_observation"], step.final_observations[row])
                 assert info["TimeLimit.truncated"] == step.truncated[row // 5]
                 assert {name: info[name] for name in END} == ends[row // 5].statistics
+                assert 0.0 <= info["episode"]["t"] < 3600.0
                 assert (info["episode"]["r"], info["episode"]["l"]) == (pytest.approx(totals[row]), lengths[row])
                 totals[row], lengths[row] = 0.0, 0
                 kinds.add(info["TimeLimit.truncated"])

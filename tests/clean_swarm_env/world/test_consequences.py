@@ -30,9 +30,8 @@ def driven(config, start=FACING, speeds=(1.0, -1.0, 0.5)):
 
 
 def open_mission(**changes):
-    return mission(
-        robots={"count": 3}, garbage={"count": 0}, events=[{"at": 900.0, "do": "land", "items": 1}], **changes
-    )
+    events = [{"at": 900.0, "do": "land", "items": 1}]
+    return mission(**{"robots": {"count": 3}, "garbage": {"count": 0}, "events": events, **changes})
 
 
 def test_two_robots_that_collide_stand_for_the_time_and_then_go_on():
@@ -73,13 +72,15 @@ def test_collisions_are_harmless_in_the_worlds_whose_missions_say_so():
         assert costs[turn] - costs[1 - turn] == pytest.approx(hard.collision_cost)
 
 
-def test_robots_that_back_off_part_after_they_have_stood():
-    worlds = driven(open_mission(consequences={"stop": 1.0, "back_off": 3.0}))
+def test_robots_that_back_off_part_after_they_have_stood_at_half_their_speed():
+    robots = {"count": 3, "max_speed": 0.8}
+    worlds = driven(open_mission(consequences={"stop": 1.0, "back_off": 3.0}, robots=robots))
     while not worlds.tick().any():
         pass
     for _ in range(20):  # 1 s and 3 s
-        held = worlds.task.consequences.standing.copy()
+        held, places = worlds.task.consequences.standing.copy(), worlds.physics.positions.copy()
         worlds.tick()
+    assert np.hypot(*(worlds.physics.positions - places)[:2].T) == pytest.approx(0.4 * worlds.period)
     assert held.tolist() == [2, 2, 0]
     first, second = worlds.physics.positions[:2]
     assert np.hypot(*(first - second)) > 1.0

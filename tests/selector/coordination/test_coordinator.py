@@ -7,7 +7,7 @@ from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.tasks.cleaning.robot import robot_network
 from selector.configurations.host import Host
 from selector.configurations.library import Library
-from selector.coordination.coordinator import Coordinator
+from selector.coordination.coordinator import Coordinator, list_turns
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
@@ -151,3 +151,11 @@ def test_options_that_do_not_exist_are_refused(avoidance):
         coordinator.hold(np.array([1]), np.array([3]))
     with pytest.raises(DocumentError, match="Flocking"):
         CoordinatorModel("Flocking", load_knowledge("cleaning"), Library())
+
+
+def test_a_network_inside_is_listed_as_stale_once():
+    rows, stale, turns = np.array([0, 2]), np.array([1, 1, 0]), np.zeros((2, 3), dtype=np.int64)
+    outer, inner = (np.zeros((3, 20, behaviours), dtype=np.int64) for behaviours in (0, 2))
+    assert list_turns(rows, outer, np.zeros(0, dtype=np.int64), inner, stale, turns) == (2, 1)
+    assert (turns[0, :2].tolist(), turns[1, 0], stale.tolist()) == ([0, 2], 0, [0, 1, 0])
+    assert list_turns(rows, outer, np.zeros(0, dtype=np.int64), inner, stale, turns) == (2, 0)

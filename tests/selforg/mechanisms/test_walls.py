@@ -8,6 +8,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import MOST_WALLS, OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import ORCA, Exploration, Patrol, PredictiveSteering, RepulsionFernandez, RepulsionGradient
+from selforg.mechanisms.steering.orca import WALL_HORIZON
 from selforg.space import Torus
 from selforg.walls.segments import images, packed_walls
 
@@ -78,6 +79,15 @@ def test_steering_robots_keep_off_a_wall_that_they_are_told_to_drive_into(kind, 
         place = place + 0.2 * velocity
         assert place[0] < 4.0 - least
         assert place[1] < 5.0 - least
+
+
+def test_orca_nears_walls_by_what_is_left_in_its_horizon_from_the_first_pose_on():
+    poses = OwnPoses(Torus(*SIZE), 2, walls=packed_walls(images(CORNER, SIZE), (0.0, 0.0), SIZE))
+    poses.update(np.array([[3.4, 3.0], [2.5, 4.4]]), np.zeros(2), 0.0)
+    commands = Commands(2, 2)
+    commands.vectors[:], commands.commanded[:] = np.eye(2), True
+    ORCA(poses, view_distance=1.0, distance=0.8).steer(0.0, np.arange(2), commands.packed.words)
+    assert np.allclose(np.diag(commands.vectors), (0.6 - 0.5 * 0.8) / WALL_HORIZON)
 
 
 @pytest.mark.parametrize("kind", [ORCA, PredictiveSteering, RepulsionGradient])
