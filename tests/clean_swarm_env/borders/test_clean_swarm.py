@@ -112,7 +112,9 @@ def test_importing_the_environment_loads_neither_torch_nor_matplotlib():
     assert not {name.partition(".")[0] for name in done.stdout.split()} & {"torch", "stable_baselines3", "matplotlib"}
 
 
+@pytest.mark.extra
 def test_the_usual_parts_of_a_pettingzoo_module_are_there():
+    pytest.importorskip("pygame", reason="the mode human opens a window")
     assert isinstance(clean_swarm_v0.env(), OrderEnforcingWrapper)
     assert not isinstance(clean_swarm_v0.raw_env(), OrderEnforcingWrapper)
     render_test(clean_swarm_v0.env)

@@ -20,12 +20,14 @@ SERVES = ActionConfig(serves={"RepulsionFernandez": ("patrol", "approach")})
 
 
 @long_course
+@pytest.mark.extra
 @pytest.mark.filterwarnings("error::UserWarning")
 @pytest.mark.filterwarnings("ignore:.*not run by the environment checker.*")  # render modes need a spec
 @pytest.mark.parametrize(
     ("name", "mode"), [("CleanSwarm-v0", "option"), ("CleanSwarm-v0", "velocity"), ("CleanSwarmOneForAll-v0", "option")]
 )
 def test_the_environments_of_teams_pass_gymnasiums_check(name, mode):
+    pytest.importorskip("pygame", reason="the mode human opens a window")
     check_env(gymnasium.make(name, mission=SHORT, action={"mode": mode}).unwrapped)
 
 

@@ -54,7 +54,7 @@ def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
 
 
 def test_what_is_not_installed_is_named_with_what_installs_it(tmp_path, monkeypatch):
-    monkeypatch.setitem(LEARNERS, "ppo", ("torch", "no-such-package"))
+    monkeypatch.setitem(LEARNERS, "ppo", ("numpy", "no-such-package"))
     request = Request("exploring-ppo", seed=1, output=tmp_path / "t")
     with pytest.raises(DocumentError, match=r"training by ppo needs no-such-package, .*'.\[train\]'"):
         session.run_training("ppo", request, pytest.fail, Console())
