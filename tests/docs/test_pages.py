@@ -322,6 +322,8 @@ STORY = ("README.md", "docs/commands.md", *(page for page in PAGES if page.start
 """Pages that run one after the other in one directory; what ran there already does not run again."""
 FEWER = {"docs/scores.md": r"30|20|10", "docs/tuning.md": r"20"}
 """Pages that run in a directory of their own -> numbers of missions in whose place are 2."""
+IN_STORY = {"docs/commands.md": r"100|10"}
+"""The same for pages of the story; the README and the tutorials run whole."""
 
 
 @pytest.fixture(scope="module")
@@ -358,7 +360,7 @@ def run_page(page, folder, ran, many="never"):
 def test_a_page_runs_whole(page, story):
     for extra in ("stable_baselines3", "optuna"):
         pytest.importorskip(extra, reason="needs the extras 'train' and 'tune'")
-    run_page(page, *story)
+    run_page(page, *story, IN_STORY.get(page, "never"))
 
 
 @pytest.mark.long

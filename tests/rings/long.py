@@ -122,7 +122,7 @@ def main() -> int:
     before = fingerprints()
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.xml"
-        words = [*GATE, "-m", "long", f"--junit-xml={report}", *files_of(packages)]
+        words = [*GATE, "-vv", "-m", "long", f"--junit-xml={report}", *files_of(packages)]
         code, times = run(words, "long", "`make long`")
         table = outcomes(report) if report.exists() else {}
     print("| file | passed | failed | skipped | seconds |", "|---|---|---|---|---|", sep="\n")
