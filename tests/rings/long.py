@@ -2,8 +2,9 @@
 
 `python -m tests.rings.long [--needed] [PACKAGE...]` runs those of all packages, of some, or with `--needed` of those
 whose record is not of the sources that are there. A record holds, for each package, a hash of the files that decide the
-result: its own and those of the packages below it. A hash over the table finds a record that was damaged or written by
-hand; then all tests run. A package of which a test failed or was skipped gets no record.
+result: its own sources and tests, the sources of the packages below it, and what helps tests. A hash over the table
+finds a record that was damaged or written by hand; then all tests run. A package of which a test failed or was skipped
+gets no record.
 """
 
 import argparse
@@ -48,17 +49,23 @@ def fingerprints(root: Path = ROOT) -> dict[str, str]:
     words = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     listed = subprocess.run(words, cwd=root, capture_output=True, text=True, check=True).stdout.split("\0")
     files = sorted(name for name in set(listed) - {"", *UNREAD} if (root / name).is_file())
-    digest, found = hashlib.sha256(), {}
-    taken: set[str] = set()
+    contents = {name: hashlib.sha256((root / name).read_bytes()).hexdigest() for name in files}
+    decisive, found = {*EVERYWHERE}, {}
     for package, sources in LAYERS:
-        for name in files:
-            first, _, rest = name.partition("/")
-            of_tests = first == "tests" and (package_of(rest) == package or "/" not in rest)
-            if name not in taken and (first in sources or name in EVERYWHERE or of_tests):
-                taken.add(name)
-                digest.update(f"{name} {hashlib.sha256((root / name).read_bytes()).hexdigest()}\n".encode())
-        found[package] = digest.hexdigest()
+        decisive |= {*sources}
+        lines = [
+            f"{name} {content}\n"
+            for name, content in contents.items()
+            if name in decisive or name.partition("/")[0] in decisive or counts_for(package, name)
+        ]
+        found[package] = hashlib.sha256("".join(lines).encode()).hexdigest()
     return found
+
+
+def counts_for(package: str, name: str) -> bool:
+    """Return whether a file is a test of a package, or may help tests of any package."""
+    top, _, rest = name.partition("/")
+    return top == "tests" and (package_of(rest) == package or not Path(rest).name.startswith("test_"))
 
 
 def sealed(packages: dict[str, Any]) -> str:
