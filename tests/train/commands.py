@@ -113,8 +113,8 @@ def finished(directory: Path) -> int:
 
 
 def wait_for_runs(process: "subprocess.Popen[str]", directory: Path, count: int) -> None:
-    """Wait until that number of runs is kept."""
-    until(lambda: finished(directory) >= count or process.poll() is not None, 600.0)
+    """Wait until there is a directory of results, and that number of runs is kept."""
+    until(lambda: (directory.exists() and finished(directory) >= count) or process.poll() is not None, 600.0)
     assert process.poll() is None
 
 
