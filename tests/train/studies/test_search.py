@@ -47,7 +47,7 @@ def planted_regret(configs, folder, method, seed):
 def test_a_planted_optimum_is_found(configs, tmp_path, method):
     found = [planted_regret(configs, tmp_path / str(seed), method, seed) for seed in range(10)]
     assert sum(regret < 0.05 for regret, _ in found) >= 9
-    assert all(missions <= 60 * 50 / 2 for _, missions in found)
+    assert all(missions <= 0.6 * 60 * 50 for _, missions in found)  # races spare the others
 
 
 @pytest.mark.parametrize("method", get_args(Method))
