@@ -18,9 +18,9 @@ TIMED = hasattr(signal, "setitimer")
 class Interruption:
     """Raises KeyboardInterrupt at a signal, unless another one came less than `WINDING_UP` before.
 
-    While a module is imported or LLVM compiles, a signal waits: an exception is lost there, becomes another, or leaves
-    memory broken. Where native code drops the exception, it comes again. Signals that the program was told to ignore
-    (nohup) stay ignored.
+    While a module is imported, LLVM compiles or pydantic reads, a signal waits: an exception is lost there, becomes
+    another, or leaves memory broken. Where native code drops the exception, it comes again. Signals that the program
+    was told to ignore (nohup) stay ignored.
     """
 
     def __init__(self) -> None:
@@ -70,9 +70,9 @@ class Interruption:
 
 
 def _has_to_wait(frame: FrameType | None) -> bool:
-    """Return whether an import or LLVM is at work below a frame."""
+    """Return whether an import, LLVM or pydantic is at work below a frame."""
     while frame is not None:
-        if str(frame.f_globals.get("__name__")).startswith(("importlib.", "llvmlite")):
+        if str(frame.f_globals.get("__name__")).startswith(("importlib.", "llvmlite", "pydantic.")):
             return True
         frame = frame.f_back
     return False

@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from traceback import format_exc
@@ -114,10 +115,10 @@ class _Workers:
         context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
         ours, theirs = context.Pipe()
         process = context.Process(target=call, args=(__name__, "work", theirs, current_permission()))
-        with _ctrl_c_ignored():  # the worker inherits this
+        with _ctrl_c_held():
             process.start()
-        theirs.close()  # now its end is the worker's alone, and closed when that ends
-        self._processes[ours] = process
+            theirs.close()  # now its end is the worker's alone, and closed when that ends
+            self._processes[ours] = process
         return ours
 
     def _buried(self, connection: Connection) -> _Attempt:
@@ -148,16 +149,22 @@ class _Workers:
 
 
 @contextmanager
-def _ctrl_c_ignored() -> Iterator[None]:
-    """Ignore Ctrl-C: a terminal sends it to the workers too, but the parent ends its workers."""
-    if threading.current_thread() is not threading.main_thread():  # only the main thread may change signals
+def _ctrl_c_held() -> Iterator[None]:
+    """Hold Ctrl-C back until the end, and from processes that start here: a terminal sends it to them as well."""
+    if threading.current_thread() is not threading.main_thread() or os.name != "posix":  # only it may change signals
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    came: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    resource_tracker.ensure_running()  # its start lets signals through
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # which the process inherits
     try:
         yield
     finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         signal.signal(signal.SIGINT, before)
+        for number in came:
+            signal.raise_signal(number)
 
 
 def work(connection: Connection, permission: Permission) -> None:
