@@ -1,4 +1,4 @@
-"""Free motion on the torus: how robots move as long as none touches another or a wall (compiled, all worlds at once).
+"""Motion on the torus (compiled): free while no robot touches another or a wall, else as far as contacts may push.
 
 Shapes: W worlds, N robots a world, R = W * N rows; world w has the rows w*N .. (w+1)*N - 1.
 """
@@ -8,12 +8,13 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, fill_cells
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Recording, Words, Written
 from selforg.elementary import sine_cosine
 from selforg.space import nearest_image, wrapped
-from selforg.walls.segments import Walls, cell_of_walls, open_walls, touches_wall
+from selforg.walls.segments import Walls, cell_of_walls, open_walls, to_segment, touches_wall
 
 NOBODY_TOUCHES: Final = 0  # search for contacts: robots never touch
 SEARCH_PAIRS: Final = 1  # look at every pair of a world
@@ -21,6 +22,10 @@ ALWAYS_TOUCHING: Final = 2  # treat every world as in contact
 
 SKIN: Final = 1e-9  # share of the radius added: robots exactly two radii apart touch in spite of rounding
 PERSISTENCE: Final = 3  # [substeps] for which Chipmunk remembers a contact
+
+LONGEST_WAY: Final = 0.5  # way of a body that contacts push, in a substep [its radius]
+DEEPEST: Final = 0.6  # how far contacts push a body into a wall [its radius]
+CLOSEST: Final = 0.25  # how close contacts push two centres [sum of both radii]
 
 COPY_RIGHT, COPY_ABOVE, COPY_RIGHT_ABOVE, COPY_RIGHT_BELOW = 1, 2, 4, 8  # seam copies of a body, one bit each
 COPY_OFFSETS: Final = ((1, 0), (0, 1), (1, 1), (1, -1))  # their places [world sizes], in the order of the bits
@@ -42,6 +47,9 @@ class RobotMotion(NamedTuple):
     parts: Annotated[Ints, "N PARTS", SCRATCH]  # addresses in Chipmunk while a world is in contact, else 0
     walls: Annotated[Ints, "K", SCRATCH]  # likewise, of segments; NEAR_ROBOTS where one is to be put there
     left: Annotated[Ints, "W", SCRATCH]  # substeps of the running tick that a world still has to do
+    extent: Annotated[Floats, "2", READ]  # of the torus [m], as `physics.cells` takes it
+    cells: Annotated[Ints, "lines columns", SCRATCH]  # see `cells`; a single one where cells save no time
+    links: Annotated[Ints, "N", SCRATCH]  # see `cells`
     search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
     width: float  # of the torus [m]
     height: float  # [m]
@@ -180,10 +188,70 @@ def push(world: int, m: RobotMotion) -> None:
         m.copies[row] = needed
 
 
+@inlined
+def leads_to_wall(row: int, wx: float, wy: float, m: RobotMotion, walls: Words[Walls]) -> bool:
+    """Return whether a robot's way [m] ends deeper in a wall than DEEPEST, and deeper than the robot is."""
+    w, least = open_walls(walls), (1.0 - DEEPEST) * m.radii[row]
+    x, y = wrapped(m.positions[row, 0] + wx, m.width), wrapped(m.positions[row, 1] + wy, m.height)
+    cell = cell_of_walls(x, y, w)
+    if cell < 0 or w.clear[cell] >= least:
+        return False
+    for k in range(w.first[cell], w.first[cell + 1]):
+        dx, dy = to_segment(x, y, w.listed[k], w)
+        bx, by = to_segment(x - wx, y - wy, w.listed[k], w)
+        if dx * dx + dy * dy < min(least * least, bx * bx + by * by):
+            return True
+    return False
+
+
+@inlined
+def leads_to_robot(row: int, first: int, wx: float, wy: float, m: RobotMotion) -> bool:
+    """Return whether a robot's way [m] ends closer to another than CLOSEST, and closer than the robot is.
+
+    first: first row of its world, whose robots are in the cells.
+    """
+    lines, columns = m.cells.shape
+    line, column = cell_at(m.positions[row, 1], lines, m.height), cell_at(m.positions[row, 0], columns, m.width)
+    for walk in range(min(lines * columns, 9)):
+        point = cell_beside(line, column, walk, m.cells)
+        while point != NOBODY:
+            least = CLOSEST * (m.radii[row] + m.radii[first + point])
+            x = nearest_image(m.positions[row, 0] - m.positions[first + point, 0], m.width)
+            y = nearest_image(m.positions[row, 1] - m.positions[first + point, 1], m.height)
+            if (x + wx) ** 2 + (y + wy) ** 2 < min(least * least, x * x + y * y):
+                return True
+            point = m.links[point]
+    return False
+
+
+@inlined
+def hold_back(row: int, first: int, m: RobotMotion, walls: Words[Walls]) -> None:
+    """Shorten the way of a body that contacts push too far, and let it stay where it would sink too deep.
+
+    Chipmunk looks at where bodies are, not at their way, and gives way to crowds. Each body in turn keeps the bounds,
+    so none gets through a wall or another body.
+    """
+    wx = m.bodies[row, 0] + m.bodies[row, 2] * m.timestep - m.positions[row, 0]
+    wy = m.bodies[row, 1] + m.bodies[row, 3] * m.timestep - m.positions[row, 1]
+    px, py = wx - m.wanted[row, 0] * m.timestep, wy - m.wanted[row, 1] * m.timestep
+    if px * px + py * py < (SKIN * m.radii[row]) ** 2:
+        return  # nothing pushes it
+    share = min(LONGEST_WAY * m.radii[row] / max(np.sqrt(wx * wx + wy * wy), 1e-300), 1.0)
+    wx, wy = share * wx, share * wy
+    if leads_to_wall(row, wx, wy, m, walls) or (m.search != NOBODY_TOUCHES and leads_to_robot(row, first, wx, wy, m)):
+        share = wx = wy = 0.0
+    if share < 1.0:
+        m.bodies[row, 0], m.bodies[row, 1] = m.positions[row, 0], m.positions[row, 1]
+        m.bodies[row, 2], m.bodies[row, 3] = wx / m.timestep, wy / m.timestep
+
+
 @lean_kernel
-def land(world: int, motion: Written[RobotMotion]) -> None:
-    """Move the robots of a world by their velocities after the contacts."""
+def land(world: int, motion: Written[RobotMotion], walls: Words[Walls]) -> None:
+    """Move the robots of a world by their velocities after the contacts, as far as that is possible."""
     m = open_robot_motion(motion)
     robots = m.parts.shape[0]
-    for row in range(world * robots, (world + 1) * robots):
+    first = world * robots
+    fill_cells(m.positions, first, m.present[first : first + robots], m.extent, m.cells, m.links)
+    for row in range(first, first + robots):
+        hold_back(row, first, m, walls)
         move(row, m)

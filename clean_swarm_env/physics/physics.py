@@ -18,6 +18,7 @@ from typing import Annotated, Final, Literal
 
 import numpy as np
 
+from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.contact_space import ContactSpace, chipmunk_functions
 from clean_swarm_env.physics.drive import DifferentialDrive
@@ -101,6 +102,8 @@ class Physics:
         search = NOBODY_TOUCHES
         if settings.contacts == "solid" and robots > 1:
             search = SEARCH_PAIRS if robots <= PAIR_SEARCH_LIMIT else ALWAYS_TOUCHING
+        extent = np.array([settings.width, settings.height], dtype=np.float64)
+        cells = np.zeros(np.maximum(cells_along(robots, 2.0 * largest * (1.0 + SKIN), extent), 1), np.int64)
         self._motion: Packed[RobotMotion] = ROBOT_MOTION.pack(
             RobotMotion(
                 positions=self.positions,
@@ -114,6 +117,9 @@ class Physics:
                 parts=np.zeros((robots, PARTS), np.int64),
                 walls=np.zeros(len(self.walls.record.segments), np.int64),
                 left=np.zeros(worlds, np.int64),
+                extent=extent,
+                cells=cells,
+                links=np.zeros(robots, np.int64),
                 search=search,
                 width=float(settings.width),
                 height=float(settings.height),

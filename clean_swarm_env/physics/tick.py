@@ -43,7 +43,7 @@ def go_on(
             if space == NO_SPACE:
                 space = make_space(world, motion, walls, chipmunk)
             touch(world, space, left == 1, motion, chipmunk)
-            land(world, motion)
+            land(world, motion, walls)
         count_world(world, m.positions, m.present, counts)
         left -= 1
     if space != NO_SPACE:
@@ -89,6 +89,6 @@ def land_and_go_on(
 ) -> int:
     """Continue a world after a substep that Python ran in pymunk; see `go_on`."""
     m = open_robot_motion(motion)
-    land(world, motion)
+    land(world, motion, walls)
     count_world(world, m.positions, m.present, counts)
     return go_on(world, left - 1, drive, motion, counts, walls, chipmunk)
