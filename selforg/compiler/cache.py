@@ -24,7 +24,8 @@ from types import FunctionType
 from typing import Any, Self
 
 import numba
-from numba.core.caching import _CacheLocator
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+from numba.core.environment import Environment, lookup_environment
 
 from selforg.compiler.switches import CHECKED, PLAIN
 
@@ -91,6 +92,53 @@ class InFolder(_CacheLocator):
     def from_function(cls, py_func: FunctionType, py_file: str) -> Self:
         """Return the place of a function; Numba calls this while it decorates."""
         return cls(py_func.__code__.co_firstlineno)
+
+
+class Constants:
+    """A stand-in for Numba's `Environment` in a pickle, which would import the module of its function by name.
+
+    The module may have been imported by another name or from another place meanwhile. Compiled code reads no globals.
+    """
+
+    def __init__(self, given: Any) -> None:  # noqa: ANN401  (an Environment)
+        self._given = given
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return environment_of, (self._given.env_name, list(self._given.consts))
+
+
+def environment_of(name: str, constants: list[Any]) -> Any:  # noqa: ANN401  (an Environment)
+    """Return the environment of this name, made of these constants if there is none."""
+    found = lookup_environment(name)  # type: ignore[no-untyped-call]
+    if found is None:
+        found = Environment({"__name__": __name__})  # without a name, it could not be kept with other kernels
+        found.consts[:], found.env_name = constants, name
+        Environment._memo[name] = found
+    return found
+
+
+class AnyPlaceImpl(CompileResultCacheImpl):
+    """Pickles compiled code so that it does not depend on the name by which the module of its function was imported."""
+
+    def __init__(self, py_func: FunctionType) -> None:
+        super().__init__(py_func)  # type: ignore[no-untyped-call]
+        self._module = py_func.__module__
+
+    def reduce(self, cres: Any) -> Any:  # noqa: ANN401  (Numba's)
+        """Return the parts of what was compiled, with `Constants` in the place of environments."""
+        code, described, own, *rest, used = cres._reduce()
+        return code, described, Constants(own), *rest, tuple(map(Constants, used))
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:  # noqa: ANN401  (Numba's)
+        """Return compiled code, as that of the module of today."""
+        payload[1].modname = self._module
+        return super().rebuild(target_context, payload)  # type: ignore[no-untyped-call]
+
+
+class AnyPlaceCache(FunctionCache):
+    """Numba's cache of one function, for a module of any name."""
+
+    _impl_class = AnyPlaceImpl
 
 
 @contextmanager

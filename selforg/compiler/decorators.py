@@ -17,7 +17,7 @@ import numba
 from numba.core import event
 from numba.extending import register_jitable
 
-from selforg.compiler.cache import folder_for, keeping_in
+from selforg.compiler.cache import AnyPlaceCache, folder_for, keeping_in
 from selforg.compiler.parts import known_to_kernels
 from selforg.compiler.switches import COMPILED, LEAN, NUMPY_ERRORS, PLAIN
 
@@ -137,6 +137,7 @@ def compiled(function: Callable[P, R], options: dict[str, Any], *others: str) ->
     if folder is None:
         return cast("Callable[P, R]", numba.njit(**options)(function))
     with keeping_in(folder):  # Numba reads this while it decorates
-        kept = cast("Callable[P, R]", numba.njit(cache=True, **options)(function))
+        kept = cast("Any", numba.njit(**options)(function))
+        kept._cache = AnyPlaceCache(function)  # type: ignore[no-untyped-call]
     KERNELS.setdefault(f"{function.__module__}.{function.__qualname__}", kept)
-    return kept
+    return cast("Callable[P, R]", kept)

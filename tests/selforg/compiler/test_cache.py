@@ -23,10 +23,15 @@ from limit import LIMIT
 def inner(x): return x * {} + LIMIT
 """
 KERNEL = """
-from selforg.compiler.decorators import kernel
+import builtins
+from selforg.compiler.decorators import kernel, part
+assert not hasattr(builtins, "ran")  # as a registry refuses a class that it has
+builtins.ran = True
 from part import inner
+@part
+def own(x): return inner(x)
 @kernel
-def outer(x): return inner(x)
+def outer(x): return own(x)
 """
 
 
@@ -61,9 +66,13 @@ def project(tmp_path):
     return tmp_path
 
 
-def outer(project, **environment):
+BY_NAME = "from kernel import outer"
+BY_FILE = "from selforg.plugins import module_of; outer = module_of('kernel.py').outer"
+
+
+def outer(project, way=BY_NAME, **environment):
     done = subprocess.run(
-        [sys.executable, "-c", "from kernel import outer; print(outer(3.0))"],
+        [sys.executable, "-c", f"{way}; print(outer(3.0))"],
         cwd=project,
         env={**os.environ, "PYTHONPATH": f"{project}{os.pathsep}{ROOT}", "PYTHONDONTWRITEBYTECODE": "1", **environment},
         capture_output=True,
@@ -83,15 +92,19 @@ def test_a_change_in_a_file_that_a_kernel_calls_is_seen(project):
     assert len(list((project / "kept").glob("kernel-*"))) == 3
 
 
-def test_the_same_sources_at_another_place_and_time_compile_nothing(project, tmp_path):
+@pytest.mark.parametrize("second", [BY_NAME, BY_FILE], ids=["by name", "by file"])
+@pytest.mark.parametrize("first", [BY_NAME, BY_FILE], ids=["by name", "by file"])
+def test_the_same_sources_at_another_place_time_and_name_compile_nothing(first, second, project, tmp_path):
     kept = tmp_path / "kept"
-    assert outer(project, NUMBA_CACHE_DIR=str(kept))[0] == 106.0
+    assert outer(project, first, NUMBA_CACHE_DIR=str(kept))[0] == 106.0
     before = {path: path.read_bytes() for path in kept.rglob("*.nb?")}
     assert len(before) == 2
     shutil.copytree(project, tmp_path / "elsewhere", ignore=lambda folder, names: {*names} - {*SOURCES})
     for name in SOURCES:
         os.utime(tmp_path / "elsewhere" / name, (0, 0))
-    assert outer(tmp_path / "elsewhere", NUMBA_CACHE_DIR=str(kept))[0] == 106.0
+    for name in SOURCES:
+        (project / name).unlink()
+    assert outer(tmp_path / "elsewhere", second, NUMBA_CACHE_DIR=str(kept))[0] == 106.0
     assert {path: path.read_bytes() for path in kept.rglob("*.nb?")} == before
 
 
