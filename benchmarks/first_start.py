@@ -42,8 +42,14 @@ class Clock(event.Listener):
 event.register("numba:compile", Clock())
 warm_up.FIRST_KERNELS = warm_up.Path("/dev/null")
 batch.Batch()
-last = {name for name, one in KERNELS.items() if one.py_func.__code__.co_filename == str(warm_up.EVERY_MISSION)}
-lines = sorted(compiled_lines(), key=lambda line: (line.split()[0] in last, -seconds.get(line.split()[0], 0.0)))
+
+
+def order(line):
+    name = line.split()[0]
+    return name == warm_up.EVERY_MISSION, -seconds.get(name, 0.0)
+
+
+lines = sorted(compiled_lines(), key=order)
 print("\\n".join(lines))
 """
 

@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.task_names import TASKS_HOME
-from clean_swarm_env.tasks.cleaning import cargo
+from clean_swarm_env.tasks.cleaning.cargo import reset_commands
 from selforg.compiler.ahead import compile_line
-from selforg.compiler.cache import cache_directory, folder_for
+from selforg.compiler.cache import cache_directory
 from selforg.compiler.decorators import KERNELS
 from selforg.compiler.switches import COMPILED, PLAIN
 
@@ -32,8 +32,8 @@ except ImportError:  # Windows: processes that start side by side each compile
 
 WARM_UP_PERIODS = 300
 """Decision periods within which a mission has called every kernel that missions call."""
-EVERY_MISSION = Path(cargo.__file__)
-"""File of kernels that every mission calls and nothing else does: checking a configuration does not compile them."""
+EVERY_MISSION = f"{reset_commands.__module__}.{reset_commands.__name__}"
+"""A kernel that every mission calls and nothing else does: checking a configuration does not compile it."""
 COMPILING = "compiling this copy of the package for this machine, once: about a minute"
 SILENCED = "CLEAN_SWARM_QUIET"
 """Variable of the environment that silences the line, if it is 1."""
@@ -127,8 +127,7 @@ def announce() -> None:
 
 def compiled_before() -> bool:
     """Return whether the kernels of the present sources are on the disk; True as well where none can be kept."""
-    folder = folder_for(str(EVERY_MISSION))
-    return not COMPILED or folder is None or any(folder.rglob("*.nbi"))
+    return not COMPILED or cache_directory() is None or KERNELS[EVERY_MISSION]._cache.is_kept()
 
 
 @contextmanager

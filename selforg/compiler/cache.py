@@ -1,8 +1,7 @@
-"""Where compiled kernels are kept: a folder for each source file, named by a hash of all that the kernels are made of.
+"""Where compiled kernels are kept: a file for each kernel and each set of types of its arguments.
 
-Numba's own cache checks only the file of a kernel. Functions that the kernel calls in other files are compiled into it,
-and so are the constants of those files: a change there has to lead to a new folder. The hash covers the file, every
-file of ours that it imports, directly or not, the switches, and the versions of Numba and of its optimiser
+A hash of all that the kernel is compiled from is the name of the file (`selforg.compiler.contents`). Numba's own cache
+checks only the file of a kernel, although functions and constants of other files are compiled into it
 (docs/decisions/0050-kernel-cache.md).
 """
 
@@ -10,24 +9,29 @@ from __future__ import annotations
 
 import hashlib
 import os
-import re
+import pickle
 import shutil
 import stat
 import tempfile
 import time
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import cache
+from itertools import count
 from pathlib import Path
 from types import FunctionType
-from typing import Any, Self
+from typing import Any
 
 import numba
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+from numba.core.bytecode import FunctionIdentity
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
 from numba.core.environment import Environment, lookup_environment
+from numba.core.serialize import dumps
 
-from selforg.compiler.switches import CHECKED, PLAIN
+from selforg.compiler.contents import UnkeyedError, key_of, words_for
+from selforg.compiler.intrinsics import Compiler
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -61,37 +65,18 @@ OWN_ROOT = Path(__file__).parents[2]
 """The directory that holds the package `selforg`."""
 ROOM = 100e6
 """Free room below which nothing is kept [byte]; the kernels of all commands take less."""
-WEEK = 7 * 24 * 3600.0
-"""Age [s] from which a folder for older sources is removed; a younger one may serve another branch or process."""
+MOST = 500e6
+"""Room for compiled code [byte]: what was used longest ago goes."""
+DAY = 24 * 3600.0
+MONTH = 30 * DAY
+"""Time [s] after which compiled code goes that was not used meanwhile."""
 UNCACHED = (
     "compiled code cannot be kept: {}. Every start compiles again, about a minute; "
     "NUMBA_CACHE_DIR names another directory"
 )
-IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(?:\(([^)]*)\)|(.*))|import[ \t]+(.*))$", re.M)
-
-
-class InFolder(_CacheLocator):
-    """Keeps a kernel in the folder of `keeping_in`, wherever its sources lie: the name of the folder is their hash."""
-
-    def __init__(self, line: int) -> None:
-        self._folder, self._line = numba.config.CACHE_DIR, line  # type: ignore[attr-defined]
-
-    def get_cache_path(self) -> str:
-        """Return the folder."""
-        return str(self._folder)
-
-    def get_source_stamp(self) -> str:
-        """Return nothing: the name of the folder says of which sources its kernels are."""
-        return ""
-
-    def get_disambiguator(self) -> str:
-        """Return the line, because a file may define two kernels of one name."""
-        return str(self._line)
-
-    @classmethod
-    def from_function(cls, py_func: FunctionType, py_file: str) -> Self:
-        """Return the place of a function; Numba calls this while it decorates."""
-        return cls(py_func.__code__.co_firstlineno)
+FunctionIdentity._unique_ids = count(int.from_bytes(os.urandom(6), "big"))
+"""Numba numbers functions to tell those of one name apart. One process loads what several have compiled, so each begins
+at a number of its own: else a function could be linked in the place of another."""
 
 
 class Constants:
@@ -117,40 +102,72 @@ def environment_of(name: str, constants: list[Any]) -> Any:  # noqa: ANN401  (an
     return found
 
 
-class AnyPlaceImpl(CompileResultCacheImpl):
-    """Pickles compiled code so that it does not depend on the name by which the module of its function was imported."""
+class KernelCache(NullCache):
+    """The compiled code of one kernel on the disk, for `Dispatcher._cache` of Numba.
 
-    def __init__(self, py_func: FunctionType) -> None:
-        super().__init__(py_func)  # type: ignore[no-untyped-call]
-        self._module = py_func.__module__
+    Code that was compiled from the same contents in a module of another name or place is the same.
+    """
 
-    def reduce(self, cres: Any) -> Any:  # noqa: ANN401  (Numba's)
-        """Return the parts of what was compiled, with `Constants` in the place of environments."""
-        code, described, own, *rest, used = cres._reduce()
-        return code, described, Constants(own), *rest, tuple(map(Constants, used))
+    def __init__(self, function: FunctionType, options: Mapping[str, Any]) -> None:
+        self._function, self._options = function, options
 
-    def rebuild(self, target_context: Any, payload: Any) -> Any:  # noqa: ANN401  (Numba's)
-        """Return compiled code, as that of the module of today."""
-        payload[1].modname = self._module
-        return super().rebuild(target_context, payload)  # type: ignore[no-untyped-call]
+    def load_overload(self, sig: Compiler, target_context: Compiler) -> Compiler:
+        """Return the compiled code for types of arguments; None if there is none, or only what was damaged."""
+        target_context.refresh()
+        for directory in filter(None, (cache_directory(), shared_directory())):
+            with suppress(Exception):  # a pickle that is not whole may raise any
+                code, described, *rest = pickle.loads(bytes_at(directory / self.name_for(sig)))
+                described.modname = self._function.__module__
+                return CompileResult._rebuild(target_context, code, described, *rest)  # type: ignore[no-untyped-call]
+        return None
+
+    def save_overload(self, sig: Compiler, data: Compiler) -> None:
+        """Keep compiled code; one line says so where that is not possible."""
+        directory = cache_directory()
+        if directory is None or data.lifted or data.library.has_dynamic_globals:
+            return
+        remove_old(directory)
+        try:
+            path = directory / self.name_for(sig)
+        except UnkeyedError as error:
+            warnings.warn(f"{error}: it is compiled at every start", RuntimeWarning, stacklevel=2)
+            return
+        code, described, own, *rest, used = data._reduce()
+        part = path.with_name(f"{path.name}-{os.getpid()}")  # another process may write the same
+        try:
+            whole = (code, described, Constants(own), *rest, tuple(map(Constants, used)))
+            part.write_bytes(dumps(whole))  # type: ignore[no-untyped-call]
+            part.replace(path)
+        except OSError as error:
+            warnings.warn(UNCACHED.format(error), RuntimeWarning, stacklevel=2)
+            with suppress(OSError):
+                part.unlink()
+
+    def name_for(self, sig: Compiler) -> str:
+        """Return the name of the file for types of arguments; UnkeyedError if nothing tells of what it would be."""
+        return f"{self._stem()}-{hash_of(words_for(sig))}"
+
+    def is_kept(self) -> bool:
+        """Return whether there is compiled code for any types."""
+        directories = filter(None, (cache_directory(), shared_directory()))
+        return any(any(directory.glob(f"{self._stem()}-*")) for directory in directories)
+
+    def _stem(self) -> str:
+        name, options = self._function.__code__.co_name.strip("<>"), sorted(self._options.items())
+        return f"{name}-{hash_of(f'{key_of(self._function)} {options}')}"
 
 
-class AnyPlaceCache(FunctionCache):
-    """Numba's cache of one function, for a module of any name."""
+def hash_of(words: str) -> str:
+    """Return words as part of the name of a file."""
+    return hashlib.sha256(words.encode()).hexdigest()[:24]
 
-    _impl_class = AnyPlaceImpl
 
-
-@contextmanager
-def keeping_in(folder: Path) -> Iterator[None]:
-    """Let Numba keep the kernels that are decorated meanwhile in a folder."""
-    config: Any = numba.config
-    given = config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES
-    config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES = str(folder), f"{__name__}.{InFolder.__name__}"
-    try:
-        yield
-    finally:
-        config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES = given
+def bytes_at(path: Path) -> bytes:
+    """Return the bytes of a file; once a day, its date becomes that of its last use."""
+    if time.time() - path.stat().st_mtime > DAY:
+        with suppress(OSError):  # an administrator's
+            os.utime(path)
+    return path.read_bytes()
 
 
 @cache
@@ -192,97 +209,15 @@ def shared_directory() -> Path | None:
     return given if reads and not doubt_about(given) else None
 
 
-def copy_shared(folder: Path) -> None:
-    """Copy what an administrator shares into a folder that does not exist yet."""
-    shared = shared_directory()
-    if shared is not None:
-        with suppress(OSError), tempfile.TemporaryDirectory(dir=folder.parent) as part:  # nothing there, or no room
-            shutil.copytree(shared / folder.name, Path(part) / folder.name).rename(folder)
-
-
 @cache
-def folder_for(file: str, *others: str) -> Path | None:
-    """Return the folder for the kernels of a source file, or None where nothing can be kept or there is no file.
-
-    others: files that these kernels are made of beside what `file` imports.
-    """
-    directory, path = cache_directory(), Path(file)
-    if directory is None or not path.is_file():
-        return None
-    name = ".".join(path.with_suffix("").relative_to(root_of(path)).parts)
-    folder = directory / f"{name}-{fingerprint(path, *map(Path, others))}"
-    if not folder.exists():
-        remove_old(directory, name)
-        copy_shared(folder)
-    return folder
-
-
-@cache
-def fingerprint(*files: Path) -> str:
-    """Return the hash of everything that kernels made of `files` are compiled from."""
-    config = numba.config
-    known = f"{numba.__version__} {config.OPT} {config.ENABLE_AVX} {PLAIN} {CHECKED}"  # type: ignore[attr-defined]
-    digest = hashlib.sha256(known.encode())
-    for source in sorted(set().union(*map(sources_of, files))):
-        digest.update(digest_of(source))
-    return digest.hexdigest()[:16]
-
-
-@cache
-def digest_of(file: Path) -> bytes:
-    """Return the hash of the bytes of a source file."""
-    return hashlib.sha256(contents(file)).digest()
-
-
-def sources_of(file: Path) -> set[Path]:
-    """Return `file` and every file of ours or of its own project that it imports, directly or not."""
-    found, waiting = {file}, [file]
-    while waiting:
-        new = imported_by(waiting.pop()) - found
-        found |= new
-        waiting += new
-    return found
-
-
-@cache
-def imported_by(file: Path) -> frozenset[Path]:
-    """Return the files that `file` imports: of its own project, and of the one that holds this package."""
-    names: set[str] = set()
-    for module, bracketed, listed, plain in IMPORT.findall(contents(file).decode("utf-8", "replace")):
-        entries = [part.split()[0] for part in (bracketed or listed or plain).split(",") if part.split()]
-        names |= {module, *(f"{module}.{entry}" for entry in entries)} if module else set(entries)
-    roots = {root_of(file), OWN_ROOT}
-    return frozenset(path for name in names for root in roots for path in module_files(root, name))
-
-
-@cache
-def module_files(root: Path, name: str) -> tuple[Path, ...]:
-    """Return the file of a module below `root`, or nothing if there is none."""
-    place = root.joinpath(*name.split("."))
-    candidates = (place.with_name(place.name + ".py"), place / "__init__.py")
-    return tuple(path for path in candidates if name and path.is_file())
-
-
-@cache
-def contents(file: Path) -> bytes:
-    """Return the bytes of a source file, nothing if there is no such file."""
-    return file.read_bytes() if file.is_file() else b""
-
-
-@cache
-def root_of(file: Path) -> Path:
-    """Return the directory from which a file is imported: the first one upwards that is no package."""
-    place = file.parent
-    while (place / "__init__.py").is_file():
-        place = place.parent
-    return place
-
-
-def remove_old(directory: Path, name: str) -> None:
-    """Remove folders of kernels of the module `name` that were made for other sources and not used for a week."""
-    for folder in directory.glob(f"{name}-*"):
-        try:
-            if time.time() - folder.stat().st_mtime > WEEK:
-                shutil.rmtree(folder, ignore_errors=True)
-        except OSError:  # another process has just removed it
-            continue
+def remove_old(directory: Path) -> None:
+    """Remove what was not used for a month, and beyond 500 MB what was used longest ago; once in a process."""
+    room, found = MOST, []
+    for path in directory.glob("*-*"):
+        with suppress(FileNotFoundError):  # another process has just removed it
+            found.append((path.stat().st_mtime, path.stat().st_size, path))
+    for used, size, path in sorted(found, reverse=True):
+        room -= size
+        if room < 0 or time.time() - used > MONTH:
+            with suppress(OSError):  # in use, on Windows
+                path.unlink()

@@ -17,7 +17,7 @@ import numba
 from numba.core import event
 from numba.extending import register_jitable
 
-from selforg.compiler.cache import AnyPlaceCache, folder_for, keeping_in
+from selforg.compiler.cache import KernelCache
 from selforg.compiler.parts import known_to_kernels
 from selforg.compiler.switches import COMPILED, LEAN, NUMPY_ERRORS, PLAIN
 
@@ -113,17 +113,14 @@ class Template(Generic[P, R]):
     def of(self, part: Callable[..., Any], origin: Callable[..., Any] | None = None) -> Callable[P, R]:
         """Return the kernel that calls `part`, compiled like `long_kernel`.
 
-        It is kept on disk under the name and file of `origin`, from which `part` is made (None: `part` itself); if that
-        was defined inside of another function it is not kept, since its name does not say with which values.
+        It is named after `origin`, from which `part` is made (None: `part` itself).
         """
-        origin = origin or part
-        if origin not in self._kernels:
-            of, own = cast("FunctionType", origin).__code__, self._function.__code__
-            code = own.replace(co_filename=of.co_filename, co_firstlineno=of.co_firstlineno)
-            copy = FunctionType(code, {**self._function.__globals__, self._called: part}, self._function.__name__)
-            copy.__qualname__ = f"{self._function.__name__}_{origin.__qualname__}"
-            self._kernels[origin] = cast("Callable[P, R]", compiled(copy, {**LEAN, **UNLOCKED}, own.co_filename))
-        return self._kernels[origin]
+        if part not in self._kernels:
+            named = f"{self._function.__name__}_{(origin or part).__qualname__}"
+            copy = FunctionType(self._function.__code__, {**self._function.__globals__, self._called: part})
+            copy.__qualname__ = named
+            self._kernels[part] = cast("Callable[P, R]", compiled(copy, {**LEAN, **UNLOCKED}))
+        return self._kernels[part]
 
 
 def template(called: Callable[..., Any]) -> Callable[[Callable[P, R]], Template[P, R]]:
@@ -131,13 +128,9 @@ def template(called: Callable[..., Any]) -> Callable[[Callable[P, R]], Template[
     return lambda function: Template(function, called)
 
 
-def compiled(function: Callable[P, R], options: dict[str, Any], *others: str) -> Callable[P, R]:
-    """Compile `function`; its code is kept in the folder for its source file and the `others` that it is made of."""
-    folder = None if "<" in function.__qualname__ else folder_for(function.__code__.co_filename, *others)
-    if folder is None:
-        return cast("Callable[P, R]", numba.njit(**options)(function))
-    with keeping_in(folder):  # Numba reads this while it decorates
-        kept = cast("Any", numba.njit(**options)(function))
-        kept._cache = AnyPlaceCache(function)  # type: ignore[no-untyped-call]
-    KERNELS.setdefault(f"{function.__module__}.{function.__qualname__}", kept)
-    return cast("Callable[P, R]", kept)
+def compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
+    """Compile `function`, or load the code that was compiled from the same contents."""
+    dispatcher = numba.njit(**options)(function)
+    dispatcher._cache = KernelCache(cast("FunctionType", function), options)
+    KERNELS.setdefault(f"{function.__module__}.{function.__qualname__}", dispatcher)
+    return cast("Callable[P, R]", dispatcher)

@@ -43,7 +43,7 @@ def own(tmp_path):
 
 
 def test_a_training_of_ones_own_is_done_and_says_once_that_it_compiles(own, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(warm_up, "folder_for", lambda file: tmp_path / "nothing compiled")
+    monkeypatch.setattr(warm_up, "compiled_before", lambda: False)
     monkeypatch.setattr(warm_up, "_checked", [])
     request = Request("mine", seed=1, output=tmp_path / "t", directories=(own,))
     assert session.run_training("bandit", request, BanditTraining, Console(quiet=True)) == session.FINISHED

@@ -16,6 +16,7 @@ from clean_swarm_env.learning import warm_up
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
+from selforg.compiler import cache
 from selforg.compiler.decorators import KERNELS
 from selforg.gradients.store import tables
 from tests.train import fake_mission
@@ -58,13 +59,12 @@ def test_an_evaluation_compiles_in_one_process_before_the_workers_start(compiled
         assert limits == expected, "nothing is compiled for an evaluation that is done"
 
 
-def test_compiled_code_is_looked_for_in_the_folder_of_todays_sources(monkeypatch, tmp_path):
-    monkeypatch.setattr(warm_up, "folder_for", lambda file: tmp_path)
+def test_compiled_code_is_looked_for_by_what_it_is_compiled_from(monkeypatch, tmp_path):
+    monkeypatch.setattr(cache, "cache_directory", lambda: tmp_path)
     assert not warm_up.compiled_before()
-    (tmp_path / "cache").mkdir()
-    (tmp_path / "cache" / "kernel.py311.nbi").touch()
+    (tmp_path / f"{warm_up.KERNELS[warm_up.EVERY_MISSION]._cache._stem()}-types").touch()
     assert warm_up.compiled_before()
-    monkeypatch.setattr(warm_up, "folder_for", lambda file: None)
+    monkeypatch.setattr(warm_up, "cache_directory", lambda: None)
     assert warm_up.compiled_before()  # nothing can be kept: each process compiles for itself
 
 
