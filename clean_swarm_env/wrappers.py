@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 from pettingzoo.utils.wrappers import BaseParallelWrapper
 
-from clean_swarm_env.borders.infos import MASK
+from clean_swarm_env.borders.infos import MASK, OPTION_MASK
 from clean_swarm_env.borders.spaces import OPTION
 from clean_swarm_env.clean_swarm_v0 import AgentAction, AgentInfos, AgentsStep, CleanSwarm
 from clean_swarm_env.learning.observation.observer import Observations
@@ -85,6 +85,8 @@ class AllRobots(BaseParallelWrapper[str, Observations, AgentAction]):
 class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], AgentAction]):
     """Observations are dictionaries: the observation, and `action_mask`, the options that can serve next (1 or 0).
 
+    Where an action is more than one option, the key is `option_mask`: libraries sample by what is called `action_mask`.
+
     Args:
         env: a parallel environment with options as actions, wrapped or not.
         key: key of the observation, as the library wants it: "observation" (PettingZoo, Tianshou), "observations"
@@ -95,6 +97,9 @@ class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], Agent
     def __init__(self, env: ParallelEnv[str, Observations, AgentAction], key: str = "observation") -> None:
         super().__init__(env)
         self._key = key
+        actions = env.action_space(env.possible_agents[0])
+        self._told = OPTION_MASK if isinstance(actions, gymnasium.spaces.Dict) else MASK
+        self._mask = MASK if isinstance(actions, gymnasium.spaces.Discrete) else OPTION_MASK
         self._spaces = {agent: self._space(agent) for agent in env.possible_agents}
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Dict:
@@ -120,10 +125,11 @@ class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], Agent
         actions = actions[OPTION] if isinstance(actions, gymnasium.spaces.Dict) else actions
         options = int(actions.n) if isinstance(actions, gymnasium.spaces.Discrete) else int(actions.nvec.sum())
         mask = gymnasium.spaces.Box(0, 1, (options,), np.int8)
-        return gymnasium.spaces.Dict({self._key: self.env.observation_space(agent), MASK: mask})
+        return gymnasium.spaces.Dict({self._key: self.env.observation_space(agent), self._mask: mask})
 
     def _masked(self, observations: dict[str, Observations], infos: AgentInfos) -> dict[str, dict[str, NDArray[Any]]]:
-        return {agent: {self._key: seen, MASK: np.hstack(infos[agent][MASK])} for agent, seen in observations.items()}
+        masks = {agent: np.hstack(infos[agent][self._told]) for agent in observations}
+        return {agent: {self._key: seen, self._mask: masks[agent]} for agent, seen in observations.items()}
 
 
 def _with_flag(space: gymnasium.spaces.Box) -> gymnasium.spaces.Box:

@@ -24,7 +24,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from clean_swarm_env.borders.infos import MASK, Info, InfoColumns, own_infos, team_infos
+from clean_swarm_env.borders.infos import Info, InfoColumns, mask_key, own_infos, team_infos
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
 from clean_swarm_env.borders.spaces import (
     Member,
@@ -212,7 +212,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         for name, own in of_robots.items():
             infos[name] = np.array(own) if self._together == 1 else np.reshape(own, (self.num_envs, -1))
         if self.batch.action.mode != "velocity":
-            infos[MASK] = self._worlds.masks().astype(np.int8).reshape(self.num_envs, -1)
+            infos[mask_key(self.batch)] = self._worlds.masks().astype(np.int8).reshape(self.num_envs, -1)
         infos.update({f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in tuple(infos)})
         return infos
 

@@ -1,7 +1,7 @@
 """Infos of all borders: one set of keys with one meaning, in every step, so that recorders can keep them.
 
-The values belong to the decision period that has passed and to its mission, at the end of a mission too. Only
-`action_mask` says something of the coming period. Every task has the keys of `OWN` whose names it has in
+The values belong to the decision period that has passed and to its mission, at the end of a mission too. Only masks say
+something of the coming period. Every task has the keys of `OWN` whose names it has in
 `Task.counted`; beside them its teams have
 
 - `time_s`: time since the mission began [s];
@@ -25,8 +25,9 @@ Info = dict[str, Any]
 InfoColumns = dict[str, list[Any]]
 """Key of an info -> values of all worlds or of all rows."""
 
-MASK = "action_mask"
-"""Key of the options that can serve in the coming period, 1 or 0; with options as actions only."""
+MASK, OPTION_MASK = "action_mask", "option_mask"
+"""Keys of the options that can serve in the coming period, 1 or 0: where these are the action, and where they are a
+part of it. Libraries sample whole actions by what is called `action_mask`."""
 OWN = {
     "own_picked": "Items that the robot picked in the period and nobody had picked before.",
     "own_recycled": "Items that the robot recycled in the period.",
@@ -68,11 +69,16 @@ def own_infos(batch: Batch) -> InfoColumns:
     return columns
 
 
+def mask_key(batch: Batch) -> str:
+    """Return the key of the masks of a batch whose actions have options."""
+    return MASK if batch.action.mode == "option" else OPTION_MASK
+
+
 def robot_infos(batch: Batch) -> list[Info]:
     """Return the infos of each row: those of its world, its own, and the mask."""
     team, own = team_infos(batch), own_infos(batch)
     if batch.action.mode != "velocity":
-        own[MASK] = list(masks_of(batch))
+        own[mask_key(batch)] = list(masks_of(batch))
     rows, infos = zip(*own.values(), strict=True), []
     for values in zip(*team.values(), strict=True):
         shared = dict(zip(team, values, strict=True))

@@ -51,11 +51,6 @@ def test_all_terminate_with_the_mission():
     assert set(truncations.values()) == {False}
 
 
-@pytest.mark.parametrize("settings", [{}, {"action": {"mode": "velocity"}}])
-def test_pettingzoos_test_passes_with_all_robots(settings):
-    parallel_api_test(AllRobots(clean_swarm_v0.parallel_env(CHANGING, **settings)), num_cycles=60)
-
-
 @pytest.mark.parametrize("key", ["observation", "observations"])
 def test_masks_stand_in_the_observation(key):
     plain = clean_swarm_v0.parallel_env(CHANGING, action=SERVES)

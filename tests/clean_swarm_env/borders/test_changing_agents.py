@@ -1,7 +1,6 @@
-"""The PettingZoo border while robots leave and join: the library's own checks, whole episodes, agents by step."""
+"""The borders while robots leave and join: agents by step."""
 
 import pytest
-from pettingzoo.test import api_test, parallel_api_test
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.learning.actions import ActionConfig
@@ -19,16 +18,6 @@ EVENTS = [
 def _env(mode="option", **changes):
     config = mission(events=EVENTS, **{"time_limit": 60.0, **changes})
     return clean_swarm_v0.parallel_env(config, action=ActionConfig(mode=mode))
-
-
-@pytest.mark.parametrize("mode", ["option", "velocity", "both"])
-def test_the_parallel_environment_passes_pettingzoos_test_while_agents_leave_and_join(mode):
-    parallel_api_test(_env(mode), num_cycles=150)
-
-
-@pytest.mark.filterwarnings("ignore::UserWarning")
-def test_the_turn_based_environment_passes_pettingzoos_test_while_agents_leave_and_join():
-    api_test(clean_swarm_v0.env(mission(events=EVENTS, time_limit=30.0)), num_cycles=200)
 
 
 def test_agents_leave_and_join_when_the_mission_says_so_and_it_ends_for_those_that_are_there():

@@ -1,11 +1,10 @@
-"""The PettingZoo border: the library's own checks, whole trajectories, spaces, the ends of episodes and wrong use."""
+"""The PettingZoo border: whole trajectories, spaces, the ends of episodes and wrong use."""
 
 import subprocess
 import sys
 
 import numpy as np
 import pytest
-from pettingzoo.test import api_test, parallel_api_test
 from pettingzoo.test.render_test import render_test
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
@@ -13,17 +12,6 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
 from tests.clean_swarm_env.courses import begun, long_course, mission
-
-
-@long_course
-@pytest.mark.parametrize("name", ["table1", "three-rooms", "silent-zone"])
-def test_the_parallel_environment_passes_pettingzoos_test(name):
-    parallel_api_test(clean_swarm_v0.parallel_env(name), num_cycles=100)
-
-
-@pytest.mark.filterwarnings("ignore::UserWarning")  # remarks on observations, such as not being normalised pictures
-def test_the_turn_based_environment_passes_pettingzoos_test():
-    api_test(clean_swarm_v0.env(), num_cycles=200)
 
 
 @long_course

@@ -158,6 +158,7 @@ def test_episodes_may_be_the_scenarios_of_a_family(family):
 def test_splits_of_a_family_have_other_scenarios_and_unfit_families_are_refused():
     first, second = (Batch(family="crowded", split=split).reset([1]).tobytes() for split in ("train", "test"))
     assert first != second
+    assert Batch("crowded").reset([1]).tobytes() == first, "a family's name does in place of a mission's"
     for size in (None, (9.0, 9.0)):
         with pytest.raises(ValueError, match=r"size: expected one of .* 'unseen', \(8.0, 8.0\), .*, got"):
             Batch(family="unseen", size=size)

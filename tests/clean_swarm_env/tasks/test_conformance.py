@@ -4,14 +4,12 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from pettingzoo.test import api_test, parallel_api_test
 
 import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState, Things
 from clean_swarm_env.testing import check_task
-from clean_swarm_env.wrappers import AllRobots, MaskedObservations
-from tests.clean_swarm_env.courses import begun, long_course
+from tests.clean_swarm_env.courses import begun
 
 SECONDS = 4.0
 OTHERS = tuple(name for name in TASKS.names() if name != "Cleaning")
@@ -78,12 +76,6 @@ def test_a_task_that_breaks_its_contract_is_one_line(members, said, monkeypatch)
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # remarks on observations, such as not being normalised pictures
 @every_task
-def test_the_turn_based_environment_passes_pettingzoos_test(task):
-    api_test(clean_swarm_v0.env(mission_of(task)), num_cycles=20)
-
-
-@pytest.mark.filterwarnings("ignore::UserWarning")
-@every_task
 def test_gymnasiums_check_passes(task):
     check_env(gymnasium.make("CleanSwarm-v0", mission=mission_of(task)).unwrapped, skip_render_check=True)
 
@@ -99,8 +91,3 @@ def test_the_time_limit_and_max_cycles_truncate(task):
             assert set(truncations.values()) == {step == steps - 1}
         assert env.agents == []
         assert infos["robot_0"]["time_s"] == pytest.approx(min(steps, settings.get("seconds", 9.0)))
-
-
-@long_course
-def test_wrappers_take_tasks():
-    parallel_api_test(MaskedObservations(AllRobots(environment("Foraging"))), num_cycles=10)
