@@ -11,7 +11,11 @@ mission is over starts its next episode in the same step. Infos have in every st
 (`VecMonitor` keeps figures of missions by `info_keywords`), and at the end of a mission:
 
 - `terminal_observation` and `TimeLimit.truncated` (the time was over and garbage was left),
-- `episode`: return, length and time, as `VecMonitor` writes them.
+- `episode`: return, length and time, as `VecMonitor` writes them, for robots that took part. So `ep_rew_mean` is that
+  of real robots; `VecMonitor` has a return of 0 for each row without a robot.
+
+`evaluate_missions` and `MissionCallback` evaluate by missions. `evaluate_policy` and `EvalCallback` of
+Stable-Baselines3 evaluate by rows: fifty episodes of five robots are ten missions, and rows without a robot count.
 
 Making it sets one torch thread, unless OMP_NUM_THREADS says otherwise: networks of this size take several times the CPU
 time with more. `ep_rew_mean` is nan until the first mission ends; `time_limit=300.0` ends those of "table1" after 300
@@ -25,25 +29,42 @@ from __future__ import annotations
 
 import os
 import time
+import warnings
 from collections.abc import Sequence
+from functools import partial
+from inspect import signature
+from pathlib import Path
 from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.type_aliases import PolicyPredictor
+from stable_baselines3.common.vec_env import sync_envs_normalization
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 from clean_swarm_env.borders.infos import Info, robot_infos
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
 from clean_swarm_env.borders.spaces import Member, flat_space, observation_space, preferred, start_of
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.given import seeds_from
+from clean_swarm_env.learning.given import seeds_from, whole_number
 from clean_swarm_env.learning.interface import BatchStep, Finished
 from clean_swarm_env.learning.joined import Joined, blocks
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Ints
 from selforg.sealing import check_alike, sealed, unsealed
+
+OPEN_TEAM = (
+    "robots join during these missions: VecMonitor, evaluate_policy and EvalCallback count rows that no robot has as "
+    "episodes of return 0; use clean_swarm_env.sb3.evaluate_missions and MissionCallback"
+)
+"""Warning for what counts rows and not robots."""
+Mission = dict[str, Any]
+"""Figures of a mission: `return`, the mean over the robots that took part, `robots`, their number, `cost_s`, and what
+infos say at its end."""
 
 
 class RobotVecEnv(VecEnv):
@@ -59,7 +80,9 @@ class RobotVecEnv(VecEnv):
     Attributes:
         batches: the batches, as many as `threads` unless others are given.
         options: goal -> names of the options of all batches, which the numbers of actions mean.
+        worlds: W, of all batches.
         finished: the missions that ended in the last period.
+        returns: world -> return of each robot that took part, of these missions.
 
     """
 
@@ -79,8 +102,9 @@ class RobotVecEnv(VecEnv):
                 f"RobotVecEnv: expected batches or settings of one, got both, {sorted(settings) or worlds}"
             )
         self._joined = Joined(batches or blocks(worlds=worlds, threads=threads, **settings), threads)
-        self.batches = self._joined.batches
+        self.batches, self.worlds = self._joined.batches, self._joined.worlds
         self.finished: tuple[Finished, ...] = ()
+        self.returns: dict[int, list[float]] = {}
         own = [(batch, row) for batch in self.batches for row in range(batch.rows)]
         worlds_of = self._joined.world_of.tolist()
         self._robots = [
@@ -126,6 +150,7 @@ class RobotVecEnv(VecEnv):
         self._returns += step.rewards
         self._lengths += 1
         infos = [info for batch in self.batches for info in robot_infos(batch)]
+        self.returns = {}
         for end in self.finished:
             self._add_end(infos, end, step)
         over = (step.terminated | step.truncated)[self._joined.world_of]
@@ -134,12 +159,15 @@ class RobotVecEnv(VecEnv):
     def _add_end(self, infos: list[Info], end: Finished, step: BatchStep) -> None:
         """Add the figures of a mission to the infos, and set the sums of its world to 0."""
         elapsed, length = round(time.monotonic() - self._began, 6), int(self._lengths[end.world])
-        for row in np.flatnonzero(self._joined.world_of == end.world).tolist():
+        rows = np.flatnonzero(self._joined.world_of == end.world)
+        for row in rows.tolist():
             infos[row]["terminal_observation"] = step.final_observations[row].copy()
             infos[row]["TimeLimit.truncated"] = bool(step.truncated[end.world])
-            infos[row]["episode"] = {"r": float(self._returns[row]), "l": length, "t": elapsed}
-            self._returns[row] = 0.0
-        self._lengths[end.world] = 0
+        took_part = rows[: end.result.robots]  # the first to join have the first rows
+        self.returns[end.world] = self._returns[took_part].tolist()
+        for row, gained in zip(took_part.tolist(), self.returns[end.world], strict=True):
+            infos[row]["episode"] = {"r": gained, "l": length, "t": elapsed}
+        self._returns[rows], self._lengths[end.world] = 0.0, 0
 
     def get_state(self) -> bytes:
         """Return the states of all worlds, with what episodes have brought so far; see `Batch.get_state`."""
@@ -193,8 +221,98 @@ class RobotVecEnv(VecEnv):
     def env_is_wrapped(
         self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None
     ) -> list[bool]:
-        """Return False for each row: rows are not wrapped one by one."""
+        """Return False for each row: rows are not wrapped one by one.
+
+        `VecMonitor` and `evaluate_policy` ask for `Monitor`, and are warned of teams with rows that no robot may have.
+        """
+        if wrapper_class is Monitor and any(batch.open_team for batch in self.batches):
+            warnings.warn(OPEN_TEAM, stacklevel=3)
         return [False for _ in self._chosen(indices)]
 
     def _chosen(self, indices: VecEnvIndices) -> list[Member]:
         return [self._robots[index] for index in self._get_indices(indices)]
+
+
+def evaluate_missions(
+    model: PolicyPredictor, envs: VecEnv, missions: int = 24, *, seed: int = 0, deterministic: bool = True
+) -> list[Mission]:
+    """Return the figures of missions in which a model decides; robots that do not exist are not counted.
+
+    Each world does the first of its missions of `seed`, as many as the others or one more: those that end soon are not
+    preferred.
+
+    Args:
+        model: predicts actions; `action_masks` are given to models that take them.
+        envs: a `RobotVecEnv`, wrapped or not, in which the model does not learn: its missions are begun anew. Of a
+            `VecNormalize`, `training` should be False.
+        missions: number of missions.
+        seed: that of the worlds, as in `RobotVecEnv.seed`.
+        deterministic: whether actions are the likeliest ones.
+
+    """
+    robots, predict = _robots_of(envs), partial(model.predict, deterministic=deterministic)
+    asked, masked = whole_number(missions, "missions", 1), "action_masks" in signature(model.predict).parameters
+    left = [len(range(world, asked, robots.worlds)) for world in range(robots.worlds)]
+    told: list[Mission] = []
+    state, begins = None, np.ones(envs.num_envs, dtype=np.bool_)
+    envs.seed(seed)
+    seen = envs.reset()
+    while any(left):
+        masks = {"action_masks": robots.action_masks()} if masked else {}
+        actions, state = predict(seen, state=state, episode_start=begins, **masks)
+        seen, _, begins, _ = envs.step(actions)
+        for end in robots.finished:
+            if left[end.world]:
+                left[end.world] -= 1
+                gained = float(np.mean(robots.returns[end.world]))
+                figures = {"return": gained, "robots": end.result.robots, "cost_s": end.result.cost_s}
+                told.append({"scenario": end.scenario.id, **figures, **end.statistics})
+    return told
+
+
+class MissionCallback(BaseCallback):
+    """Evaluate by missions while a model learns, and keep the model of the highest mean return.
+
+    Args:
+        envs: see `evaluate_missions`; not the worlds in which the model learns.
+        missions: number of missions of each evaluation, always the same ones.
+        every: decisions of robots between evaluations.
+        path: where the best model is saved; nowhere unless given.
+
+    Attributes:
+        told: number of decisions -> figures of the missions.
+        best: highest mean return.
+
+    """
+
+    def __init__(self, envs: VecEnv, missions: int = 24, *, every: int = 100_000, path: str | Path = "") -> None:
+        super().__init__()
+        self.envs, self.missions, self.every, self.path = envs, missions, every, path
+        self.told: dict[int, list[Mission]] = {}
+        self.best = -np.inf
+
+    def _on_step(self) -> bool:
+        """Evaluate if it is time; PPO calls this after each step and continues if it is True."""
+        if self.num_timesteps < max(self.told, default=0) + self.every:
+            return True
+        if _robots_of(self.training_env) is _robots_of(self.envs):
+            raise ValueError("envs: expected other worlds than those in which the model learns, got the same")
+        if self.model.get_vec_normalize_env() is not None:
+            sync_envs_normalization(self.training_env, self.envs)
+        told = self.told[self.num_timesteps] = evaluate_missions(self.model, self.envs, self.missions)
+        for name in ("return", "cost_s", "completed"):
+            self.logger.record(f"eval/mean_{name}", float(np.mean([mission[name] for mission in told])))
+        mean = float(np.mean([mission["return"] for mission in told]))
+        if mean > self.best:
+            self.best = mean
+            if self.path:
+                self.model.save(self.path)
+        return True
+
+
+def _robots_of(envs: VecEnv) -> RobotVecEnv:
+    """Return the robots inside of wrappers, or raise TypeError."""
+    robots = envs.unwrapped
+    if not isinstance(robots, RobotVecEnv):
+        raise TypeError(f"envs: expected a RobotVecEnv, wrapped or not, got {type(robots).__name__}")
+    return robots

@@ -15,21 +15,17 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 from pettingzoo.utils.wrappers import BaseParallelWrapper
 
-from clean_swarm_env.borders.infos import MASK, OPTION_MASK
+from clean_swarm_env.borders.infos import ALIVE, MASK, OPTION_MASK
 from clean_swarm_env.borders.spaces import OPTION
 from clean_swarm_env.clean_swarm_v0 import AgentAction, AgentInfos, AgentsStep, CleanSwarm
 from clean_swarm_env.learning.observation.observer import Observations
-
-ALIVE = "alive"
-"""Name of the last component of an observation of `AllRobots`, and its key in infos."""
 
 
 class AllRobots(BaseParallelWrapper[str, Observations, AgentAction]):
     """All possible agents act in every step of an episode, also robots that join later or are gone.
 
     An observation has one component more, `alive`: 1 for a robot at work. Of other robots all components are 0, the
-    reward is 0, and the action does nothing. All agents terminate or are truncated together, with the mission. Infos
-    have `alive` too.
+    reward is 0, and the action does nothing. All agents terminate or are truncated together, with the mission.
     """
 
     def __init__(self, env: CleanSwarm) -> None:
@@ -73,13 +69,9 @@ class AllRobots(BaseParallelWrapper[str, Observations, AgentAction]):
 
     def _seen(self) -> tuple[dict[str, Observations], AgentInfos]:
         """Return the observations and infos of all robots."""
-        working, (rows, infos) = set(self.env.at_work()), self.env.everyone()
-        observations = {}
-        for agent, row in zip(self.possible_agents, rows, strict=True):
-            infos[agent][ALIVE] = agent in working
-            whole = np.append(row, np.float32(1.0))
-            observations[agent] = whole if agent in working else np.zeros_like(whole)
-        return observations, infos
+        rows, infos = self.env.everyone()
+        flagged = np.column_stack([rows, [infos[agent][ALIVE] for agent in self.possible_agents]]).astype(np.float32)
+        return dict(zip(self.possible_agents, flagged, strict=True)), infos
 
 
 class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], AgentAction]):

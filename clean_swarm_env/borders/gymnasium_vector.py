@@ -24,7 +24,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from clean_swarm_env.borders.infos import Info, InfoColumns, mask_key, own_infos, team_infos
+from clean_swarm_env.borders.infos import ALIVE, Info, InfoColumns, mask_key, own_infos, team_infos
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
 from clean_swarm_env.borders.spaces import (
     Member,
@@ -226,6 +226,8 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         for env in np.flatnonzero(ended):
             last[env] = self._joined(final)[env]
         happened = {name: values for name, values in infos.items() if not name.startswith("_")}
+        worked = np.concatenate([batch.worked for batch in self._worlds.batches])
+        happened[ALIVE] = worked.reshape(infos[ALIVE].shape)
         infos["final_info"] = happened | {f"_{name}": ended.copy() for name in happened}
         infos |= {"final_obs": last, "_final_obs": ended, "_final_info": ended.copy()}
 

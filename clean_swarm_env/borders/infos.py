@@ -1,7 +1,7 @@
 """Infos of all borders: one set of keys with one meaning, in every step, so that recorders can keep them.
 
-The values belong to the decision period that has passed and to its mission, at the end of a mission too. Only masks say
-something of the coming period. Every task has the keys of `OWN` whose names it has in
+The values belong to the decision period that has passed and to its mission, at the end of a mission too. Only masks
+and `alive` say something of the coming period. Every task has the keys of `OWN` whose names it has in
 `Task.counted`; beside them its teams have
 
 - `time_s`: time since the mission began [s];
@@ -37,6 +37,8 @@ OWN = {
     "own_avoiding_s": "Time of the period in which the robot avoided others [s].",
 }
 """Key -> meaning of values of each robot, in the order of `EVENTS`."""
+ALIVE = "alive"
+"""Key of whether the robot is at work. If not, its observation is zeros, and its action does nothing."""
 
 
 def team_infos(batch: Batch) -> InfoColumns:
@@ -61,11 +63,12 @@ def team_infos(batch: Batch) -> InfoColumns:
 
 
 def own_infos(batch: Batch) -> InfoColumns:
-    """Return the values of `OWN` of each row."""
+    """Return the values of `OWN` of each row, and which robots are at work."""
     worlds, columns = batch.worlds, InfoColumns()
     for name, counts in zip(OWN, batch.progress.events.tolist(), strict=True):
         if name in worlds.task.counted:
             columns[name] = [ticks * worlds.period for ticks in counts] if name.endswith("_s") else counts
+    columns[ALIVE] = batch.alive.tolist()
     return columns
 
 

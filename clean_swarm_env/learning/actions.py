@@ -80,11 +80,18 @@ class LearnerActions:
         self._bound: Flags = np.repeat(always >= 0, self.counts, axis=1)  # (R, O)
         self._held: Flags = np.repeat(self._firsts + always, self.counts, axis=1) == np.arange(len(names))
         self._some_bound = bool(self._bound.any())
+        self._usual: Flags = np.isin(np.arange(len(names)), self._firsts + self.default)
 
-    def masks(self, phases: Ints) -> Flags:
-        """Return which options (R, O) can serve in the `phases` (R,), or the only one that a robot always holds."""
+    def masks(self, phases: Ints, working: Flags) -> Flags:
+        """Return which options (R, O) can serve in the `phases` (R,), or the only one that a robot always holds.
+
+        Robots that are not `working` (R,) have the option of the highest expert score and no choice: a mask without
+        any option would be nan in the distributions of some libraries.
+        """
         masks: Flags = self._table.take(phases, axis=0)
-        return np.where(self._bound, self._held, masks) if self._some_bound else masks
+        masks = np.where(self._bound, self._held, masks) if self._some_bound else masks
+        masks[~working] = self._usual
+        return masks
 
     def able(self, options: Ints, phases: Ints) -> Ints:
         """Return `options` (R, C) with stand-ins for those that cannot serve in the `phases` (R,)."""

@@ -69,6 +69,8 @@ class Batch:
         observer: names and bounds of the components of an observation.
         observations: (R, F) float32, the last ones, always the same array.
         working, took_part: (R,) bool, whether there is a robot that works, and whether it did in the last period.
+        worked: (R,) bool, whether it did at the end of the last mission that ended.
+        open_team: whether a team may have more robots later than at its start.
         phases: (R,) phases of the robots, which decide what options can serve.
         recorder: records the missions; None unless asked for.
         series: the episodes that follow from seeds.
@@ -90,6 +92,7 @@ class Batch:
     recorder: Annotated[MissionRecorder | None, OUTSIDE]
     rewards: Annotated[Rewards | MeasureRewards, OUTSIDE]
     _source: Annotated[EpisodeSource, OUTSIDE]
+    worked: Annotated[Flags, "R", SCRATCH]
     _final: Annotated[Observations, "R F", SCRATCH]
     _gained: Annotated[Floats, "R", SCRATCH]
     _state: Annotated[GlobalState | None, OUTSIDE]
@@ -127,6 +130,7 @@ class Batch:
         self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
+        self.worked, self.open_team = self.working.copy(), episodes.fewest < self.robots
         self.rewards = rewards_of(reward, self.worlds)
         seen = config_from(ObservationConfig, settings.get("observation"), "observation")
         seen = seen.beside(self.mission.terms, self.worlds.task.terms, driven=self.action.mode == "velocity")
@@ -208,6 +212,7 @@ class Batch:
         chosen = [world for world, _ in opened]
         self._begun = self._begun or len(set(chosen)) == self.worlds.worlds
         self.finished = ()
+        self.worked[:] = self.working
         self.observer.observe(self._final, np.array(chosen, dtype=np.int64))  # the phases; what is seen is in the state
         return self.observations
 
@@ -220,6 +225,11 @@ class Batch:
         """(W,) whether the mission of a world is over and no other has begun."""
         over: Flags = self.progress.outcome != RUNNING
         return over
+
+    @property
+    def alive(self) -> Flags:
+        """(R,) whether there is a robot that works; where the mission is over and no other has begun, at its end."""
+        return np.where(np.repeat(self.over, self.robots), self.worked, self.working)
 
     def global_state(self) -> GlobalState:
         """Return what tells the global state of the worlds, and keeps it at the ends of missions from now on."""
@@ -259,7 +269,7 @@ class Batch:
         """Return which options (R, O) of all goals can serve next; ValueError if actions are vectors."""
         if self.action.mode == "velocity":
             raise ValueError("masks: expected options as actions, got mode 'velocity'")
-        return self.choices.masks(self.phases)
+        return self.choices.masks(self.phases, self.alive)
 
     def ticks(self, actions: NDArray[Any]) -> Iterator[Worlds]:
         """Run one decision period, and yield the worlds after each control period.
@@ -306,6 +316,8 @@ class Batch:
         if self._state is not None:
             self._state.keep(ended)
         for world in ended.tolist():
+            rows = worlds.rows_of(world)
+            self.worked[rows] = self.working[rows]
             scenario, events = self.doing[world], int(worlds.collisions.events[world, 0])
             assert scenario is not None
             self.finished += (Finished(world, scenario, result_of(worlds, world), events),)

@@ -52,6 +52,11 @@ class Episodes:
     split: Split = "train"
     size: Size | None = None
 
+    @property
+    def fewest(self) -> int:
+        """The least number of robots at the start of an episode."""
+        return self.source.robots[0] if isinstance(self.source, FamilyConfig) else self.source.robots.count
+
     def draw(self, seed: int, number: int) -> Scenario:
         """Return an episode, on whatever torus."""
         if isinstance(self.source, FamilyConfig):

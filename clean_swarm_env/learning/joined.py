@@ -178,9 +178,9 @@ class Joined:
         )
 
     @property
-    def present(self) -> Flags:
-        """(R,) whether there is a robot in the row."""
-        return np.concatenate([batch.worlds.physics.present for batch in self.batches])
+    def working(self) -> Flags:
+        """(R,) whether there is a robot that works in the row."""
+        return np.concatenate([batch.working for batch in self.batches])
 
     def masks(self) -> Flags:
         """Return which options (R, O) can serve in the coming period; the first one of a goal that a batch lacks."""

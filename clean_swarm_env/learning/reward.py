@@ -217,14 +217,15 @@ class MeasureRewards:
         self._before = self._measured()
 
     def of(self, batch: Any, rewards: Floats) -> None:  # noqa: ANN401  (a Batch, which stands above this module)
-        """Fill `rewards` (R,) with those of the last period of a batch."""
+        """Fill `rewards` (R,) with those of the last period of a batch; robots that took no part get none."""
         own = self._worlds.task.reward()
         if own is None:
             now = self._measured()
             for end in batch.finished:  # such a world has gone on until the end of the period
                 now[:, end.world] = list(end.result.measures.values())
             own = np.repeat(self._prices @ (now - self._before), self._worlds.robots)
-        rewards[:] = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
+        paid = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
+        rewards[:] = np.where(batch.took_part, paid, 0.0)
         for term, weight in self._further:
             rewards += weight * term(batch)
 

@@ -67,7 +67,7 @@ class RewardLearning:
         for _ in range(-(-self._decisions // rows)):
             changed = (seen[:, self._watched] != watched).any(axis=1)
             watched = seen[:, self._watched].copy()
-            deciding = np.flatnonzero(((left <= 0) | changed) & self._joined.present)
+            deciding = np.flatnonzero(((left <= 0) | changed) & self._joined.working)
             if len(deciding):
                 context = seen[deciding][:, self._columns].astype(np.float64)
                 options[deciding] = strategy.select(context, rows=deciding)

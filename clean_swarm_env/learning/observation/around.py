@@ -31,6 +31,7 @@ class Around(NamedTuple):
     headings: Annotated[Floats, "R", READ]  # [rad]
     bodies: Annotated[Floats, "R 4", READ]  # see `Physics.bodies`
     present: Annotated[Flags, "R", READ]  # whether there is a robot in the row
+    working: Annotated[Flags, "R", READ]  # whether it is at work: others see nothing
     speed: Annotated[Floats, "R", READ]  # of the drive [m/s]
     turn_rate: Annotated[Floats, "R", READ]  # of the drive [rad/s]
     cargo: Annotated[Ints, "R", READ]  # item that the robot carries, NOTHING without one

@@ -100,6 +100,7 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         headings=physics.headings,
         bodies=physics.bodies,
         present=physics.present,
+        working=worlds.team.working,
         speed=worlds.floor.drive.speed,
         turn_rate=worlds.floor.drive.turn_rate,
         cargo=items.cargo,
@@ -179,12 +180,12 @@ def write_observations(
     """Write the terms that are chosen into `seen` (R, F), and that times `weights` (F,) into `observations` (R, F).
 
     The worlds are those `chosen` (C,). `first` holds the first component of each of COMPILED_TERMS, -1 for one that is
-    not chosen. Robots that are not present see nothing.
+    not chosen. Robots that are not at work see nothing.
     """
     a = open_around(around)
     for world in chosen:
         for row in range(world * a.robots, (world + 1) * a.robots):
-            if a.present[row]:
+            if a.working[row]:
                 write_terms(a, first, row, seen[row])
             for k in range(weights.shape[0]):
-                observations[row, k] = np.float32(seen[row, k]) * weights[k] if a.present[row] else np.float32(0.0)
+                observations[row, k] = np.float32(seen[row, k]) * weights[k] if a.working[row] else np.float32(0.0)

@@ -50,9 +50,9 @@ MARGIN = 1.0 + 1e-9
 def search(around: Words[Around], poses: Words[Poses], chosen: Ints, rows: Ints) -> int:
     """Find items, stations and neighbours of the robots in the worlds `chosen` (C,), and what they know of others.
 
-    Lists the robots that are present in `rows` (R,) and returns their number.
+    Lists the robots at work in `rows` (R,) and returns their number.
     """
-    count = list_present(around, chosen, rows)
+    count = list_working(around, chosen, rows)
     find_items(around, rows[:count])
     find_stations(around, rows[:count])
     find_heard(around, poses, rows[:count])
@@ -61,21 +61,22 @@ def search(around: Words[Around], poses: Words[Poses], chosen: Ints, rows: Ints)
 
 
 @part
-def list_present(around: Words[Around], chosen: Ints, rows: Ints) -> int:
-    """List in `rows` (R,) the robots present in the worlds `chosen` (C,), count the teams, return the number.
+def list_working(around: Words[Around], chosen: Ints, rows: Ints) -> int:
+    """List in `rows` (R,) the robots at work in the worlds `chosen` (C,) and return their number; count the teams.
 
-    The phase of every robot of these worlds becomes PATROL.
+    A team has all robots that are present, those that have failed too. The phase of every robot becomes PATROL.
     """
     a = open_around(around)
     count = 0
     for world in chosen:
-        before = count
+        team = 0
         for row in range(world * a.robots, (world + 1) * a.robots):
             a.phases[row] = PATROL
-            if a.present[row]:
+            team += a.present[row]
+            if a.working[row]:
                 rows[count] = row
                 count += 1
-        a.team[world] = count - before
+        a.team[world] = team
     return count
 
 

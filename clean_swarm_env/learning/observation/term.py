@@ -81,7 +81,7 @@ class Term(ABC):
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the components of `rows` (P,) into the columns `rows` of `out` (components, R), which holds zeros.
 
-        The rows are those of robots that are present, in rising order. Other columns are ignored.
+        The rows are those of robots at work, in rising order. Other columns are ignored.
         """
 
     @classmethod

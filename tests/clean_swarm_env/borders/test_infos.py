@@ -6,14 +6,14 @@ import pytest
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
-from clean_swarm_env.borders.infos import MASK, OWN
+from clean_swarm_env.borders.infos import ALIVE, MASK, OPTION_MASK, OWN
 from tests.clean_swarm_env.courses import mission
 from tests.paths import ROOT
 
 SHORT = mission(garbage={"count": 2}, time_limit=20.0)
 FORAGING = {"task": "Foraging", "time_limit": 4.0}
 TEAM = ("time_s", "dumped", "garbage_done", "mission_collision_events", "completed", "duration_s")
-KEYS = {*TEAM, *OWN, MASK}
+KEYS = {*TEAM, *OWN, ALIVE, MASK}
 VELOCITY = {"mode": "velocity"}
 
 
@@ -22,10 +22,10 @@ def check_infos(told, team, robots):
     for row, agent in enumerate(told):
         assert told[agent].keys() == team.keys()
         for name, value in told[agent].items():
-            if name == MASK:
+            if name in (MASK, OPTION_MASK):
                 own = slice(row * len(value), (row + 1) * len(value))
-                assert value.tolist() == team[MASK][own].tolist() == robots[MASK][row].tolist()
-            elif name in OWN:
+                assert value.tolist() == team[name][own].tolist() == robots[name][row].tolist()
+            elif name in (ALIVE, *OWN):
                 assert value == team[name][row] == robots[name][row]
             else:
                 assert value == team[name] == robots[name][row]
@@ -71,7 +71,7 @@ def test_velocity_mode_shows_neither_masks_nor_options(border):
     _, infos = env.reset(seed=1)
     names = (env._batch if border is clean_swarm_v0.parallel_env else env.batch).observer.names
     assert not [name for name in names if name.startswith("holds_")]
-    assert MASK not in infos.get("robot_0", infos)
+    assert not {MASK, OPTION_MASK} & infos.get("robot_0", infos).keys()
     with pytest.raises(ValueError, match="terms: 'holds': expected options as actions, got mode 'velocity'"):
         border(mission=SHORT, action=VELOCITY, observation={"terms": ["cargo", "holds"]})
 

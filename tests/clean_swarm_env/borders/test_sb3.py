@@ -20,7 +20,7 @@ from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.joined import family_batches
 from clean_swarm_env.learning.observation.config import ObservationConfig
-from clean_swarm_env.sb3 import RobotVecEnv
+from clean_swarm_env.sb3 import MissionCallback, RobotVecEnv, evaluate_missions
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
 pytestmark = pytest.mark.extra
@@ -200,3 +200,76 @@ def test_a_vecenv_is_copied_and_goes_back(way):
     assert play(twin) == course
     envs.set_state(state)
     assert play(envs) == course
+
+
+OPEN = mission(
+    robots={"capacity": 8},
+    events=[{"at": 2.0, "do": "fail", "robots": [1]}, {"at": 4.0, "do": "join"}],
+    garbage={"count": 3},
+    time_limit=25.0,
+)
+"""Five robots, of which one fails, and one that joins; two rows of eight have no robot in any mission."""
+
+
+class Still:
+    """A model that always takes the same option, and notes what it sees."""
+
+    def __init__(self, option=2):
+        self.option, self.seen = option, []
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=False):
+        self.seen.append(observation)
+        return np.full(len(observation), self.option), None
+
+
+def true_returns(missions, worlds, seeds):
+    """Return the mean return of the robots that took part in the first missions of each world, from its batch."""
+    batch, told = Batch(OPEN, worlds), [[] for _ in range(worlds)]
+    batch.reset(seeds)
+    sums, there = np.zeros(batch.rows), np.zeros(batch.rows, bool)
+    while min(map(len, told)) < missions:
+        step = batch.step(np.full(batch.rows, 2))
+        sums, there = sums + step.rewards, there | batch.took_part
+        for end in batch.finished:
+            rows = batch.worlds.rows_of(end.world)
+            told[end.world].append(sums[rows][there[rows]].mean())
+            sums[rows], there[rows] = 0.0, False
+    return [told[world][k] for world in range(worlds) for k in range(missions)]
+
+
+def test_missions_are_evaluated_one_by_one_and_robots_that_do_not_exist_are_not_counted():
+    envs, model = RobotVecEnv(2, mission=OPEN), Still()
+    told = evaluate_missions(model, VecMonitor(envs), 4, seed=3)
+    seeds = envs.seed(3)[::8]
+    assert sorted(one["return"] for one in told) == pytest.approx(sorted(true_returns(2, 2, seeds)))
+    assert [one["robots"] for one in told] == [6] * 4
+    assert told[0].keys() >= {"scenario", "cost_s", *END}
+    assert not np.stack(model.seen)[:, [6, 7, 14, 15]].any()
+    assert len(evaluate_missions(model, envs, 1)) == 1, "fewer missions than worlds"
+    with pytest.raises(TypeError, match="envs: expected a RobotVecEnv, wrapped or not, got Foreign"):
+        evaluate_missions(model, type("Foreign", (), {"unwrapped": property(lambda self: self)})(), 1)
+
+
+@pytest.mark.parametrize("wrapped", [lambda envs: envs, VecMonitor])
+def test_an_evaluation_by_rows_ends_where_rows_have_no_robot_and_one_warning_says_what_to_use(wrapped):
+    with pytest.warns(UserWarning, match="evaluate_missions") as warned:
+        returns, _ = evaluate_policy(Still(), wrapped(RobotVecEnv(1, mission=OPEN)), 16, return_episode_rewards=True)
+    assert len(returns) == 16
+    assert returns.count(0.0) == 4
+    ours = [str(one.message) for one in warned if "evaluate_missions" in str(one.message)]
+    assert len(ours) == 1
+
+
+def test_the_mean_return_of_a_learner_is_that_of_real_robots_and_a_callback_keeps_the_best(tmp_path):
+    envs, others, path = RobotVecEnv(1, mission=OPEN), RobotVecEnv(1, mission=OPEN), tmp_path / "best.zip"
+    model = PPO("MlpPolicy", envs, n_steps=26, batch_size=104, n_epochs=1, seed=1, device="cpu")
+    callback = MissionCallback(others, 2, every=8 * 26, path=path)
+    model.learn(2 * 8 * 26, callback=callback)
+    assert len(model.ep_info_buffer) == 12
+    assert not [one for one in model.ep_info_buffer if one["r"] == 0.0]
+    assert [*callback.told] == [208, 416]
+    means = [np.mean([one["return"] for one in told]) for told in callback.told.values()]
+    assert callback.best == max(means)
+    assert path.exists()
+    with pytest.raises(ValueError, match="envs: expected other worlds than those in which the model learns"):
+        model.learn(8 * 26, callback=MissionCallback(envs, 2, every=8))

@@ -152,7 +152,7 @@ def test_episodes_may_be_the_scenarios_of_a_family(family):
     absent = ~batch.progress.took_part
     assert family == "random" or absent.any()
     assert not step.rewards[absent].any()
-    assert not step.observations[~batch.worlds.physics.present].any()
+    assert not step.observations[~batch.working].any()
 
 
 def test_splits_of_a_family_have_other_scenarios_and_unfit_families_are_refused():

@@ -45,7 +45,7 @@ def test_rows_and_worlds_are_those_of_the_batches_one_after_the_other():
         assert [(e.world, e.scenario, e.result) for e in joined.finished] == expected
         ended += [end.world for end in joined.finished]
     assert {0, 1, 2} <= set(ended)
-    assert joined.present.all() == all(b.worlds.physics.present.all() for b in alone)
+    assert joined.working.all() == all(b.working.all() for b in alone)
 
 
 def test_a_shared_seed_is_dealt_out_to_the_worlds():

@@ -143,6 +143,8 @@ def test_what_a_robot_cannot_take_is_not_taken_and_options_are_kept(tmp_path):
     exploring, avoiding = envs.options.values()
     rows = [batch.rows for batch in training.curriculum.batches]
     seen, before = envs.reset(), None
+    there = np.flatnonzero(training._working()[rows[0] :]) + rows[0]  # others have no choice
+    assert 0 < len(there) < len(seen) - rows[0]
     for period in range(7):
         flags = seen[:, -len(exploring) - len(avoiding) :]
         actions, _ = model.predict(seen)
@@ -150,12 +152,12 @@ def test_what_a_robot_cannot_take_is_not_taken_and_options_are_kept(tmp_path):
         assert flags[np.arange(len(seen)), len(exploring) + actions[:, 1]].all()
         assert (flags[: rows[0], : len(exploring)].sum(axis=1) == 1).all()  # there is nothing to explore by
         held = period % 3 != 0
-        assert (flags[rows[0] :, : len(exploring)].sum(axis=1) == (1 if held else len(exploring))).all()
+        assert (flags[there, : len(exploring)].sum(axis=1) == (1 if held else len(exploring))).all()
         if held:
             np.testing.assert_array_equal(actions[:, 0], before)
         seen, _, over, _ = envs.step(actions)
         assert not over.any()
-        assert (envs.chosen[rows[0] :, 0] == (not held)).all()
+        assert (envs.chosen[there, 0] == (not held)).all()
         assert not envs.chosen[: rows[0], 0].any()
         before = actions[:, 0]
 
