@@ -8,7 +8,6 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from selector.documents.arrays import check_same_names
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Label, Name, NonNegative, Number, checked_name
 from selector.documents.find import find_file
@@ -54,11 +53,6 @@ class LearnedScore(Closed):
 
 LearnedScores = dict[Name, dict[Name, LearnedScore]]
 """Goal -> option -> what was learned of it."""
-SituatedScores = dict[Name, dict[Name, dict[Name, Number]]]
-"""Goal -> situation -> option -> its score in this situation [-].
-
-Situations are components of an observation; a robot is in that of the largest one
-(docs/decisions/0231-scores-by-situation.md)."""
 
 
 class _KnowledgeFile(Closed):
@@ -70,8 +64,6 @@ class _KnowledgeFile(Closed):
     """Options by goal."""
     learned: LearnedScores = Field(default={})
     """Rewards of options, as `clean-swarm learn knowledge export --context` writes them."""
-    situations: SituatedScores = Field(default={})
-    """Scores by situation, as `clean-swarm learn knowledge from-policy` writes them."""
 
     @model_validator(mode="after")
     def _unique_names(self) -> Self:
@@ -91,14 +83,12 @@ class Knowledge:
         table: options by goal, each goal with at least one.
         source: the file that the knowledge was read from, for error messages.
         learned: rewards of some options.
-        situations: scores of all options of some goals, by situation.
 
     """
 
     table: Mapping[str, tuple[Option, ...]]
     source: str = "knowledge"
     learned: LearnedScores = field(default_factory=dict)
-    situations: SituatedScores = field(default_factory=dict)
 
     @property
     def goals(self) -> tuple[str, ...]:
@@ -120,25 +110,6 @@ class Knowledge:
         known = self.learned.get(goal, {})
         found = (known.get(option.name) for option in self.options(goal))
         return np.array([(one.count, one.mean, one.variance) if one else (0.0, 0.0, 0.0) for one in found]).T
-
-    def situated(self, goal: str) -> Floats:
-        """Return the scores (S, O) of the options of a goal in each of its situations, of which there may be none."""
-        names = [option.name for option in self.options(goal)]
-        found = [[scores[name] for name in names] for scores in self.situations.get(goal, {}).values()]
-        return np.array(found).reshape(-1, len(names))
-
-    def with_situations(self, situations: SituatedScores) -> "Knowledge":
-        """Return the knowledge with scores by situation.
-
-        Raises:
-            DocumentError: a goal is unknown, or a situation has not just the options of its goal.
-
-        """
-        for goal, table in situations.items():
-            names = tuple(option.name for option in self.options(goal))
-            for situation, scores in table.items():
-                check_same_names(f"{self.source}: situations.{goal}.{situation}", "options", names, tuple(scores))
-        return replace(self, situations=situations)
 
     def with_learned(self, learned: LearnedScores) -> "Knowledge":
         """Return the knowledge with `learned` in place of its own learned rewards of the same options.
@@ -181,12 +152,6 @@ class Knowledge:
                 raise DocumentError(f"{self.source}: goals.{goal}: {unknown('option', name, names)}")
 
 
-def knowledge_content(knowledge: Knowledge) -> dict[str, Any]:
-    """Return expert knowledge, with its scores by situation, as the content of a file."""
-    goals = {goal: [option.model_dump() for option in knowledge.options(goal)] for goal in knowledge.goals}
-    return {"goals": goals, "situations": knowledge.situations}
-
-
 def learned_from(content: object, where: str) -> LearnedScores:
     """Return what was learned of options from plain data; errors begin with `where`."""
     if not (isinstance(content, Mapping) and all(isinstance(scores, Mapping) for scores in content.values())):
@@ -215,7 +180,7 @@ def believed(scores: Floats, rewards: Floats) -> Floats:
 def knowledge_from(content: object, source: str = "knowledge") -> Knowledge:
     """Return the knowledge in a mapping that has the form of a knowledge file."""
     file = validated(_KnowledgeFile, content, source)
-    return Knowledge(file.goals, source).with_learned(file.learned).with_situations(file.situations)
+    return Knowledge(file.goals, source).with_learned(file.learned)
 
 
 def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:

@@ -18,7 +18,6 @@ import numpy as np
 from pydantic import Field
 
 from clean_swarm_env.config.types import Scenarios
-from docs.comparison.thoughts import Thoughts
 from selector.documents.fields import Closed, Flag, Name
 from selector.knowledge import Knowledge
 from selector.store import KnowledgeStore
@@ -73,8 +72,6 @@ class LoopManifest(Closed):
     """Strategy -> parameter -> values that are tried on training missions."""
     drawn: tuple[Name, ...]
     """Strategies of the picture."""
-    thoughts: Thoughts
-    """The policy that writes what it thinks."""
 
 
 @dataclass(frozen=True)

@@ -23,12 +23,13 @@ from docs.comparison.loop import (
     stored_choices,
 )
 from docs.comparison.loop_runs import LoopedRuns
-from docs.comparison.thoughts import BY_SCORE
 from selector.strategies.registry import StrategySpec
 from selforg.arrays import Floats, Ints
 from train.analysis.intervals import Ratio
 from train.reports.text_table import interval_cell, markdown_table
 
+BY_SCORE = "MaxScore"
+"""The strategy that does not learn."""
 END, NEVER = 1.02, 1.05
 """Largest ratio to the best option at the end; and at any time to the experts' option, if its score was right."""
 RATIOS = (1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 8.0)

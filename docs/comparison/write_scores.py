@@ -10,7 +10,6 @@ from pathlib import Path
 from docs.comparison.loop import LoopManifest
 from docs.comparison.loop_runs import make_loop
 from docs.comparison.loop_tables import LoopResults
-from docs.comparison.thoughts import make_thoughts
 from docs.comparison.write_choosing import DOCS, inputs_of, put_tables
 from docs.figures.stored import ROOT
 from selector.documents.errors import validated
@@ -26,9 +25,8 @@ def main(arguments: list[str]) -> None:
     folder = ROOT / "results" / manifest.name
     folder.mkdir(parents=True, exist_ok=True)
     results = LoopResults(manifest, {label: make_loop(manifest, label, folder) for label in manifest.families})
-    thoughts = make_thoughts(manifest.thoughts, folder)
     inputs = [*inputs_of(given, manifest.families), *(one.file for one in manifest.families.values() if one.file)]
-    put_tables(manifest.name, {**results.tables(), **thoughts}, "python -m docs.comparison.write_scores", inputs)
+    put_tables(manifest.name, results.tables(), "python -m docs.comparison.write_scores", inputs)
     results.draw(DOCS / "pictures" / f"{manifest.name}-loop.png")
 
 

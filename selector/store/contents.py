@@ -251,7 +251,4 @@ def read(path: Path) -> StoredKnowledge:
     content = read_json(path) if path.suffix == ".json" else read_mapping(path)
     if "format" in content:
         return from_document(content, where)
-    knowledge = knowledge_from(content, where)
-    if knowledge.situations:
-        raise StoreError(f"{where}: situations: expected none for a store, which keeps one score for each option")
-    return stored(knowledge)
+    return stored(knowledge_from(content, where))

@@ -21,8 +21,6 @@ class Problem:
         features: (F,) names of the components of a context, each different.
         rewards: (3, O) count, mean and variance of the rewards known at the beginning; zeros unless given, and
             where no reward is known.
-        situations: (S,) components of an observation, of which the largest is the situation of a robot; usually none.
-        situated: (S, O) the expert's score of each option in each situation, finite.
 
     Raises:
         ValueError: a name is given twice, the scores cannot be compared, or no rewards are such.
@@ -34,8 +32,6 @@ class Problem:
     scores: Floats
     features: tuple[str, ...] = ()
     rewards: Floats = field(default_factory=lambda: np.zeros((3, 1)))
-    situations: tuple[str, ...] = ()
-    situated: Floats = field(default_factory=lambda: np.zeros((0, 1)))
 
     def __post_init__(self) -> None:
         scores = np.array(self.scores, dtype=np.float64)
@@ -47,9 +43,6 @@ class Problem:
             raise ValueError(f"goal {self.goal}: scores: expected shape {expected}, got {scores.shape}")
         if not np.isfinite(scores).all():
             raise ValueError(f"goal {self.goal}: scores: expected finite numbers, got {scores.tolist()}")
-        shape = (len(self.situations), len(self.options))
-        situated = readable(f"goal {self.goal}: situated", np.broadcast_to(self.situated, shape), shape)
-        object.__setattr__(self, "situated", situated)
         for what, names in (("option", self.options), ("feature", self.features)):
             for name in names:
                 if names.count(name) > 1:
@@ -67,15 +60,12 @@ class Problem:
     def of(cls, knowledge: Knowledge, goal: str, features: tuple[str, ...] = ()) -> "Problem":
         """Return the problem of choosing among the options of a goal in expert knowledge."""
         names = tuple(option.name for option in knowledge.options(goal))
-        situations = tuple(knowledge.situations.get(goal, ()))
-        scores, rewards, situated = (of(goal) for of in (knowledge.scores, knowledge.rewards, knowledge.situated))
-        return cls(goal, names, scores, features, rewards, situations, situated)
+        return cls(goal, names, knowledge.scores(goal), features, knowledge.rewards(goal))
 
     def only(self, options: tuple[str, ...]) -> "Problem":
         """Return the problem of choosing among some of the options, in this order."""
         kept = [self.options.index(name) for name in options]
-        scores, rewards, situated = self.scores[kept], self.rewards[:, kept], self.situated[:, kept]
-        return replace(self, options=options, scores=scores, rewards=rewards, situated=situated)
+        return replace(self, options=options, scores=self.scores[kept], rewards=self.rewards[:, kept])
 
 
 @dataclass(frozen=True)

@@ -17,21 +17,10 @@ from selforg.registry import unknown
 
 @STRATEGIES.register
 class MaxScore(DecisionStrategy):
-    """The option of the highest score that can serve, the first of several; updates change nothing.
-
-    If experts gave scores by situation and the context shows the situations, those of a robot's situation count.
-    """
-
-    def _prepare(self) -> None:
-        situations, features = self.problem.situations, self.problem.features
-        known = situations if set(situations) <= set(features) else ()
-        self._columns = [features.index(name) for name in known]
+    """The option of the highest score that can serve, the first of several; updates change nothing."""
 
     def _opinions(self, decisions: Decisions) -> Floats:
-        if not self._columns:
-            return np.broadcast_to(self.problem.scores, decisions.allowed.shape)
-        scores: Floats = self.problem.situated[decisions.context[:, self._columns].argmax(axis=1)]
-        return scores
+        return np.broadcast_to(self.problem.scores, decisions.allowed.shape)
 
     def _select(self, decisions: Decisions) -> Ints:
         return best(self._opinions(decisions), decisions.allowed)

@@ -7,15 +7,7 @@ import typer
 
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.writing import write_whole
-from train.cli.listing import check_named
-from train.cli.options import (
-    SITUATIONS,
-    GivenOptions,
-    Situations,
-    asking,
-    situations_in,
-    wide_console,
-)
+from train.cli.options import wide_console
 
 app = typer.Typer(no_args_is_help=True, help="Keep expert knowledge and learned rewards in a file.")
 
@@ -89,34 +81,6 @@ def export_file(
     _check_new(output)
     write_whole(output, text.encode())
     typer.echo(f"{amount(contents)} in {output}")
-
-
-@app.command("from-policy")
-@asking("goal", "configs", "force", scenarios=16, seed=1)
-def write_opinions(
-    decider: Annotated[
-        str, typer.Argument(help="policy:NAME, or another decider as --strategy takes it.", metavar="POLICY")
-    ],
-    output: Annotated[Path, typer.Argument(help="Knowledge file to write, NAME.yaml; one that exists is refused.")],
-    family: Annotated[str, typer.Option(help="Family on whose training missions it decides, by name or path.")],
-    situations: Situations = SITUATIONS,
-    *,
-    given: GivenOptions,
-) -> None:
-    """Write what a policy thinks of the options in each situation as expert knowledge, which MaxScore can use."""
-    names = situations_in(situations)
-    if output.suffix not in (".yaml", ".yml"):
-        raise ConfigurationError(f"{output}: expected a name that ends in .yaml")
-    _check_new(output)
-    check_named(given.directories, [decider], families=family)
-    from selector.documents.reading import as_yaml  # these import SciPy and Numba
-    from selector.knowledge import knowledge_content
-    from train.evaluation.opinions import knowledge_of_decider
-
-    known, count = knowledge_of_decider(given.request(family, strategies=(decider,)), names)
-    about = f"What {decider} thinks on {given.values['scenarios']} training missions of {family}, {count} decisions."
-    write_whole(output, as_yaml({"description": about, **knowledge_content(known)}).encode())
-    typer.echo(f"{count} decisions in {output}")
 
 
 @app.command("reset")

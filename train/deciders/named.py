@@ -147,7 +147,7 @@ def _strategy(text: str) -> NamedDecider:
     own, _ = named_in(text)
 
     def build(problem: Problem, teams: Ints) -> Decider:
-        return StrategyDecider(spec_from_text(text), problem, teams, features=problem.situations)
+        return StrategyDecider(spec_from_text(text), problem, teams)
 
     digest = _sha256(source_of(own, "strategy")) if is_import(own) else ""
     return NamedDecider(text, build, digest, partial(spec_from_text, text))

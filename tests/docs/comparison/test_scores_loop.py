@@ -19,8 +19,7 @@ from docs.comparison.loop import (
     tried_numbers,
 )
 from docs.comparison.loop_runs import LoopedRuns, make_loop
-from docs.comparison.loop_tables import LoopResults
-from docs.comparison.thoughts import BY_SCORE
+from docs.comparison.loop_tables import BY_SCORE, LoopResults
 from docs.comparison.write_choosing import DOCS
 from selector.documents.reading import read_mapping
 from selector.knowledge import knowledge_from
@@ -47,16 +46,6 @@ SMALL = {
     "scaled": ["exploration", "deviation"],
     "numbers": {"UCB1": {"prior": [0.0, 1.0], "exploration": [0.5]}},
     "drawn": ["MaxScore", "UCB1"],
-    "thoughts": {
-        "policy": "policy:exploring-ppo",
-        "goal": "ExplorationPatrol",
-        "family": "clustered",
-        "training": 1,
-        "situations": ["finds_none", "finds_together"],
-        "families": ["clustered"],
-        "judged": 2,
-        "seed": 1,
-    },
 }
 KNOWN = knowledge_from({"goals": {"G": [{"configuration": name, "score": k} for k, name in enumerate("abc")]}})
 

@@ -1,6 +1,5 @@
 import doctest
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -34,21 +33,6 @@ def test_max_score_takes_the_first_of_the_highest(scores, best):
 def test_max_score_takes_the_best_that_can_serve():
     allowed = np.array([[True, False, True], [False, True, True], [True, False, False]])
     assert MaxScore(problem([1.0, 3.0, 2.0]), KEYS).select(NO_CONTEXT, allowed).tolist() == [2, 1, 0]
-
-
-def test_max_score_takes_the_best_of_a_robots_situation_where_the_context_shows_it():
-    situated = np.array([[0.0, 5.0, 1.0], [7.0, 0.0, 6.0]])
-    known = Problem(
-        "Goal", ("a", "b", "c"), np.array([0.0, 1.0, 2.0]), ("low", "x", "high"), 0.0, ("high", "low"), situated
-    )
-    seen = np.array([[0.0, 9.0, 1.0], [1.0, 9.0, 0.0], [0.0, 9.0, 0.0]])  # the first of equals
-    strategy = MaxScore(known, KEYS)
-    assert strategy.select(seen).tolist() == [1, 0, 1]
-    assert strategy.opinions(seen).tolist() == situated[[0, 1, 0]].tolist()
-    assert MaxScore(known.only(("c", "a")), KEYS).select(seen).tolist() == [0, 1, 0]
-    assert MaxScore(replace(known, features=()), KEYS).select(NO_CONTEXT).tolist() == [2, 2, 2]
-    with pytest.raises(ValueError, match="goal Goal: situated: expected finite numbers, got nan"):
-        replace(known, situated=situated * np.nan)
 
 
 def test_a_fixed_option_is_taken_wherever_it_can_serve():
