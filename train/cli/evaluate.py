@@ -11,7 +11,6 @@ from clean_swarm_env.config.task_names import OWN_TASK, task_names
 from selector.documents.find import find_file
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.trust import is_import
-from selector.documents.writing import write_whole
 from selforg.registry import unknown
 from train.cli.listing import check_named, conditions_in
 from train.cli.options import (
@@ -103,8 +102,7 @@ ARENAS = ("torus", "open")
 
 
 def run_command(
-    task: Annotated[str | None, typer.Argument(help="Name of a task; --all runs every one.", metavar="[TASK]")] = None,
-    every: Annotated[bool, typer.Option("--all", help="Run every task and print the table of them all.")] = False,
+    task: Annotated[str, typer.Argument(help="Name of a task.")],
     robots: Annotated[int | None, typer.Option(help="Number of robots; the task's own unless given.")] = None,
     seconds: Annotated[float | None, typer.Option(help="Simulated time [s]; the task's own unless given.")] = None,
     seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
@@ -117,60 +115,44 @@ def run_command(
     store: RunStore = None,
     learn: Learn = False,
     configs: Configs = None,
-    output: Annotated[Path | None, typer.Option(help="Markdown file to write the table of all tasks to.")] = None,
     record: Annotated[
         Path | None, typer.Option(help="Directory for a recording of every run, mechanism and baseline.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Run a task by an option and by its baseline: the measures of its success, their targets and the difference."""
-    for name, given in (("--option", option), ("--robots", robots), ("--seconds", seconds)):
-        if every and given is not None:
-            raise ConfigurationError(f"{name}: expected one task, not --all")
-    if output is not None and not every:
-        raise ConfigurationError("--output: expected --all, got one task")
     check_whole({"--robots": (robots, 1, MOST_ROBOTS), "--seed": (seed, 0, MOST_SEED), "--runs": (runs, 1, MOST_RUNS)})
     if seconds is not None and not 0.0 < seconds <= MOST_SECONDS:
         raise ConfigurationError(f"--seconds: expected a positive number up to {MOST_SECONDS:g}, got {seconds:g}")
     if arena is not None and arena not in ARENAS:
         raise ConfigurationError(f"--arena: expected {' or '.join(ARENAS)}, got {arena!r}")
-    if task is not None and not every and not is_import(task) and task not in task_names():
+    if not is_import(task) and task not in task_names():
         raise ConfigurationError(unknown("task", task, task_names()) + OWN_TASK)
     from clean_swarm_env.recording.recorder import RecordSettings
-    from train.evaluation.task_run import TaskRun, as_page, outcome_grid, run_task, tasks_to_run  # imports Numba
+    from train.evaluation.task_run import TaskRun, outcome_grid, run_task  # imports Numba
     from train.memory import StoreRequest
     from train.reports.knowledge_tables import learned_scores
     from train.reports.text_table import TerminalTable
 
-    if (task is None) is not every:
-        known = f"; the tasks are {', '.join(tasks_to_run())}" if task is None else ""
-        raise ConfigurationError(f"run: expected a task or --all, got {'both' if every else 'neither'}{known}")
-    outcomes, directories = [], tuple(configs or ())
-    for name in tasks_to_run() if every else (str(task),):
-        ground: Any = arena  # which has been checked
-        asked = TaskRun(
-            name,
-            seed=seed,
-            scenarios=runs,
-            knowledge=knowledge,
-            directories=directories,
-            store=StoreRequest(store, learn),
-            record=None if record is None else RecordSettings(record.resolve()),
-            option=option,
-            robots=robots,
-            seconds=seconds,
-            ground=ground,
-        )
-        outcomes.append(run_task(asked))
+    ground: Any = arena  # which has been checked
+    asked = TaskRun(
+        task,
+        seed=seed,
+        scenarios=runs,
+        knowledge=knowledge,
+        directories=tuple(configs or ()),
+        store=StoreRequest(store, learn),
+        record=None if record is None else RecordSettings(record.resolve()),
+        option=option,
+        robots=robots,
+        seconds=seconds,
+        ground=ground,
+    )
+    outcome = run_task(asked)
     if json:
-        plain = [outcome.content for outcome in outcomes]
-        typer.echo(json_format.dumps(plain if every else plain[0], indent=2))
-    elif output is not None:
-        write_whole(output, as_page(outcomes).encode())
-        typer.echo(f"{len(outcomes)} tasks in {output}")
-    else:
-        for outcome in outcomes:
-            wide_console().print(TerminalTable(outcome_grid(outcome)))
-            if outcome.known is not None:
-                table = learned_scores(outcome.known, "known at the beginning", outcome.request.mission)
-                wide_console().print(TerminalTable(table))
+        typer.echo(json_format.dumps(outcome.content, indent=2))
+        return
+    wide_console().print(TerminalTable(outcome_grid(outcome)))
+    if outcome.known is not None:
+        table = learned_scores(outcome.known, "known at the beginning", asked.mission)
+        wide_console().print(TerminalTable(table))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
 Config = Annotated[str, typer.Option(help="Name of a training, or path to its YAML file.", metavar="NAME|FILE")]
-ALONE = ("seed", "output", "resume", "record", "figure", "force", "configs")
+ALONE = ("seed", "output", "resume", "figure", "force", "configs")
 """Options of trainings in one process."""
 
 
@@ -49,7 +49,7 @@ def bandit(config: Config, *, given: GivenOptions) -> None:
 
 
 @app.command()
-@asking("seed", "record", "figure", *KEEPING)
+@asking("seed", "figure", *KEEPING)
 def es(config: Config = "es", *, given: GivenOptions) -> None:
     """Train a linear policy by evolution strategies on the costs of whole missions, and export it."""
     check_named(given.directories, training=config)
@@ -59,7 +59,7 @@ def es(config: Config = "es", *, given: GivenOptions) -> None:
 
 
 @app.command()
-@asking("seed", "record", "figure", *KEEPING)
+@asking("seed", "figure", *KEEPING)
 def design(config: Config = "design", *, given: GivenOptions) -> None:
     """Design a finite state machine by iterated races on the costs of whole missions, and export it."""
     check_named(given.directories, training=config)

@@ -68,7 +68,6 @@ def run_training(
             request.seed,
             folder,
             directories=request.directories,
-            record=request.record,
             memory=memory,
             threads=request.machine.threads,
         )

@@ -22,7 +22,6 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Number
@@ -134,9 +133,6 @@ class TrainingJob:
     """Shows what is done; see `progress`."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
-    record: RecordSettings | None = None
-    """How the missions of validations are recorded, in a directory below that of the training; they are not unless
-    given."""
     memory: Memory | None = None
     """The knowledge store, which gets the rewards if the training learns for it."""
     parts: int = 1
@@ -262,12 +258,8 @@ class Training(ABC):
         """Return the figures of a checkpoint; none where it is not measured."""
         if checkpoint % self.config.validation.every and checkpoint < self.config.checkpoints:
             return {}
-        record, name = self.job.record, f"checkpoint-{checkpoint}"
-        if record is not None:
-            about = {"experiment": self.config.name, "condition": name}
-            record = replace(record, directory=self.job.folder.path / record.directory / name, about=about)
         self.job.update(more="validating")
-        results = results_on(self.curriculum.validation, self._decider_maker(), replace(self.trials, record=record))
+        results = results_on(self.curriculum.validation, self._decider_maker(), self.trials)
         self._validated = excesses(results)
         return figures_of(results)
 

@@ -8,7 +8,6 @@ Shapes: K validation scenarios of a family.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -57,11 +56,7 @@ class Validation(Closed):
 
 def results_on(scenarios: ByFamily, maker: DeciderMaker, settings: TrialSettings) -> dict[str, list[MissionResult]]:
     """Return the results of the missions of each family."""
-    found = {}
-    for family, some in scenarios.items():
-        record = settings.record and replace(settings.record, directory=settings.record.directory / family)
-        found[family] = run_trials(some, maker, replace(settings, record=record))
-    return found
+    return {family: run_trials(some, maker, settings) for family, some in scenarios.items()}
 
 
 def excesses(results: Results) -> Excesses:

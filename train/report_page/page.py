@@ -106,7 +106,7 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
         yield f"<h2>Performance profile</h2>{told}{profile(costs, conditions)}"
     told = _note("Cost [s] of every run; stronger colours are further above the lowest there (full: ten times).")
     yield f"<h2>Scenarios</h2>{told}{scenario_map(costs, conditions, scenarios, links)}"
-    yield from _selection(results, "evaluate")
+    yield from _selection(results)
 
 
 def _mean_cost(records: Sequence[RunRecord], condition: str) -> float:
@@ -130,7 +130,7 @@ def curves_of(results: Sequence[HeldResults]) -> Figure | None:
     return draw_curves([Trained(held.name, held.history, held.validation) for held in results])
 
 
-def _selection(results: Sequence[HeldResults], command: str) -> Iterator[str]:
+def _selection(results: Sequence[HeldResults]) -> Iterator[str]:
     yield "<h2>Selection</h2>"
     groups: dict[tuple[str, str, tuple[str, ...]], list[RecordedMission]] = {}
     for held in results:
@@ -141,7 +141,7 @@ def _selection(results: Sequence[HeldResults], command: str) -> Iterator[str]:
                     condition = f"{label}{recording.head['about'].get('condition', '')}"
                     groups.setdefault((condition, goal, tuple(options)), []).append(recording)
     if not groups:
-        yield _note(f"No run was recorded: {command} with --record, and make the report again.")
+        yield _note("No run was recorded: evaluate with --record, and make the report again.")
     for (condition, goal, _), own in groups.items():
         yield f"<h3>{escape(condition)}: {escape(goal)}, {len(own)} recorded runs</h3>"
         yield selection_over_time(own, goal) + selection_by_situation(own, goal)
@@ -160,7 +160,6 @@ def _training(results: Sequence[HeldResults]) -> Iterator[str]:
         columns = list(dict.fromkeys(name for entry in held.history for name in entry))
         rows = [[_cell(entry.get(name)) for name in columns] for entry in held.history]
         yield f"<h2>Checkpoints of {escape(label)}</h2>" + html_of_markdown(markdown_table(columns, rows))
-    yield from _selection(results, "train")
 
 
 def table_of(records: Sequence[RunRecord], conditions: Sequence[str], scenarios: Sequence[str], figure: str) -> Floats:

@@ -38,7 +38,7 @@ class HeldResults:
     validation: Validation | None
     """What the best checkpoint of a training lost beside the best fixed options."""
     recordings: Sequence[RecordedMission]
-    """Those of an evaluation, or of the last recorded checkpoint of a training."""
+    """Those of an evaluation."""
 
     @property
     def name(self) -> str:
@@ -67,9 +67,7 @@ def results_in(path: Path) -> HeldResults:
     if not records and not history:
         raise ConfigurationError(f"{path}: has neither finished runs ({JOURNAL}) nor checkpoints ({HISTORY})")
     tables = read_text(path / TABLES) if (path / TABLES).exists() else ""
-    checkpoints = sorted((path / RECORDINGS).glob("checkpoint-*"), key=lambda folder: natural_order(folder.name))
-    folder = checkpoints[-1] if checkpoints else path / RECORDINGS
-    recordings = list(recordings_in(folder, (*SELECTION_CHANNELS, "held/"), most_numbers()))
+    recordings = list(recordings_in(path / RECORDINGS, (*SELECTION_CHANNELS, "held/"), most_numbers()))
     return HeldResults(path, manifest, records, history, tables, validation_in(path), recordings)
 
 

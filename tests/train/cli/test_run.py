@@ -14,7 +14,6 @@ from tests.paths import ROOT
 from tests.train.commands import apart, done, refused
 from train.analysis.statistics import summarise
 from train.analysis.task_report import MeasuredStrategy
-from train.evaluation import task_run
 from train.evaluation.task_run import TaskOutcome, TaskRun, tasks_to_run
 
 ORIGINAL = load_knowledge("original")
@@ -65,10 +64,6 @@ def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        ((), "run: expected a task or --all, got neither; the tasks are AgentCollisionAvoidance, "),
-        (("MaxValue", "--all"), "run: expected a task or --all, got both"),
-        (("--all", "--robots", "3"), "--robots: expected one task, not --all"),
-        (("MaxValue", "--output", "x.md"), "--output: expected --all, got one task"),
         (("MaxValue", "--runs", "0"), "--runs: expected a whole number of at least 1, got 0"),
         (("MaxValue", "--seconds", "nan"), "--seconds: expected a positive number up to 1e+07, got nan"),
         (("MaxValue", "--arena", "cave"), "--arena: expected torus or open, got 'cave'"),
@@ -81,18 +76,6 @@ def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
 )
 def test_what_cannot_be_meant_is_one_line(arguments, expected):
     assert expected in refused("run", *arguments)
-
-
-def test_all_tasks_go_into_one_page(tmp_path, monkeypatch):
-    monkeypatch.setattr(task_run, "tasks_to_run", lambda: ["FindBarycenter", "MaxValue"])
-    page = tmp_path / "tasks.md"
-    done("run", "--all", "--runs", "2", "--output", page)
-    text = page.read_text(encoding="utf-8")
-    assert "| FindBarycenter, Barycenter | distance of the elected robot" in text
-    assert find_task("MaxValue").baseline in text
-    assert re.search(r"\d of 2 tasks meet", " ".join(text.split()))
-    done("run", "--all", "--runs", "1", "--output", tmp_path / "new" / "x.md")
-    assert (tmp_path / "new" / "x.md").exists()
 
 
 def compared(measure, own, baseline):

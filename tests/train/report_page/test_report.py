@@ -112,19 +112,12 @@ def test_two_directories_are_compared_on_the_same_scenarios(results, tmp_path):
         assert f"{name}: Random: AvoidCollision, 3 recorded runs" in text.found["h3"]
 
 
-def test_a_training_has_its_curves_and_checkpoints(results, tmp_path):
+def test_a_training_has_its_curves_and_checkpoints(tmp_path):
     first, second = (trained(tmp_path / name) for name in ("first", "second"))
     done("report", first)
     text = Text((first / "report.html").read_text())
     assert {"crowded", "excess on validation [s]"} <= set(text.found["text"])
     assert {"200", "40.5"} <= set(text.found["td"])
-    assert "No run was recorded: train with --record, and make the report again." in text.found["p"]
-    for number in (2, 10):
-        shutil.copytree(results / "recordings", first / "recordings" / f"checkpoint-{number}" / "small")
-    next((first / "recordings" / "checkpoint-10" / "small").glob("*Random*")).unlink()
-    done("report", first)
-    text = Text((first / "report.html").read_text())
-    assert "Random: AvoidCollision, 2 recorded runs" in text.found["h3"]  # those of the last checkpoint
     assert "--replays: expected an evaluation, got a training" in refused("report", first, "--replays")
     done("report", first, second, "--output", tmp_path / "both.html")
     text = Text((tmp_path / "both.html").read_text())
