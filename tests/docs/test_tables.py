@@ -11,7 +11,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.recording.by_hand import ByHand
@@ -40,7 +40,7 @@ def first_words(page, heading):
 
 def test_terms_of_the_environment():
     rows = {row[0].strip("`"): row[1:] for row in table("docs/environment.md", "terms")}
-    assert list(rows) == [*DEFAULT_TERMS, *TRUE_TERMS]
+    assert list(rows) == list(DEFAULT_TERMS)
     for name, (meaning, components, *_) in rows.items():
         term = TERMS.find(name)
         assert meaning == term.meaning()

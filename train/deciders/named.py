@@ -14,7 +14,7 @@ from typing import Any
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import Mode
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
 from selector.documents.arrays import check_known
 from selector.documents.errors import shown, validated
 from selector.documents.fields import JOINT
@@ -59,8 +59,6 @@ class NamedDecider:
     """The goal whose options it chooses, whatever is asked; empty if that which is asked for."""
     meant_for: AskedGoal = None
     """The goals that it was made for; None if any."""
-    trained_with: tuple[str, ...] = ()
-    """Names of the components of an observation that it was trained with; none if it takes any."""
     terms: tuple[str, ...] = ()
     """Terms of the observation that it was trained with; none if its file does not say."""
     sees: Mapping[str, Any] = field(default_factory=dict)
@@ -87,12 +85,11 @@ class NamedDecider:
         return self.goal or asked or self.meant_for
 
     def observation(self, terms: Sequence[str]) -> ObservationConfig:
-        """Return what it sees: its own terms, or the usual ones, `terms`, those it needs and true ones it learned."""
+        """Return what it sees: its own terms, or the usual ones, `terms`, and those it needs."""
         if self.sees or self.terms:
             return validated(ObservationConfig, self.sees or {"terms": self.terms}, self.text, own=True)
-        true = [term for term in TRUE_TERMS if any(component.startswith(term) for component in self.trained_with)]
         further = [term for term in self.further if term not in (*DEFAULT_TERMS, *terms)]
-        return ObservationConfig().beside((*terms, *true, *further), driven=self.mode == "velocity")
+        return ObservationConfig().beside((*terms, *further), driven=self.mode == "velocity")
 
     def strategy(self) -> StrategySpec:
         """Return the strategy that chooses once in a mission; ConfigurationError for any other decider."""
@@ -195,7 +192,6 @@ def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
         spec.weights_sha256,
         mode=mode_of(options=bool(spec.goals), vector=spec.vector),
         meant_for=[goal for joint in spec.goals for goal in joint.split(JOINT)] or None,
-        trained_with=spec.observations,
         terms=spec.terms,
         sees=spec.observation,
         knows=tuple(name for options in spec.goals.values() for joint in options for name in joint.split(JOINT)),
@@ -210,7 +206,7 @@ def _model(text: str, path: Path) -> NamedDecider:
     goal = known.goal if mode != "velocity" else ""
     digest = _sha256(*(file for file in (path, path.with_suffix(".pkl")) if file.is_file()))
     build = partial(ModelDecider, path, mode)
-    return NamedDecider(text, build, digest, mode=mode, goal=goal, trained_with=known.observations)
+    return NamedDecider(text, build, digest, mode=mode, goal=goal)
 
 
 SEARCHED = {LEARNED: _learned, MACHINE: _machine, POLICY: _policy}

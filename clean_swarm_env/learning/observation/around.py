@@ -29,7 +29,6 @@ class Around(NamedTuple):
     extent: Annotated[Floats, "2", READ]  # of the torus [m]
     positions: Annotated[Floats, "R 2", READ]  # of the robots [m]
     headings: Annotated[Floats, "R", READ]  # [rad]
-    bodies: Annotated[Floats, "R 4", READ]  # see `Physics.bodies`
     present: Annotated[Flags, "R", READ]  # whether there is a robot in the row
     working: Annotated[Flags, "R", READ]  # whether it is at work: others see nothing
     speed: Annotated[Floats, "R", READ]  # of the drive [m/s]
@@ -38,8 +37,6 @@ class Around(NamedTuple):
     recycled: Annotated[Ints, "R", READ]  # 1 where the cargo has been recycled
     items: Annotated[Floats, "W M 2", READ]  # places of the items [m]
     stage: Annotated[Ints, "W M", READ]  # LYING, CARRIED, DONE or ABSENT
-    done: Annotated[Ints, "W", READ]  # items dumped
-    arrived: Annotated[Ints, "W", READ]  # items that have come into the world
     stations: Annotated[Floats, "W L 2", READ]  # [m]
     station_kinds: Annotated[Ints, "L", READ]  # RECYCLING or DUMP
     readings: Annotated[Floats, "R S", READ]  # of the robots' network
@@ -58,13 +55,11 @@ class Around(NamedTuple):
     max_speed: Annotated[Floats, "R", READ]  # [m/s]
     max_turn_rate: Annotated[Floats, "R", READ]  # [rad/s]
     fastest: float  # largest speed of any robot [m/s]
-    area: float  # share of the torus within 1 m of a robot
     avoidance: int  # column of the sensor of the avoidance vector's length, -1 without one
     avoiding: int  # number of the behaviour that avoids others, -1 without one
     # filled for every observation
     ticks: Annotated[Ints, "W", READ]  # since the reset of each world
     held: Annotated[Ints, "C R", READ]  # option that serves each goal
-    team: Annotated[Ints, "W", SCRATCH]  # number of robots present
     item: Annotated[Ints, "R", SCRATCH]  # nearest item in sight, -1 without one
     phases: Annotated[Ints, "R", SCRATCH]  # numbers of `PHASES`
     station_distances: Annotated[Floats, "R 2", SCRATCH]  # to the nearest recycling station and dump [m]
@@ -73,10 +68,6 @@ class Around(NamedTuple):
     neighbour: Annotated[Ints, "R", SCRATCH]  # row of the nearest other robot within the largest range, -1 without one
     heard: Annotated[Floats, "R OTHER", SCRATCH]  # what is known of it; its velocity is relative to that of the row
     within: Annotated[Ints, "R K", SCRATCH]  # number of other robots within each range
-    # as it is
-    true_neighbour: Annotated[Ints, "R", SCRATCH]
-    true_within: Annotated[Ints, "R K", SCRATCH]
-    true_carriers: Annotated[Ints, "R", SCRATCH]  # number of other robots with cargo within the largest range
 
 
 AROUND_RECORD = Recording(Around)

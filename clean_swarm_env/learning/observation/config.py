@@ -29,9 +29,9 @@ from selector.documents.imported import NameOrImport, registered
 from selforg.registry import unknown
 
 DEFAULT_TERMS = Cleaning.terms
-"""The terms of cleaning robots unless others are chosen: what one senses or has heard, all of them compiled."""
-TRUE_TERMS = ("true_neighbour", "true_encounter", "true_crowd", "true_carriers", "true_density", "true_done")
-"""Compiled terms that no robot could know; the modules of all terms are imported above."""
+"""The terms of cleaning robots unless others are chosen: what one senses or has heard, all of them compiled.
+
+The modules of all terms are imported above."""
 
 
 class TermConfig(Closed):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.learning.observation.around import AROUND_RECORD, Around, open_around
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.searches import search
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term
 from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
@@ -22,7 +22,6 @@ from selforg.mechanisms.steering.base import OTHER_COLUMNS
 from selforg.plugins import check_answer, contract, is_own
 
 Observations = NDArray[np.float32]
-COMPILED_TERMS = (*DEFAULT_TERMS, *TRUE_TERMS)
 
 
 class Observer:
@@ -58,11 +57,11 @@ class Observer:
         self._rows = np.zeros(worlds.rows, dtype=np.int64)
         self._seen = np.zeros((worlds.rows, self.width))
         self._all = np.arange(worlds.worlds)
-        self._first = np.full(len(COMPILED_TERMS), -1)  # first component of each compiled term, -1: not chosen
+        self._first = np.full(len(DEFAULT_TERMS), -1)  # first component of each compiled term, -1: not chosen
         self._own: list[tuple[Term, slice]] = []  # terms of the user's own, and their components
         for term, first, last in zip(terms, accumulate(sizes, initial=0), accumulate(sizes), strict=False):
             if isinstance(term, CompiledTerm):
-                self._first[COMPILED_TERMS.index(term.name)] = first
+                self._first[DEFAULT_TERMS.index(term.name)] = first
             else:
                 self._own.append((term, slice(first, last)))
 
@@ -98,7 +97,6 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         extent=worlds.extent,
         positions=physics.positions,
         headings=physics.headings,
-        bodies=physics.bodies,
         present=physics.present,
         working=worlds.team.working,
         speed=worlds.floor.drive.speed,
@@ -107,8 +105,6 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         recycled=items.recycled,
         items=items.positions,
         stage=items.stage,
-        done=items.done,
-        arrived=items.arrived,
         stations=items.stations,
         station_kinds=items.station_kinds,
         readings=network.readings,
@@ -126,12 +122,10 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         max_speed=worlds.floor.drive.max_speed,
         max_turn_rate=worlds.world.of_each("max_turn_rate"),
         fastest=robots.max_speed,
-        area=float(np.pi / np.prod(worlds.floor.ground.land)),
         avoidance=network.model.sensor_index.get("rep_len", -1),
         avoiding=avoidance_column(worlds),
         ticks=numbers(worlds.worlds),
         held=numbers(len(sizes), worlds.rows),
-        team=numbers(worlds.worlds),
         item=numbers(worlds.rows),
         phases=numbers(worlds.rows),
         station_distances=np.zeros((worlds.rows, 2)),
@@ -139,9 +133,6 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         neighbour=numbers(worlds.rows),
         heard=np.zeros((worlds.rows, OTHER_COLUMNS)),
         within=numbers(worlds.rows, len(config.neighbour_ranges)),
-        true_neighbour=numbers(worlds.rows),
-        true_within=numbers(worlds.rows, len(config.neighbour_ranges)),
-        true_carriers=numbers(worlds.rows),
     )
 
 
@@ -155,7 +146,7 @@ def write_nothing(around: Around, first: Ints, row: int, seen: Floats) -> None:
 
 def write_also(before: WriteTerms, name: str) -> WriteTerms:
     """Return a function that writes the terms that `before` writes, and the compiled term of this name."""
-    number, term = COMPILED_TERMS.index(name), TERMS.find(name)
+    number, term = DEFAULT_TERMS.index(name), TERMS.find(name)
     assert issubclass(term, CompiledTerm)
     write_row = term.write_row
 
@@ -169,7 +160,7 @@ def write_also(before: WriteTerms, name: str) -> WriteTerms:
 
 
 write_terms: WriteTerms = write_nothing
-for _name in COMPILED_TERMS:
+for _name in DEFAULT_TERMS:
     write_terms = write_also(write_terms, _name)
 
 
@@ -179,7 +170,7 @@ def write_observations(
 ) -> None:
     """Write the terms that are chosen into `seen` (R, F), and that times `weights` (F,) into `observations` (R, F).
 
-    The worlds are those `chosen` (C,). `first` holds the first component of each of COMPILED_TERMS, -1 for one that is
+    The worlds are those `chosen` (C,). `first` holds the first component of each of DEFAULT_TERMS, -1 for one that is
     not chosen. Robots that are not at work see nothing.
     """
     a = open_around(around)

@@ -17,8 +17,6 @@ from clean_swarm_env.learning.observation.around import (
 )
 from clean_swarm_env.physics.cells import (
     NOBODY,
-    cell_at,
-    cell_beside,
     cells_along,
     fill_cells,
     nearest_of_kind,
@@ -40,7 +38,6 @@ from selforg.mechanisms.steering.base import (
     note_others,
     own_velocity,
 )
-from selforg.space import nearest_image
 
 MARGIN = 1.0 + 1e-9
 """Factor by which cells are wider than the range of a search, for rounding."""
@@ -56,27 +53,23 @@ def search(around: Words[Around], poses: Words[Poses], chosen: Ints, rows: Ints)
     find_items(around, rows[:count])
     find_stations(around, rows[:count])
     find_heard(around, poses, rows[:count])
-    find_neighbours(around, rows[:count])
     return count
 
 
 @part
 def list_working(around: Words[Around], chosen: Ints, rows: Ints) -> int:
-    """List in `rows` (R,) the robots at work in the worlds `chosen` (C,) and return their number; count the teams.
+    """List in `rows` (R,) the robots at work in the worlds `chosen` (C,), and return their number.
 
-    A team has all robots that are present, those that have failed too. The phase of every robot becomes PATROL.
+    The phase of every robot of these worlds becomes PATROL.
     """
     a = open_around(around)
     count = 0
     for world in chosen:
-        team = 0
         for row in range(world * a.robots, (world + 1) * a.robots):
             a.phases[row] = PATROL
-            team += a.present[row]
             if a.working[row]:
                 rows[count] = row
                 count += 1
-        a.team[world] = team
     return count
 
 
@@ -139,42 +132,3 @@ def find_heard(around: Words[Around], poses: Words[Poses], rows: Ints) -> None:
                 a.heard[row] = others[k]
                 a.heard[row, OTHER_VX] -= vx
                 a.heard[row, OTHER_VY] -= vy
-
-
-@kernel
-def find_neighbours(around: Words[Around], rows: Ints) -> None:
-    """Find where others truly are: the nearest in range of each of `rows` (P,), and the number within each range."""
-    a = open_around(around)
-    robots, squares = a.robots, a.ranges * a.ranges
-    farthest = squares[-1]
-    lines, columns = cells_along(robots, np.sqrt(farthest) * MARGIN, a.extent)
-    cells, links, filled = np.empty((lines, columns), np.int64), np.empty(robots, np.int64), -1
-    for row in rows:
-        first = row // robots * robots
-        if first != filled:
-            fill_cells(a.positions, first, a.present[first : first + robots], a.extent, cells, links)
-            filled = first
-        x, y = a.positions[row, 0], a.positions[row, 1]
-        best, shortest, carriers = -1, farthest, 0
-        a.true_within[row] = 0
-        line, column, walks = 0, 0, 1
-        if lines > 0:
-            line, column, walks = cell_at(y, lines, a.extent[1]), cell_at(x, columns, a.extent[0]), 9
-        for walk in range(walks):
-            point = cell_beside(line, column, walk, cells) if lines > 0 else 0
-            while point != NOBODY:
-                other = first + point
-                point = links[point] if lines > 0 else (point + 1 if point + 1 < robots else NOBODY)
-                if other == row or not a.present[other]:
-                    continue
-                dx = nearest_image(a.positions[other, 0] - x, a.extent[0])
-                dy = nearest_image(a.positions[other, 1] - y, a.extent[1])
-                square = dx * dx + dy * dy
-                if square > farthest:
-                    continue
-                carriers += a.cargo[other] != NOTHING
-                for k in range(squares.shape[0]):
-                    a.true_within[row, k] += square <= squares[k]
-                if best < 0 or square < shortest or (square == shortest and other < best):
-                    best, shortest = other, square
-        a.true_neighbour[row], a.true_carriers[row] = best, carriers

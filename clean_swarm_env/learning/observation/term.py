@@ -97,7 +97,7 @@ class Term(ABC):
 
 
 class CompiledTerm(Term):
-    """A term of DEFAULT_TERMS or TRUE_TERMS: `write_row` writes it for one robot, and one kernel writes all."""
+    """A term of DEFAULT_TERMS: `write_row` writes it for one robot, and one kernel writes all."""
 
     @staticmethod
     @abstractmethod

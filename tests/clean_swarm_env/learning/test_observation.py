@@ -1,21 +1,19 @@
 """Observations against a naive account of each robot, their bounds in crowds and deserts, and the choice of terms."""
 
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, hypot, sin
 
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.load import load_mission, with_changes
-from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.around import PHASES
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
 
 RANGES = (1.0, 1.5, 2.5)
-ALL = ObservationConfig(terms=(*DEFAULT_TERMS, *TRUE_TERMS))
 
 
 def _offset(worlds, place, other):
@@ -54,29 +52,6 @@ def _task(batch, row):
     }
 
 
-def _others(batch, row):
-    worlds, physics = batch.worlds, batch.worlds.physics
-    loaded = worlds.task.garbage.cargo != NOTHING
-    others = [other for other in worlds.rows_of(row // worlds.robots) if other != row]
-    offsets = {other: _offset(worlds, physics.positions[row], physics.positions[other]) for other in others}
-    near = sorted((hypot(*offset), other) for other, offset in offsets.items() if hypot(*offset) <= RANGES[-1])
-    terms = {
-        "true_neighbour": [0.0, 1.0, 0.0, 0.0],
-        "true_encounter": [0.0] * 4,
-        "true_crowd": [sum(distance <= reach for distance, _ in near) / 6 for reach in RANGES],
-        "true_carriers": [sum(bool(loaded[other]) for _, other in near) / 6],
-        "true_density": [(len(others) + 1) * pi / 121],
-    }
-    if near:
-        distance, other = near[0]
-        turned = physics.headings[other] - physics.headings[row]
-        relative = physics.bodies[row, 2:] - physics.bodies[other, 2:]
-        closing = float(relative @ offsets[other]) / distance / 2.0
-        terms["true_neighbour"] = [len(near) / len(others), *_way(worlds, row, physics.positions[other], RANGES[-1])]
-        terms["true_encounter"] = [cos(turned), sin(turned), closing, float(loaded[other])]
-    return terms
-
-
 def _heard(batch, row, spread):
     """Return the terms of a robot that has heard `spread`: positions and headings of all robots, oldest first."""
     worlds = batch.worlds
@@ -101,28 +76,26 @@ def _heard(batch, row, spread):
 
 
 def _expected(batch, row, idle, spread):
-    worlds, config, garbage = batch.worlds, batch.mission, batch.worlds.task.garbage
+    worlds, config = batch.worlds, batch.mission
     world, network = row // worlds.robots, worlds.network
     length = network.readings[row, network.model.sensor_index["rep_len"]]
     avoiding = network.executing[row, network.model.behaviour_index["AvoidCollision"]]
     terms = {
         **_task(batch, row),
-        **_others(batch, row),
         **_heard(batch, row, spread),
         "avoidance": [min(length / 1.5, 1.0), float(avoiding)],
         "movement": [worlds.floor.drive.speed[row], worlds.floor.drive.turn_rate[row] / 2.0],
         "time": [1.0 - worlds.ticks[world] * 0.2 / config.time_limit],
-        "true_done": [garbage.done[world] / config.task.garbage.count],
         "idle": [min(idle / 60.0, 1.0)],
         "holds": [float(worlds.coordinators[0].held[row] == k) for k in range(3)],
     }
-    return np.concatenate([terms[name] for name in (*DEFAULT_TERMS, *TRUE_TERMS)])
+    return np.concatenate([terms[name] for name in DEFAULT_TERMS])
 
 
 @long_course
 @pytest.mark.parametrize("name", ["table1", "reference"])
 def test_every_term_is_what_its_name_says(name, monkeypatch):
-    batch, rng, idle = Batch(mission(name), 2, observation=ALL), np.random.default_rng(1), np.zeros(10)
+    batch, rng, idle = Batch(mission(name), 2), np.random.default_rng(1), np.zeros(10)
     spread, own = [], batch.worlds.minds.spread_poses
 
     def noted(positions, headings, now):
@@ -149,23 +122,24 @@ def test_every_term_is_what_its_name_says(name, monkeypatch):
 )
 def test_robots_do_not_see_those_of_whom_they_have_heard_nothing(delivery, heard):
     config = mission(robots={"count": 3}, delivery=delivery)
-    batch = Batch(config, observation=ALL)
+    batch = Batch(config)
     robots = [[3.0, 3.0, 0.0], [4.0, 3.0, 0.0], [3.0, 5.0, 0.0]]
     batch.reset([1], [StartConfiguration(id="near", robots=robots, items=[[9.0, 9.0]] * 10)])
     names, seen = batch.observer.names, batch.step(np.zeros(batch.rows, np.int64)).observations[0]
     component = dict(zip(names, seen.tolist(), strict=True))
     assert component["crowd_2.5m"] == pytest.approx(heard / 6)
-    assert component["true_crowd_2.5m"] == pytest.approx(2 / 6)
     assert (component["neighbour_distance"] < 1.0) == (heard > 0)
 
 
 def test_who_mistakes_the_own_place_is_heard_there():
-    batch = begun(Batch(mission(robots={"pose_noise": 0.3}), observation=ALL), [1])
-    names, off = batch.observer.names, []
-    heard, true = names.index("neighbour_distance"), names.index("true_neighbour_distance")
+    batch, off = begun(Batch(mission(robots={"pose_noise": 0.3})), [1]), []
+    heard, extent = batch.observer.names.index("neighbour_distance"), batch.worlds.extent
     for _ in range(40):
         seen = batch.step(np.zeros(batch.rows, np.int64)).observations
-        off += (seen[:, heard] - seen[:, true])[seen[:, true] < 0.6].tolist()
+        apart = batch.worlds.physics.positions[:, None] - batch.worlds.physics.positions
+        distances = np.linalg.norm(apart - extent * np.round(apart / extent), axis=2) + 1e9 * np.eye(batch.rows)
+        nearest = distances.min(axis=1) / RANGES[-1]
+        off += (seen[:, heard] - nearest)[nearest < 0.6].tolist()
     assert 0.05 < np.std(off) * RANGES[-1] < 1.0  # that of the difference of two places is 0.3 sqrt 2 m
 
 
@@ -213,7 +187,7 @@ def test_impossible_choices_are_refused(given, message):
     ids=["crowd", "alone", "nothing to do", "no reach", "narrow"],
 )
 def test_observations_stay_within_their_bounds(changes):
-    batch = Batch(mission(**changes), observation=ObservationConfig(terms=ALL.terms, full_crowd=2))
+    batch = Batch(mission(**changes), observation=ObservationConfig(full_crowd=2))
     seen = batch.reset([1])
     for _ in range(40):
         assert (np.abs(seen) <= 1.0).all()
@@ -228,20 +202,3 @@ def test_without_items_nobody_sees_one():
         seen += [step.observations.copy(), step.final_observations.copy()]
         assert not batch.observer.phases.any()
     assert not np.array(seen)[:, :, batch.observer.names.index("garbage_seen")].any()
-
-
-def test_a_crowd_sees_by_cells_what_looking_at_everybody_shows():
-    mission = with_changes(load_mission("table1").model_dump(), {"robots": {"count": 70}, "world": {"width": 30.0}})
-    batch = Batch(MissionConfig.model_validate(mission), observation=ALL)
-    names, seen = batch.observer.names, batch.reset([4])
-    places, extent = batch.worlds.physics.positions, batch.worlds.extent
-    apart = places[:, None] - places[None]
-    apart -= extent * np.round(apart / extent)
-    distances = np.hypot(*np.moveaxis(apart, 2, 0)) + np.diag(np.full(70, 1e9))
-    ranges = batch.observer.config.neighbour_ranges
-    for distance in ranges:
-        crowd = np.minimum((distances <= distance).sum(axis=1) / batch.observer.config.full_crowd, 1.0)
-        np.testing.assert_allclose(seen[:, names.index(f"true_crowd_{distance:g}m")], crowd, rtol=1e-6)
-    nearest = np.minimum(distances.min(axis=1) / ranges[-1], 1.0)
-    np.testing.assert_allclose(seen[:, names.index("true_neighbour_distance")], nearest, rtol=1e-6)
-    assert 0 < (nearest < 1.0).sum() < 70
