@@ -4,7 +4,9 @@ An event happens at the beginning of the first control period that begins at its
 happen in the order in which they are listed.
 """
 
-from math import ceil
+from collections.abc import Iterator
+from heapq import heapreplace
+from math import inf
 from typing import Annotated, Final, Literal, Self
 
 from pydantic import Field, model_validator
@@ -16,6 +18,8 @@ from selector.documents.fields import Closed, Name, Positive, Share
 
 MOST_TIMES: Final = 10_000
 """Times that one event may happen in a mission."""
+MOST_EVENTS: Final = 100_000
+"""Times that all events of a mission may happen together."""
 
 
 class At(Closed):
@@ -128,17 +132,36 @@ def in_order(events: tuple[Event, ...]) -> list[tuple[int, Event]]:
     return sorted(enumerate(events), key=lambda numbered: numbered[1].at)
 
 
-def happening(events: tuple[Event, ...], until: float) -> list[tuple[float, Event]]:
-    """Return what happens before the time `until` [s], each with its time, in order; some events again and again."""
-    times = [(at, place) for place, event in enumerate(events) for at in times_of(event, until)]
-    return [(at, events[place]) for at, place in sorted(times)]
+class Calendar:
+    """The events of a mission in the order in which they happen, some again and again, until a time [s].
+
+    It holds the next time of each event only, however often they happen.
+    """
+
+    def __init__(self, events: tuple[Event, ...], until: float) -> None:
+        self._events, self._until = events, until
+        # A heap: next time, place in the list, and how often it has happened.
+        self._next = sorted([(inf, len(events), 0), *((event.at, place, 0) for place, event in enumerate(events))])
+
+    @property
+    def at(self) -> float:
+        """Time of the next one, infinity where none is left [s]."""
+        return self._next[0][0]
+
+    def pop(self) -> Event:
+        """Return the next event, and go on to the one after it."""
+        _, place, times = self._next[0]
+        event = self._events[place]
+        again = event.at + (times + 1) * event.every if isinstance(event, Again) and event.every > 0.0 else inf
+        heapreplace(self._next, (again if again < self._until else inf, place, times + 1))
+        return event
 
 
-def times_of(event: Event, until: float) -> list[float]:
-    """Return when an event happens [s]: once, or also as often as its period lets it before the time `until`."""
-    period = event.every if isinstance(event, Again) else 0.0
-    again = ceil((until - event.at) / period) if period > 0.0 else 1
-    return [event.at + k * period for k in range(max(again, 1))]
+def happening(events: tuple[Event, ...], until: float) -> Iterator[tuple[float, Event]]:
+    """Yield what happens before the time `until` [s], each with its time, in order; some events again and again."""
+    calendar = Calendar(events, until)
+    while calendar.at < inf:
+        yield calendar.at, calendar.pop()
 
 
 def join_time(events: tuple[Event, ...], robots: int, robot: int) -> float | None:

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE, DeliveryConfig
-from clean_swarm_env.config.events import MOST_TIMES, Again, Event, Join, SetDelivery, check_team
+from clean_swarm_env.config.events import MOST_EVENTS, MOST_TIMES, Again, Event, Join, SetDelivery, check_team
 from clean_swarm_env.config.free_places import check_place, check_walls, free_ground, robots_that_fit
 from clean_swarm_env.config.robots import RobotConfig, models_of_rows, of_each
 from clean_swarm_env.config.tasks import (
@@ -158,6 +158,10 @@ class MissionConfig(Closed):
         for place, event in enumerate(self.events):
             if isinstance(event, Again) and 0.0 < event.every < shortest:
                 raise impossible(f"events.{place}.every", f"0 or at least {shortest:g} s", event.every)
+        again = (event for event in self.events if isinstance(event, Again) and event.every > 0.0)
+        together = sum(max(self.time_limit - event.at, 0.0) / event.every for event in again)
+        if together > MOST_EVENTS:
+            raise impossible("events", f"at most {MOST_EVENTS} times that they happen together", round(together))
         if self.time_limit * world.control_rate < 1.0:
             raise impossible(
                 "time_limit", f"at least one control period, {1.0 / world.control_rate:g} s", self.time_limit

@@ -49,11 +49,9 @@ class FreeGround:
         columns, lines = (max(int(np.ceil(side / pitch)), 1) for side in size)
         regions = np.full((lines, columns), UNVISITED)
         mark_walls(np.ascontiguousarray(segments), radius, low, size, regions)
-        places = np.stack(
-            np.meshgrid(*(low[k] + (np.arange(n) + 0.5) * size[k] / n for k, n in enumerate((columns, lines)))), axis=-1
-        )
+        xs, ys = (low[k] + (np.arange(n) + 0.5) * size[k] / n for k, n in enumerate((columns, lines)))
         for corners in solids:
-            regions[inside(places.reshape(-1, 2), corners).reshape(lines, columns)] = NO_ROOM
+            regions[inside(xs, ys, corners)] = NO_ROOM
         stack = np.zeros(lines * columns, np.int64)
         found = number_regions(regions, closed, stack)
         return cls(segments, low, high, radius, regions, np.bincount(regions[regions >= 0], minlength=found))
@@ -100,13 +98,17 @@ class FreeGround:
         return middle
 
 
-def inside(points: Floats, corners: Floats) -> Flags:
-    """Return for each of `points` (K, 2) whether it is inside of a polygon (C, 2)."""
-    within: Flags = np.zeros(len(points), np.bool_)
+def inside(xs: Floats, ys: Floats, corners: Floats) -> Flags:
+    """Return which places at rising `xs` (columns,) and `ys` (lines,) are inside of a polygon (C, 2): lines x columns.
+
+    A place is inside if an odd number of edges lies to the right of it. In each line every edge is looked at once.
+    """
+    begins = np.zeros((len(ys), len(xs) + 1), np.bool_)  # whether an odd number lies between a place and the one before
     for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        if ay != by:
-            beside = (points[:, 1] - ay) * (bx - ax) / (by - ay) + ax
-            within ^= ((ay > points[:, 1]) != (by > points[:, 1])) & (points[:, 0] < beside)
+        lines = np.flatnonzero((ay > ys) != (by > ys))
+        beside = (ys[lines] - ay) * (bx - ax) / (by - ay) + ax
+        begins[lines, np.searchsorted(xs, beside)] ^= True
+    within: Flags = np.logical_xor.accumulate(begins[:, :0:-1], axis=1)[:, ::-1]
     return within
 
 

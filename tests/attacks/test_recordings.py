@@ -24,6 +24,8 @@ def recorded(tmp_path_factory):
         ({"period": None}, "head: period: expected"),
         ({"about": 1}, "head: about: expected"),
         ({"channels": []}, "head: channels: expected"),
+        ({"robots": 2**28}, "head: robots: expected the length of all axes robot, [5], got 268435456"),
+        ({"items": 2**28}, "head: items: expected the length of all axes item, [10], got 268435456"),
     ],
 )
 def test_a_foreign_recording_is_one_line_of_each_command(recorded, tmp_path, capsys, change, message):

@@ -96,7 +96,8 @@ class LiveServer(ThreadingHTTPServer):
         self.since[request] = monotonic()
         super().process_request(request, client_address)
         while len(self.since) > MOST_CONNECTIONS:
-            oldest, _ = min(list(self.since.items()), key=itemgetter(1))
+            oldest, _ = min((one for one in list(self.since.items()) if one[0] is not request), key=itemgetter(1))
+            self.since.pop(oldest, None)  # its thread may sleep, and must not hold others up
             with suppress(OSError):
                 oldest.shutdown(socket.SHUT_RDWR)  # its thread notices it, and ends
             sleep(0.001)

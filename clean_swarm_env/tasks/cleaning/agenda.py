@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 import numpy as np
 
-from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveSpots, MoveStations, Remove, Respawn, happening
+from clean_swarm_env.config.events import Calendar, Event, Fail, Join, Land, MoveSpots, MoveStations, Remove, Respawn
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.tasks.cleaning.draws import Places
 from clean_swarm_env.tasks.cleaning.garbage import NO_TICK, Arrivals
@@ -43,9 +43,7 @@ class Agenda:
         per_tick = mission.world.control_rate
         self._garbage = Places.of(mission)
         self._arrivals = Arrivals(arriving, settings_of(mission).garbage.respawn, 60.0 * per_tick)
-        self._events: list[tuple[int, Event]] = [
-            (ceil(at * per_tick - TOLERANCE), event) for at, event in happening(mission.events, mission.time_limit)
-        ]
+        self._per_tick, self._calendar = per_tick, Calendar(mission.events, mission.time_limit)
         self._joining: list[Place | None] = []
         items = mission.items
         self._landing = items.expected - items.first
@@ -58,8 +56,8 @@ class Agenda:
         tick = int(world.ticks[number])
         for places in self._arrivals.until(tick, self._garbage, world.missions[number]):
             self.came += site.land(number, places)
-        while (not self._joining or self._let_join(number, world.team)) and self._events and self._events[0][0] <= tick:
-            self._apply(self._events.pop(0)[1], number, world, site)
+        while (not self._joining or self._let_join(number, world.team)) and self._next_tick <= tick:
+            self._apply(self._calendar.pop(), number, world, site)
         self._find_due(tick)
 
     @property
@@ -72,9 +70,12 @@ class Agenda:
         """Whether no more garbage will come."""
         return self._ends and self._landing == 0
 
+    @property
+    def _next_tick(self) -> int:
+        return ceil(min(self._calendar.at * self._per_tick - TOLERANCE, NO_TICK))
+
     def _find_due(self, tick: int) -> None:
-        next_event = self._events[0][0] if self._events else NO_TICK
-        self.due = tick + 1 if self._joining else min(next_event, self._arrivals.due)
+        self.due = tick + 1 if self._joining else min(self._next_tick, self._arrivals.due)
 
     def _let_join(self, world: int, team: Team) -> bool:
         """Add the robots that wait to the team; return whether none has to wait longer."""

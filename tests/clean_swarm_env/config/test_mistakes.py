@@ -65,6 +65,10 @@ def event(**settings):
 
 EVENTS = [
     (event(every=0.1, do="respawn", rate=1.0), "events.0.every: expected 0 or at least 0.3 s, got 0.1"),
+    (
+        {"events": [{"at": 0.0, "every": 1.0, "do": "respawn", "rate": 1.0}] * 40},
+        "events: expected at most 100000 times that they happen together, got 120000",
+    ),
     (event(every=-1.0, do="respawn", rate=1.0), "every: expected greater than or equal to 0"),
     (event(every=9.0, do="join"), "every: unknown key 'every'"),
     (event(every=9.0, do="land", items=2), "every: unknown key 'every'"),

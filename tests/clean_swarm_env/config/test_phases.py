@@ -1,8 +1,12 @@
 """Events with a period happen again and again until the mission ends, in the order of time, then of the list."""
 
+import tracemalloc
+
+import numpy as np
 import pytest
 
 from clean_swarm_env.config.events import happening
+from clean_swarm_env.tasks.cleaning.agenda import Agenda
 from clean_swarm_env.tasks.cleaning.cost import cost_terms
 from tests.clean_swarm_env.courses import mission
 
@@ -26,6 +30,16 @@ def test_phases_come_in_order_and_end_with_the_mission():
     ]
     late = mission(events=[{"at": 30.0, "every": 8.0, "do": "respawn", "rate": 1.0}], time_limit=20.0)
     assert [at for at, _ in happening(late.events, late.time_limit)] == [30.0]  # as without a period
+
+
+def test_the_agenda_holds_the_next_time_of_an_event_however_often_it_happens():
+    often = [{"at": 0.0, "every": 1.0, "do": "move_spots", "spots": []}] * 10
+    config = mission(events=often, time_limit=10_000.0)
+    tracemalloc.start()
+    Agenda(config, np.random.SeedSequence(0))
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 100_000
 
 
 def test_the_price_of_items_counts_phases_of_arrival():

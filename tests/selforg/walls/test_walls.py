@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from selforg.compiler.decorators import lean_kernel
-from selforg.walls.free_ground import FreeGround
+from selforg.walls.free_ground import FreeGround, inside
 from selforg.walls.segments import distances_to, images, packed_walls, touches_wall
 
 SIZE = np.array([7.0, 5.0])
@@ -52,6 +52,20 @@ def test_what_is_inside_of_a_closed_wall_is_no_room():
     solid = ground(ROOM, solids=[corners])
     assert solid.closed_room() is None
     assert solid.has(np.array([[1.0, 1.0], [3.5, 2.5], [1.9, 2.0]])).tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_places_inside_of_a_polygon_are_those_that_a_look_at_each_place_and_edge_finds(seed):
+    rng = np.random.default_rng(seed)
+    corners = 0.5 * rng.integers(0, 12, (9, 2))  # on places and in their lines, too
+    xs, ys = np.arange(0.0, 6.0, 0.25), np.arange(0.0, 5.0, 0.5)
+    expected = np.zeros((len(ys), len(xs)), bool)
+    for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        for line, column in np.ndindex(expected.shape):
+            x, y = xs[column], ys[line]
+            expected[line, column] ^= (ay > y) != (by > y) and x < (y - ay) * (bx - ax) / (by - ay) + ax
+    assert np.array_equal(inside(xs, ys, corners), expected)
+    assert 20 < expected.sum() < 200
 
 
 def test_a_wall_across_a_torus_leaves_one_room_two_walls_leave_two():

@@ -71,6 +71,18 @@ def test_readers_that_hold_the_token_are_cut_after_all_strangers(server, monkeyp
         connection.close()
 
 
+def test_listeners_that_do_not_read_hold_no_order_up(server, monkeypatch):
+    monkeypatch.setattr(live_server, "MOST_CONNECTIONS", 4)
+    monkeypatch.setattr(live_server, "SIGN_OF_LIFE", 1e6)
+    listeners = [socket.create_connection(server.server_address, timeout=60) for _ in range(4)]
+    for listener in listeners:
+        listener.sendall(f"GET /events?token={server.token} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+        assert listener.recv(8) == b"HTTP/1.0"
+    assert [ordered(server, do="step") for _ in range(8)] == [""] * 8
+    for listener in listeners:
+        listener.close()
+
+
 def test_a_connection_that_says_nothing_ends(server, monkeypatch):
     monkeypatch.setattr(live_server._Handler, "timeout", 0.2)
     with socket.create_connection(server.server_address, timeout=60) as stranger:
