@@ -63,6 +63,11 @@ def event(**settings):
     return {"events": [{"at": 3.0, **settings}]}
 
 
+def one_for_another(way: str, joining: int):
+    """Return events by which one of five robots fails or is removed, and others join."""
+    return {"events": [{"at": 1.0, "do": way, "robots": [0]}, {"at": 2.0, "do": "join", "robots": joining}]}
+
+
 EVENTS = [
     (event(every=0.1, do="respawn", rate=1.0), "events.0.every: expected 0 or at least 0.3 s, got 0.1"),
     (
@@ -75,6 +80,11 @@ EVENTS = [
     (event(do="fail", robots=[5]), "events.0.robots: expected robots at work then (0, 1, 2, 3, 4), got 5"),
     (event(do="remove", robots=[*range(5)]), "events.0.robots: expected a robot that stays at work, got none"),
     (event(do="join", robots=900), "events.0.robots: expected at most 277 solid robots"),
+    (
+        one_for_another("fail", 273),
+        "events.1.robots: expected at most 277 solid robots on 11 m x 11 m, got 278 of them",
+    ),
+    (one_for_another("remove", 274), "got 278 of them"),
     (event(do="join", places=[[0, 0, 0], [1, 1, 1]]), "expected at most 1, one for each robot, got 2"),
     (event(do="dance"), "'join', 'remove', 'fail'"),
     (event(do="move_spots", spots=[[1.0, 1.0], [2.0, 12.0]]), "events.0.spots.1: expected a point on the torus"),
@@ -108,6 +118,10 @@ OTHERS = [
         for wrong in ({"stop": -1.0}, {"stop": 1e9}, {"damaged_speed": 0.0}, {"bounce": 1.0})
     ),
 ]
+
+
+def test_a_robot_that_is_removed_leaves_its_room_and_a_failed_one_does_not():
+    assert MissionConfig.model_validate(one_for_another("remove", 273)).rows == 278
 
 
 @pytest.mark.parametrize(("content", "words"), [*WALLS, *ZONES, *EVENTS, *MODELS, *OTHERS])
