@@ -7,7 +7,6 @@ checks only the file of a kernel, although functions and constants of other file
 
 from __future__ import annotations
 
-import hashlib
 import os
 import pickle
 import shutil
@@ -21,7 +20,7 @@ from functools import cache
 from itertools import count
 from pathlib import Path
 from types import FunctionType
-from typing import Any
+from typing import Any, cast
 
 import numba
 from numba.core.bytecode import FunctionIdentity
@@ -30,7 +29,7 @@ from numba.core.compiler import CompileResult
 from numba.core.environment import Environment, lookup_environment
 from numba.core.serialize import dumps
 
-from selforg.compiler.contents import UnkeyedError, key_of, words_for
+from selforg.compiler.contents import UnkeyedError, hash_of, key_of, words_for
 from selforg.compiler.intrinsics import Compiler
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -79,27 +78,16 @@ FunctionIdentity._unique_ids = count(int.from_bytes(os.urandom(6), "big"))
 at a number of its own: else a function could be linked in the place of another."""
 
 
-class Constants:
-    """A stand-in for Numba's `Environment` in a pickle, which would import the module of its function by name.
+def environment_of(name: str, constants: list[Any]) -> Environment:
+    """Return Numba's environment of a function; a pickle of it would import the module of the function by name.
 
     The module may have been imported by another name or from another place meanwhile. Compiled code reads no globals.
     """
-
-    def __init__(self, given: Any) -> None:  # noqa: ANN401  (an Environment)
-        self._given = given
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return environment_of, (self._given.env_name, list(self._given.consts))
-
-
-def environment_of(name: str, constants: list[Any]) -> Any:  # noqa: ANN401  (an Environment)
-    """Return the environment of this name, made of these constants if there is none."""
     found = lookup_environment(name)  # type: ignore[no-untyped-call]
     if found is None:
-        found = Environment({"__name__": __name__})  # without a name, it could not be kept with other kernels
+        found = Environment._memo[name] = Environment({"__name__": __name__})  # one without a name cannot be kept
         found.consts[:], found.env_name = constants, name
-        Environment._memo[name] = found
-    return found
+    return cast("Environment", found)
 
 
 class KernelCache(NullCache):
@@ -116,9 +104,10 @@ class KernelCache(NullCache):
         target_context.refresh()
         for directory in filter(None, (cache_directory(), shared_directory())):
             with suppress(Exception):  # a pickle that is not whole may raise any
-                code, described, *rest = pickle.loads(bytes_at(directory / self.name_for(sig)))
+                code, described, environments, *rest = pickle.loads(bytes_at(directory / self.name_for(sig)))
+                own, *used = (environment_of(*one) for one in environments)
                 described.modname = self._function.__module__
-                return CompileResult._rebuild(target_context, code, described, *rest)  # type: ignore[no-untyped-call]
+                return cast("Compiler", CompileResult)._rebuild(target_context, code, described, own, *rest, used)
         return None
 
     def save_overload(self, sig: Compiler, data: Compiler) -> None:
@@ -135,8 +124,8 @@ class KernelCache(NullCache):
         code, described, own, *rest, used = data._reduce()
         part = path.with_name(f"{path.name}-{os.getpid()}")  # another process may write the same
         try:
-            whole = (code, described, Constants(own), *rest, tuple(map(Constants, used)))
-            part.write_bytes(dumps(whole))  # type: ignore[no-untyped-call]
+            environments = [(one.env_name, list(one.consts)) for one in (own, *used)]
+            part.write_bytes(dumps((code, described, environments, *rest)))  # type: ignore[no-untyped-call]
             part.replace(path)
         except OSError as error:
             warnings.warn(UNCACHED.format(error), RuntimeWarning, stacklevel=2)
@@ -153,13 +142,8 @@ class KernelCache(NullCache):
         return any(any(directory.glob(f"{self._stem()}-*")) for directory in directories)
 
     def _stem(self) -> str:
-        name, options = self._function.__code__.co_name.strip("<>"), sorted(self._options.items())
-        return f"{name}-{hash_of(f'{key_of(self._function)} {options}')}"
-
-
-def hash_of(words: str) -> str:
-    """Return words as part of the name of a file."""
-    return hashlib.sha256(words.encode()).hexdigest()[:24]
+        made_of = f"{key_of(self._function)} {sorted(self._options.items())}"
+        return f"{self._function.__code__.co_name.strip('<>')}-{hash_of(made_of)}"
 
 
 def bytes_at(path: Path) -> bytes:

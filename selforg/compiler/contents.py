@@ -7,6 +7,7 @@ by which they were imported, or on lines and comments (docs/decisions/0050-kerne
 
 import hashlib
 import sys
+from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
 from functools import cache
 from pathlib import Path
@@ -29,151 +30,132 @@ VERSIONED = sys.stdlib_module_names | {"numba", "numpy", "llvmlite"}
 """Packages of which a name is enough, since their versions are in every key."""
 SETTINGS = ("OPT", "ENABLE_AVX", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT")
 """Settings of Numba that change compiled code."""
-OF_CODE = ("co_code", "co_names", "co_varnames", "co_cellvars", "co_freevars", "co_argcount", "co_flags")
-"""What decides, with the constants, what byte code does."""
-
-PLAIN_KINDS = {bool, int, float, complex, str, bytes, type(None)}
-COMPOSITE: tuple[Compiler, ...] = (
-    *(tuple, list, dict, set, frozenset, Enum, CodeType, np.ndarray, np.generic),
-    *(Dispatcher, _Intrinsic, types.Dispatcher, types.BaseNamedTuple),
-)
-"""Kinds of values that are made of others."""
+SIMPLE = {bool, int, float, complex, str, bytes, type(None)}
+PARTS: dict[Any, Callable[[Compiler], Iterable[Any]]] = {
+    tuple: lambda one: (type(one).__qualname__, *one),
+    CodeType: lambda one: (one.co_code, one.co_consts, one.co_names, one.co_varnames, one.co_argcount, one.co_flags),
+    FunctionType: lambda one: options_of(one),
+    type: lambda one: (one.__module__, one.__qualname__, *members_of(one)),
+    list: list,
+    dict: dict.items,
+    (set, frozenset): lambda one: sorted(one, key=repr),
+    Enum: lambda one: (type(one), one.name, one.value),
+    (np.ndarray, np.generic): lambda one: (one.dtype, one.shape, one.strides, one.tolist()),
+    Dispatcher: lambda one: (one.py_func, one.targetoptions),
+    _Intrinsic: lambda one: (one._defn, one._prefer_literal),
+    types.Dispatcher: lambda one: [one.dispatcher],
+    types.BaseNamedTuple: lambda one: (one.instance_class, *one),
+}
+"""Kinds of values that are made of others -> what a value is made of."""
 
 
 class UnkeyedError(Exception):
-    """A kernel reads a value that nothing compares with that of another process; the message is a line."""
+    """A kernel reads a value of which nothing tells whether it is the same in another process; a line."""
 
 
 @cache
 def key_of(function: FunctionType) -> str:
     """Return the hash of what a kernel is compiled from, but for its options and the types of its arguments."""
-    digest, found = hashlib.sha256(compiler().encode()), [function]
+    words, found = compiler(), [function]
     for one in found:  # which grows
-        words, called = words_of_function(one)
+        own, called = words_of_function(one)
         found += [other for other in dict.fromkeys(called) if other not in found]
-        digest.update(f"{words} {[found.index(other) for other in called]}\n".encode())
-    return digest.hexdigest()[:32]
+        words += f"{own} {[found.index(other) for other in called]}\n"
+    return hash_of(words)
+
+
+def hash_of(words: str) -> str:
+    """Return a hash that can be part of the name of a file."""
+    return hashlib.sha256(words.encode()).hexdigest()[:24]
 
 
 @cache
 def compiler() -> str:
     """Return what compiles, and for which CPU."""
     config: Compiler = numba.config
+    versions = sys.version, numba.__version__, llvmlite.__version__, np.__version__
+    cpu = config.CPU_NAME or binding.get_host_cpu_name(), config.CPU_FEATURES or binding.get_host_cpu_features()
+    settings = [getattr(config, name) for name in SETTINGS], PLAIN, CHECKED, binding.get_process_triple()
     sources = [path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))]
-    return " ".join(
-        map(
-            str,
-            (
-                *(sys.version, numba.__version__, llvmlite.__version__, np.__version__),
-                *(binding.get_process_triple(), config.CPU_NAME or binding.get_host_cpu_name()),
-                *(config.CPU_FEATURES or binding.get_host_cpu_features().flatten(), PLAIN, CHECKED),
-                *(getattr(config, name) for name in SETTINGS),
-                hashlib.sha256(b"".join(sources)).hexdigest(),
-            ),
-        )
-    )
+    return f"{versions} {cpu} {settings} {hash_of(repr(sources))}"
 
 
 @cache
 def words_of_function(function: FunctionType) -> tuple[str, tuple[FunctionType, ...]]:
     """Return a function and all that it reads as words, and the functions among that."""
-    code, known = function.__code__, function.__globals__
-    words, called = list[str](), list[FunctionType]()
-    names = names_in(code)
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    read = {name: known[name] for name in sorted(names) if name in known}
+    code, called = function.__code__, list[FunctionType]()
+    cells = {name: cell.cell_contents for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True)}
+    read = read_by(names_in(code), function.__globals__ | cells)
     try:
-        note((code, cells, read, function.__defaults__, function.__kwdefaults__), names, words, called)
+        return words_of([code, read, function.__defaults__, function.__kwdefaults__], called), tuple(called)
     except UnkeyedError as error:
         raise UnkeyedError(f"{code.co_filename}:{code.co_firstlineno}: {function.__name__} reads {error}") from None
-    return " ".join(words), tuple(called)
 
 
 def words_for(value: Any) -> str:  # noqa: ANN401  (types of Numba)
-    """Return what tells a value from others that is made of no module; UnkeyedError if nothing does."""
-    words, called = list[str](), list[FunctionType]()
-    note(value, set(), words, called)
-    return " ".join((*words, *map(key_of, called)))
+    """Return all that tells a value from others as words; UnkeyedError if there are none."""
+    called = list[FunctionType]()
+    return " ".join((words_of(value, called), *map(key_of, called)))
 
 
 def names_in(code: CodeType) -> set[str]:
-    """Return the names of globals and of attributes in byte code, also of functions within functions."""
-    return set(code.co_names).union(*(names_in(inner) for inner in code.co_consts if isinstance(inner, CodeType)))
+    """Return the names of variables and attributes that byte code reads, also that of functions within functions."""
+    inner = [names_in(constant) for constant in code.co_consts if isinstance(constant, CodeType)]
+    return {*code.co_names, *code.co_freevars}.union(*inner)
 
 
-def note(value: Any, names: set[str], words: list[str], called: list[FunctionType]) -> None:  # noqa: ANN401
-    """Append what tells a value from others to `words`, and a function to `called`. Modules count by `names` only.
+def read_by(names: set[str], known: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of the known among some names, and for a module those of its attributes with these names."""
+    read = {name: known[name] for name in sorted(names) if name in known}
+    for name, value in read.items():
+        if isinstance(value, ModuleType) and not word_for(value):
+            others = names - {name}  # modules may name each other
+            read[name] = read_by(others, {one: getattr(value, one) for one in others if hasattr(value, one)})
+    return read
+
+
+def words_of(value: Any, called: list[FunctionType]) -> str:  # noqa: ANN401
+    """Return what tells a value from others, and append the functions in it to `called`.
 
     Raises:
         UnkeyedError: nothing tells it.
 
     """
-    if type(value) in PLAIN_KINDS:
-        words.append(repr(value))
-    elif not isinstance(value, COMPOSITE) and (word := word_for(value)):
-        words.append(word)
-    else:
-        if isinstance(value, FunctionType):
-            called.append(value)
-        words.append(f"{type(value).__qualname__}(")
-        for part in parts_of(value, names):
-            inner = names - {part[0]} if isinstance(value, ModuleType) else names  # modules may name each other
-            note(part, inner, words, called)
-        words.append(")")
+    if type(value) in SIMPLE:
+        return repr(value)
+    parts_of = next((parts for kind, parts in PARTS.items() if isinstance(value, kind)), None)
+    named = parts_of is None or isinstance(value, FunctionType | type)
+    if named and (word := word_for(value)):
+        return word
+    if parts_of is None:
+        raise UnkeyedError(f"{value!r:.60}")
+    if isinstance(value, FunctionType):
+        called.append(value)
+    return f"{type(value).__qualname__}({' '.join(words_of(part, called) for part in parts_of(value))})"
 
 
 def word_for(value: Any) -> str:  # noqa: ANN401
     """Return the word for a part of a package whose version is known; "" for anything else."""
-    module = value if isinstance(value, ModuleType) else None
-    place = module.__name__ if module else getattr(value, "__module__", None) or type(value).__module__
+    place = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None)
+    place = place or type(value).__module__
     word = getattr(value, "__qualname__", "") or repr(value)
     ours = isinstance(value, type) and place.startswith("selforg.compiler.")  # `compiler` has their sources
-    told = not (word.endswith(">") and " at 0x" in word)
-    return (
-        f"{type(value).__qualname__} {place} {word}" if told and (ours or place.partition(".")[0] in VERSIONED) else ""
-    )
+    of_process = word.endswith(">") and " at 0x" in word
+    versioned = ours or place.partition(".")[0] in VERSIONED
+    return f"{type(value).__qualname__} {place} {word}" if versioned and not of_process else ""
 
 
-def parts_of(value: Any, names: set[str]) -> tuple[Any, ...]:  # noqa: ANN401
-    """Return what a value is made of, for `words_of`."""
-    match value:
-        case Enum():
-            return type(value), value.name, value.value
-        case tuple():
-            return (type(value).__qualname__, *value)
-        case list():
-            return tuple(value)
-        case dict():
-            return tuple(value.items())
-        case set() | frozenset():
-            return tuple(sorted(value, key=repr))
-        case np.ndarray() | np.generic() if not value.dtype.hasobject:
-            return value.dtype, value.shape, value.strides, value.tobytes()
-        case CodeType():
-            return repr([getattr(value, one) for one in OF_CODE]), value.co_consts
-        case FunctionType():
-            part = getattr(value, "_numba_type_", None)
-            return (part.dispatcher.targetoptions,) if part else overloads_of(value)
-        case ModuleType():
-            return tuple((name, getattr(value, name)) for name in sorted(names) if hasattr(value, name))
-        case Dispatcher():
-            return value.py_func, value.targetoptions
-        case _Intrinsic():
-            return value._defn, value._prefer_literal
-        case types.Dispatcher():
-            return (value.dispatcher,)
-        case types.BaseNamedTuple():
-            return value.instance_class, *value  # type: ignore[attr-defined, misc]
-        case type() if issubclass(value, tuple | BaseException):
-            return value.__module__, value.__qualname__, getattr(value, "_fields", ())
-        case type() if issubclass(value, Enum):
-            return value.__module__, value.__qualname__, *((one.name, one.value) for one in value)
-        case _:
-            raise UnkeyedError(f"{value!r:.60}, which compiled code cannot be kept with")
+def members_of(cls: type) -> Iterable[Any]:
+    """Return the fields of a named tuple, or the members of an enumeration; UnkeyedError for any other class."""
+    if not issubclass(cls, tuple | BaseException | Enum):
+        raise UnkeyedError(repr(cls))
+    return getattr(cls, "_fields", ()), [(one.name, one.value) for one in cls] if issubclass(cls, Enum) else ()
 
 
-def overloads_of(function: FunctionType) -> tuple[Any, ...]:
-    """Return what `numba.extending.overload` has registered for a function, with the options."""
-    kinds = [kind for given, kind in builtin_registry.globals if given is function]
-    templates = [template for kind in kinds for template in kind.templates]
-    return tuple((getattr(one, "_overload_func", one), getattr(one, "_jit_options", {})) for one in templates)
+def options_of(function: FunctionType) -> Iterable[Any]:
+    """Return how a function is compiled into others: a part, or what `numba.extending.overload` has given it."""
+    part = getattr(function, "_numba_type_", None)
+    if part is not None:
+        return [part.dispatcher.targetoptions]
+    templates = [one for given, kind in builtin_registry.globals if given is function for one in kind.templates]
+    return [(getattr(one, "_overload_func", one), getattr(one, "_jit_options", {})) for one in templates]
