@@ -21,8 +21,8 @@ Making it sets one torch thread, unless OMP_NUM_THREADS says otherwise: networks
 time with more. `ep_rew_mean` is nan until the first mission ends; `time_limit=300.0` ends those of "table1" after 300
 decisions in place of 3,000.
 
-World w of `seed(S)` has the seed S + w. Options of `set_options` may hold a `start`, in the row of the first robot of a
-world.
+`seed(S)` gives each world a seed of its own that follows from S, and returns them (docs/environment.md#seeds). Options
+of `set_options` may hold a `start`, in the row of the first robot of a world.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ from clean_swarm_env.borders.infos import Info, robot_infos
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
 from clean_swarm_env.borders.spaces import Member, flat_space, observation_space, preferred, start_of
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.given import seeds_from, whole_number
+from clean_swarm_env.learning.given import whole_number
 from clean_swarm_env.learning.interface import BatchStep, Finished
 from clean_swarm_env.learning.joined import Joined, blocks
 from clean_swarm_env.learning.observation.observer import Observations
@@ -130,11 +130,14 @@ class RobotVecEnv(VecEnv):
         self._returns[:], self._lengths[:] = 0.0, 0
         return observations
 
-    def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Give world w the seed `seed` + w from the next reset on; without one, seeds drawn from the system."""
-        (given,) = seeds_from([seed], 1)
-        first = int(np.random.default_rng().integers(2**32)) if given is None else given
-        self._seeds = [first + world for world in self._joined.world_of.tolist()]
+    def seed(self, seed: int | Sequence[int | None] | None = None) -> Sequence[int | None]:
+        """Give the worlds seeds from the next reset on; return those of the rows' worlds.
+
+        Seeds are the children of one number, drawn from the system without one, or those of a list, of worlds or of
+        rows. `parallel_env` repeats a world by its seed.
+        """
+        seeds = self._joined.seeds_of(int(np.random.default_rng().integers(2**32)) if seed is None else seed)
+        self._seeds = [seeds[world] for world in self._joined.world_of.tolist()]
         return self._seeds
 
     def step_async(self, actions: NDArray[Any]) -> None:

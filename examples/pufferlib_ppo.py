@@ -18,6 +18,7 @@ from torch import nn
 
 from clean_swarm_env.borders.spaces import action_space, observation_space
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.given import world_seeds
 
 SAME = {"update_epochs": EPOCHS, "minibatch_size": MINIBATCH, "bptt_horizon": STEPS, "gamma": DISCOUNT}
 SAME |= {"gae_lambda": TRACE, "clip_coef": CLIP, "ent_coef": ENTROPY, "learning_rate": RATE, "max_grad_norm": 0.5}
@@ -37,7 +38,7 @@ class Robots(pufferlib.PufferEnv):
 
     def reset(self, seed: int = 0) -> tuple[object, ...]:
         """Begin an episode in every world."""
-        return self.batch.reset(range(seed, seed + self.batch.count)), []
+        return self.batch.reset(world_seeds(seed, self.batch.count)), []
 
     def step(self, actions: np.ndarray) -> tuple[object, ...]:
         """Run one decision period; the trainer knows one kind of end."""

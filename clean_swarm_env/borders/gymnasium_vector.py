@@ -11,7 +11,7 @@ What happens when the mission of a world is over:
 - "NextStep": the world starts its next episode in the next step, whatever the actions; that step pays nothing.
 - "Disabled": `reset(options={"reset_mask": mask})` must reset it before the next step.
 
-World w of `reset(seed=S)` has the seed S + w.
+`reset(seed=S)` gives each world a seed of its own that follows from S (docs/environment.md#seeds).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from clean_swarm_env.borders.spaces import (
 )
 from clean_swarm_env.borders.views import PICTURE, View
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.given import seeds_from, whole_number
+from clean_swarm_env.learning.given import whole_number
 from clean_swarm_env.learning.joined import Joined, blocks
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Floats, Ints
@@ -103,11 +103,12 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     ) -> tuple[Observations, Info]:
         """Begin an episode in every world.
 
-        `seed` may be one for each world or for each environment: a world takes that of its first robot. In `options`,
-        `start` is a start for all worlds; `reset_mask` (E,) says which environments begin, always whole worlds.
+        `seed` may be a list, of one for each world or for each robot: a world takes that of its first robot. In
+        `options`, `start` is a start for all worlds; `reset_mask` (E,) says which environments begin, always whole
+        worlds.
         """
         start = start_of(options, ("start", "reset_mask"))
-        seeds, worlds = self._seeds(seed), self._chosen((options or {}).get("reset_mask"))
+        seeds, worlds = self._worlds.seeds_of(seed), self._chosen((options or {}).get("reset_mask"))
         super().reset(seed=seeds[0])
         if len(worlds) == len(self._over):
             observations = self._worlds.reset(seeds, [start] * len(seeds))
@@ -181,15 +182,6 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         each = values if isinstance(values, list | tuple) else [values] * self.num_envs
         for env, value in zip(self.envs, each, strict=True):
             setattr(env, name, value)
-
-    def _seeds(self, given: int | Sequence[int | None] | None) -> list[int | None]:
-        """Return the seed of each world."""
-        worlds = len(self._over)
-        if given is None:
-            return [None] * worlds
-        if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
-            return seeds_from(given[:: self._per_world] if len(given) == self.num_envs else given, worlds)
-        return [whole_number(given, "seed") + world for world in range(worlds)]
 
     def _chosen(self, mask: Any) -> Ints:  # noqa: ANN401  (what a user gave)
         """Return the worlds that a mask (E,) of environments chooses; all without one."""

@@ -12,6 +12,7 @@ from pathlib import Path
 from reprlib import repr as brief
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel
 
 from clean_swarm_env.config.families import FamilyConfig
@@ -106,6 +107,20 @@ def whole_number(given: object, where: str, least: int = 0) -> int:
     if isinstance(given, bool) or not isinstance(given, Integral) or given < least:
         raise ValueError(f"{where}: expected a whole number of at least {least}, got {brief(given)}")
     return int(given)
+
+
+def world_seeds(seed: int, worlds: int) -> list[int]:
+    """Return the seeds of W worlds: children of one seed, so that other seeds have other worlds.
+
+    A world has the same seed among any number of worlds (docs/environment.md#seeds). Seeds are below 2^63: arrays of
+    larger numbers would be of floats.
+
+    >>> world_seeds(1, 2)
+    [4215923173971654960, 2021340933837429789]
+
+    """
+    children = np.random.SeedSequence(whole_number(seed, "seed")).spawn(worlds)
+    return [int(child.generate_state(1, np.uint64)[0]) >> 1 for child in children]
 
 
 def seeds_from(given: object, count: int) -> list[int | None]:

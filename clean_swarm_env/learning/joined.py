@@ -25,7 +25,7 @@ from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import BATCH_STATES, Batch
 from clean_swarm_env.learning.episodes import Size
-from clean_swarm_env.learning.given import GivenMission, whole_number
+from clean_swarm_env.learning.given import GivenMission, seeds_from, whole_number, world_seeds
 from clean_swarm_env.learning.interface import BatchStep, Finished
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.states import Opened
@@ -119,6 +119,15 @@ class Joined:
             known = (worlds[inside] - first, (seeds or nothing)[own], (starts or nothing)[own])
             seen.append(batch.reset_worlds(*known) if inside.any() else batch.observations)
         return np.concatenate(seen)
+
+    def seeds_of(self, given: int | Sequence[int | None] | None) -> list[int | None]:
+        """Return the seeds of all worlds (W,): children of one number, or those of a list, of worlds or of rows."""
+        if given is None:
+            return [None] * self.worlds
+        if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+            by_rows = len(given) == self.rows
+            return seeds_from([given[row] for row in self.first_rows] if by_rows else given, self.worlds)
+        return [*world_seeds(given, self.worlds)]
 
     def step(self, actions: NDArray[Any]) -> BatchStep:
         """Run one decision period; see `Batch.step`."""

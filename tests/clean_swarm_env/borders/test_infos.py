@@ -39,7 +39,7 @@ def test_all_borders_have_one_course_and_say_the_same_in_every_step(kind, mode):
     parallel, team = clean_swarm_v0.parallel_env(**settings), CleanSwarmTeam(**settings)
     teams, robots = TeamVectorEnv(1, **settings), RobotVectorEnv(1, **settings, autoreset_mode="NextStep")
     first, infos = parallel.reset(seed=3)
-    others = [border.reset(seed=3) for border in (team, robots, teams)]
+    others = [team.reset(seed=3), *(vector.reset(seed=[3]) for vector in (robots, teams))]
     for seen, _ in others:
         assert np.array_equal(seen.ravel(), np.concatenate(list(first.values())))
     check_infos(infos, others[0][1], others[1][1])

@@ -14,10 +14,12 @@ from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
+from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.given import world_seeds
 from clean_swarm_env.learning.joined import family_batches
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.sb3 import MissionCallback, RobotVecEnv, evaluate_missions
@@ -31,7 +33,7 @@ END = ("duration_s", "garbage_done", "mission_collision_events", "completed")
 def stepped(envs, steps, seed=3):
     """Seed and reset, then yield the results of each step."""
     rng = np.random.default_rng(seed)
-    envs.seed(seed)
+    envs.seed(range(seed, seed + envs.worlds))
     envs.reset()
     for _ in range(steps):
         yield envs.step(rng.integers(0, 3, envs.num_envs))
@@ -66,8 +68,13 @@ def test_rows_are_those_of_the_batch_and_truncation_is_kept_apart():
 
 def test_seeds_count_for_the_next_reset_and_the_series_goes_on_without():
     envs = RobotVecEnv(2, mission=SHORT)
-    assert envs.seed(5) == [5] * 5 + [6] * 5
+    seeds = envs.seed(5)
+    assert seeds == np.repeat(world_seeds(5, 2), 5).tolist()
+    assert envs.seed([8, 9]) == envs.seed([8] * 5 + [9] * 5) == [8] * 5 + [9] * 5
+    envs.seed(5)
     first = envs.reset()
+    alone, _ = clean_swarm_v0.parallel_env(SHORT).reset(seed=seeds[5])
+    assert np.array_equal(first[5:], np.stack([*alone.values()]))
     second = envs.reset()
     assert not np.array_equal(first, second)
     envs.seed(5)
@@ -159,9 +166,10 @@ def of_two():
 @long_course
 def test_rows_of_several_batches_are_those_of_each_alone():
     together, alone = RobotVecEnv(batches=of_two()), [RobotVecEnv(batches=[batch]) for batch in of_two()]
-    assert together.seed(5) == [5] * 5 + [6] * 5 + [7] * 20
-    alone[0].seed(5)
-    alone[1].seed(7)
+    seeds = together.seed(5)
+    assert seeds == np.repeat(world_seeds(5, 3), [5, 5, 20]).tolist()
+    alone[0].seed(seeds[:10])
+    alone[1].seed(seeds[10:])
     assert np.array_equal(together.reset(), np.concatenate([envs.reset() for envs in alone]))
     assert together.get_attr("robot", [9, 10, 29]) == [4, 0, 19]
     assert together.get_attr("batch", [9, 10]) == list(together.batches)

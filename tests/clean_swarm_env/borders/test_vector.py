@@ -7,11 +7,12 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from clean_swarm_env import registration  # noqa: F401  (registers)
+from clean_swarm_env import clean_swarm_v0, registration  # noqa: F401  (registers)
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.given import world_seeds
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from tests.clean_swarm_env.courses import begun, long_course, mission
 
@@ -41,7 +42,7 @@ def test_teams_at_once_go_through_what_gymnasium_makes_of_single_ones(mode):
     for name in ("single_observation_space", "single_action_space", "observation_space", "action_space"):
         assert getattr(envs, name) == getattr(reference, name)
     rng, ends = np.random.default_rng(1), 0
-    assert np.array_equal(envs.reset(seed=4)[0], reference.reset(seed=4)[0])
+    assert np.array_equal(envs.reset(seed=[4, 5, 6])[0], reference.reset(seed=4)[0])
     for _ in range(120):
         actions = rng.integers(0, 3, (3, 5))
         own, other = envs.step(actions), reference.step(actions)
@@ -72,7 +73,7 @@ def _compare_ends(infos, theirs):
 @long_course
 def test_robots_as_environments_are_the_rows_of_the_batch():
     envs, batch, rng, ends = RobotVectorEnv(2, mission=SHORT), Batch(SHORT, 2), np.random.default_rng(1), 0
-    first, infos = envs.reset(seed=4)
+    first, infos = envs.reset(seed=[4, 5])
     assert np.array_equal(first, batch.reset([4, 5]))
     assert infos["time_s"].tolist() == [0.0] * 10
     for _ in range(60):
@@ -167,6 +168,19 @@ def test_seeds_may_be_those_of_worlds_or_of_robots():
     envs = RobotVectorEnv(2, mission=SHORT)
     first, _ = envs.reset(seed=[7, 9])
     assert np.array_equal(envs.reset(seed=[7] * 5 + [9] * 5)[0], first)
+
+
+def test_neighbouring_seeds_have_other_worlds_and_each_world_repeats_alone():
+    """Ten seeds of 24 worlds are 240 worlds; world w of seed S is no world of seed S + 1."""
+    assert len({one for seed in range(10) for one in world_seeds(seed, 24)}) == 240
+    assert world_seeds(3, 2) == world_seeds(3, 5)[:2]
+    for border in (RobotVectorEnv, TeamVectorEnv):
+        envs = border(2, mission=SHORT)
+        seen, following = (envs.reset(seed=seed)[0].reshape(2, -1) for seed in (6, 7))
+        assert not (seen[:, None] == following).all(axis=2).any()
+        for world, seed in enumerate(world_seeds(6, 2)):
+            alone, _ = clean_swarm_v0.parallel_env(SHORT).reset(seed=seed)
+            assert np.array_equal(seen[world], np.concatenate([*alone.values()]))
 
 
 def test_attributes_methods_masks_and_pictures_of_environments():
