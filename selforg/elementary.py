@@ -2,8 +2,8 @@
 
 A C library takes other code for these functions on a CPU with fused multiply-add, and the last bit then differs. What a
 course depends on therefore uses the functions of this file. Arguments are reduced by constants in two or three pieces
-and put into power series, with an error below two units of the last place.
-What they cost: docs/decisions/0160-elementary-functions.md.
+and put into power series. The error is below three units of the last place, and below five of growth and of the
+hyperbolic tangent. What they cost: docs/decisions/0160-elementary-functions.md.
 
 Source: Cody and Waite, Software Manual for the Elementary Functions (1980).
 """

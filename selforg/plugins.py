@@ -149,13 +149,20 @@ def errors_in_a_line(place: str) -> Iterator[None]:
 
 @contextmanager
 def contract(owner: object, part: str, *inputs: Any) -> Iterator[None]:  # noqa: ANN401  (arrays)
-    """Let an error of a plug-in's object become one line, and a change of its input arrays an error."""
+    """Let an error of a plug-in's object become one line, and a change of its input arrays an error, and undo it."""
     import numpy as np  # finding names and files takes no numbers
 
     before = [array.copy() for array in inputs]
-    with errors_in_a_line(_named(owner).__module__):
-        yield
-    if not all(map(np.array_equal, inputs, before)):
+    changed = []
+    try:
+        with errors_in_a_line(_named(owner).__module__):
+            yield
+    finally:
+        for array, kept in zip(inputs, before, strict=True):
+            if not np.array_equal(array, kept):
+                changed.append(array)
+                array[:] = kept
+    if changed:
         raise broken(owner, part, "expected to change no array that it reads, got a change")
 
 

@@ -23,7 +23,7 @@ from selector.strategies.machine_file import load_machine
 from train.learning.config import load_training
 from train.studies.config import StudyConfig
 
-MOST_SECONDS, MOST_BYTES = 1.0, 300e6
+MOST_SECONDS, MOST_BYTES = 5.0, 300e6
 
 
 def read_configuration(path: Path) -> None:

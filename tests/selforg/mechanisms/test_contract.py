@@ -70,6 +70,7 @@ def test_a_mechanism_that_breaks_its_contract_is_one_line(move, said, monkeypatc
     with pytest.raises(PluginError, match=said) as raised:
         check_mechanism(cls)
     assert "\n" not in str(raised.value)
+    check_mechanism(Spring)  # a class that changes what all share breaks no other's check
 
 
 def test_a_mechanism_that_is_not_registered_is_one_line():

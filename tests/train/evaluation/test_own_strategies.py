@@ -1,5 +1,6 @@
 """Strategies of one's own and models of other libraries take part in evaluations, and mistakes are one line."""
 
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -42,6 +43,8 @@ class Second(DecisionStrategy):
 def folder(tmp_path, monkeypatch):
     (tmp_path / "own_policies.py").write_text(OWN)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])  # to which an import adds the working directory
+    monkeypatch.delitem(sys.modules, "own_policies", raising=False)  # another test's
     return tmp_path
 
 

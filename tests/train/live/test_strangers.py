@@ -24,6 +24,7 @@ def serving(tmp_path_factory):
 def server(serving):
     """The server, and how many steps were done before: one for all tests, which it survives."""
     serving.before = serving.conductor.session.ticks
+    serving.since.clear()  # connections of tests before, whose threads take a while to notice that they ended
     return serving
 
 
