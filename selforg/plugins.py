@@ -7,9 +7,9 @@ has registered. A package may hold folders of files, such as `families`, beside 
 
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, wraps
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
@@ -17,7 +17,10 @@ from pathlib import Path
 from threading import RLock
 from traceback import extract_tb
 from types import ModuleType
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 GROUP = "clean_swarm"
 """Group of the entry points by which installed packages name their plug-ins."""
@@ -61,8 +64,11 @@ def import_named(names: str | os.PathLike[str] | Iterable[str | os.PathLike[str]
 def module_or_file(name: str) -> str:
     """Return the module that a name stands for, or the absolute path of its file; PluginError for anything else."""
     if name.endswith(".py") and Path(name).is_file():
-        return os.path.abspath(name)
-    if name.endswith(".py") or not name.replace(".", "_").isidentifier():
+        path = os.path.abspath(name)
+        if os.pathsep in path:  # which separates plug-ins in the environment
+            raise PluginError(f"{path}: expected a path without {os.pathsep!r}")
+        return path
+    if name.endswith(".py") or not all(map(str.isidentifier, name.split("."))):
         raise PluginError(f"{name or '--import'}: expected a module, or a file of Python code that ends with .py")
     return name
 
@@ -135,9 +141,9 @@ def errors_in_a_line(place: str) -> Iterator[None]:
     """Let whatever goes wrong in a plug-in become one line with its place in the files of the plug-in."""
     try:
         yield
-    except PluginError:
+    except (PluginError, KeyboardInterrupt):
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:  # an exit within a plug-in would end the command as if it had done its work
         frames = [(frame.filename, frame.lineno) for frame in extract_tb(error.__traceback__)]
         if isinstance(error, SyntaxError):
             frames.append((error.filename or "", error.lineno))
@@ -145,6 +151,17 @@ def errors_in_a_line(place: str) -> Iterator[None]:
         where = [f"{file}:{line}" for file, line in frames if own and file.startswith(own)]
         kind = "" if isinstance(error, ModuleNotFoundError) else f"{type(error).__name__}: "
         raise PluginError(f"{[place, *where][-1]}: {kind}{' '.join(str(error).split())}") from error
+
+
+def guarded(function: Callable[P, R], place: str) -> Callable[P, R]:
+    """Return a function of the module `place`, whose errors become one line."""
+
+    @wraps(function)
+    def called(*given: P.args, **more: P.kwargs) -> R:
+        with errors_in_a_line(place):
+            return function(*given, **more)
+
+    return called
 
 
 @contextmanager

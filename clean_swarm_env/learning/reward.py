@@ -23,6 +23,7 @@ from clean_swarm_env.learning.given import config_from
 from clean_swarm_env.learning.progress import COLLISIONS, EVENTS, Period, open_period
 from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission_end import COMPLETED
+from clean_swarm_env.world.task_parts import check_numbers
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import DocumentError, unknown_key
 from selector.documents.fields import Closed, Number, Share
@@ -224,8 +225,9 @@ class MeasureRewards:
             for end in batch.finished:  # such a world has gone on until the end of the period
                 now[:, end.world] = list(end.result.measures.values())
             own = np.repeat(self._prices @ (now - self._before), self._worlds.robots)
-        paid = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
-        rewards[:] = np.where(batch.took_part, paid, 0.0)
+            check_numbers(own, rewards.shape, f"task {self._worlds.task.name}: reward")
+            paid = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
+            rewards[:] = np.where(batch.took_part, paid, 0.0)
         for term, weight in self._further:
             rewards += weight * term(batch)
 

@@ -9,6 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import FunctionType
 from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin
 
 import numpy as np
@@ -32,6 +33,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
+from selforg.plugins import guarded, is_own
 
 AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of things: gradients at one place are one thing."""
@@ -98,8 +100,11 @@ class Task(ShownTask, ABC, Generic[S, T]):
     _walk: Annotated[Floats, "R 2", KEPT]
 
     def __init_subclass__(cls) -> None:
-        """Take the name from the class, and settings and state from the brackets of the base class."""
+        """Take the name from the class, settings and state from the brackets of the base class; guard own methods."""
         super().__init_subclass__()
+        for name, part in [*vars(cls).items()] if is_own(cls) else ():
+            if isinstance(part, FunctionType) and hasattr(Task, name):
+                setattr(cls, name, guarded(part, cls.__module__))
         if "name" not in vars(cls):
             cls.name = cls.__name__
         for base in getattr(cls, "__orig_bases__", ()):
@@ -183,10 +188,10 @@ class Task(ShownTask, ABC, Generic[S, T]):
 
     def measured(self) -> Mapping[str, Floats]:
         """Return `result`; ConfigurationError unless it has finite values (W,) of all measures."""
-        values = self.result()
-        for name in dict.fromkeys((*(measure.name for measure in self.measures), *values)):
-            if name not in values:
-                raise ConfigurationError(f"task {self.name}: result: expected the measure {name!r}, got {[*values]}")
+        values, names = self.result(), [measure.name for measure in self.measures]
+        for name in dict.fromkeys((*names, *values)):
+            if name not in values or (names and name not in names):
+                raise ConfigurationError(f"task {self.name}: result: expected the measures {names}, got {[*values]}")
             check_numbers(values[name], (self.world.worlds,), f"task {self.name}: result: {name}")
         return values
 

@@ -129,6 +129,11 @@ def run_app() -> None:
     """Run the command line and exit with its code."""
     for name in THREAD_LIMITS:  # runs are parallel in processes, which inherit this limit
         os.environ.setdefault(name, "1")
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        print_error("the working directory is gone: change to another one")
+        sys.exit(BAD_INPUT)
     words, plugins = _imports(sys.argv[1:])  # these options may stand anywhere
     words = sorted(words, key=lambda word: word != TRUST)
     try:

@@ -54,7 +54,7 @@ class Waiting(Task[TaskSettings, TaskState]):
 @pytest.mark.parametrize(
     ("members", "said"),
     [
-        ({"result": lambda self: {}}, "result: expected the measure 'waited'"),
+        ({"result": lambda self: {}}, r"result: expected the measures \['waited'\]"),
         ({"result": lambda self: {"waited": np.full(self.world.worlds, np.nan)}}, "result: waited: expected finite"),
         ({"result": lambda self: {"waited": np.zeros(9)}}, r"result: waited: expected shape \(1,\), got \(9,\)"),
         ({"result": lambda self: {"waited": self.world.ticks.sum() + 0.0 * self.world.ticks}}, "same bits alone"),

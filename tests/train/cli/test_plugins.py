@@ -24,6 +24,8 @@ TEMPLATE = ROOT / "examples" / "plugin"
 READ = "return np.hypot(*self.source.vectors[rows].T) > self.speed"
 """What the sensor of the template does."""
 FORMULA = "class KeepDistance(FormulaMechanism):"
+TASK = "    fewest = 2\n"
+"""A line of the template's task, after which tests add methods."""
 PLAIN = (
     "class KeepDistance(__import__('selforg.mechanisms').mechanisms.MovementMechanism):\n"
     "    def move_into(self, now, rows, vectors, active):\n        vectors[rows] = 0.0\n"
@@ -295,6 +297,7 @@ def test_a_package_that_brings_names_of_another_is_one_line(installed):
             "TypeError: a sensor: expected a class below SensorComponent, got <class 'my_swarm.Mine'>",
         ),
         ("raise SystemExit(3)", "__init__.py:1: SystemExit: 3"),
+        ("raise type('Own', (BaseException,), {})(7)", "__init__.py:1: Own: 7"),
     ],
 )
 def test_a_plugin_that_cannot_be_imported_is_one_line_once_it_is_needed(installed, code, said):
@@ -339,10 +342,16 @@ def test_a_file_of_a_plugin_has_a_name_of_its_own(installed):
             "vectors[rows] = np.nan",
             "my-swarm 0.1.0: KeepDistance.move_into: expected finite numbers (24, 2), got float64 (24, 2) with NaN",
         ),
+        (TASK, "def bend(self, commands): commands.vectors[:] = np.nan", "KeepApart.commands: expected finite numbers"),
+        (TASK, "def done(self): return np.zeros(4)", "task KeepApart: done: expected bool (4,), got float64 (4,)"),
+        (TASK, "def after_moving(self): raise KeyError('lost')", "my_swarm/__init__.py:71: KeyError: 'lost'"),
+        (TASK, "def done(self): __import__('sys').exit(0)", "my_swarm/__init__.py:71: SystemExit: 0"),
+        (TASK, "def place(self, start): raise type('Own', (BaseException,), {})(7)", "__init__.py:71: Own: 7"),
+        ("return {NEAREST: ", "return {'other': np.ones(4), NEAREST: ", "result: expected the measures ['distance"),
     ],
 )
 def test_a_plugin_that_breaks_its_contract_is_one_line(installed, old, new, said):
-    rewrite(installed, (FORMULA, PLAIN), (old, new))
+    rewrite(installed, (FORMULA, PLAIN), (old, f"{TASK}    {new}\n" if old == TASK else new))
     assert said in refused(installed, "run", "KeepApart", "--runs", "4")
 
 
@@ -364,6 +373,21 @@ def test_a_strategy_that_breaks_its_contract_is_one_line_from_a_worker_too(insta
     assert code == 2
     assert said in err.splitlines()[-1]
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("name", ["a:b.py", ".", "..a", ""])
+def test_what_can_be_no_plugin_is_one_line(name, tmp_path, monkeypatch):
+    (tmp_path / "a:b.py").write_text("")
+    monkeypatch.chdir(tmp_path)
+    assert "expected a" in commands.refused("list", "families", "--import", name)
+
+
+def test_a_working_directory_that_is_gone_is_one_line(tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    assert "the working directory is gone" in commands.refused("list", "families")
+    monkeypatch.chdir(tmp_path)
 
 
 def test_a_plugin_that_broke_half_way_is_the_same_line_at_every_lookup(tmp_path, monkeypatch):
