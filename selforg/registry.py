@@ -13,8 +13,8 @@ from selforg import plugins
 
 Base = TypeVar("Base")
 Class = TypeVar("Class")
-MOST_LISTED = 30
-"""Known names that fit a line on an unknown one, which names the most similar one only if there are more."""
+MOST_LETTERS = 150
+"""Letters of known names that fit a line on an unknown one."""
 
 
 class UnknownNameError(KeyError):
@@ -87,8 +87,12 @@ class Registry(Generic[Base]):
     def find(self, name: str) -> type[Base]:
         """Return the class registered under `name`; UnknownNameError lists the known names."""
         if name not in self:
-            raise UnknownNameError(unknown(self.kind, name, self.names()))
+            raise UnknownNameError(self.unknown(name))
         return self._classes[name]
+
+    def unknown(self, name: str) -> str:
+        """Return the message for a name under which nothing is registered."""
+        return f"{unknown(self.kind, name, self.names())}; a {self.kind} of your own: --import MODULE or FILE.py"
 
     def create(self, name: str, *arguments: Any, **parameters: Any) -> Base:  # noqa: ANN401  (those of the class)
         """Return an instance of the class registered under `name`; UnknownNameError lists the known names."""
@@ -115,9 +119,10 @@ def import_modules(package: str) -> None:
 
 
 def unknown(what: str, name: str, known: Sequence[str]) -> str:
-    """Return the message for an unknown `name`, with the known names and the most similar one; that only, if many."""
-    near = difflib.get_close_matches(name, known, n=1)
-    if near and len(known) > MOST_LISTED:
-        return f"unknown {what} {name!r}; did you mean {near[0]!r}?"
+    """Return the message for an unknown `name`, with the known names that fit and the most similar one."""
+    near, listed = difflib.get_close_matches(name, known, n=1), ", ".join(known) or "none"
+    if len(listed) > MOST_LETTERS:
+        listed = listed[:MOST_LETTERS].rpartition(", ")[0]
+        listed += f" and {len(known) - listed.count(', ') - 1} more"
     hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"unknown {what} {name!r} (known: {', '.join(known) or 'none'}{hint})"
+    return f"unknown {what} {name!r:.60} (known: {listed}{hint})"

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
 import numpy as np
 
 from clean_swarm_env.config.robots import RobotModel
-from clean_swarm_env.config.task_names import OWN_TASK, TASK, TASKS_HOME
+from clean_swarm_env.config.task_names import TASK, TASKS_HOME
 from clean_swarm_env.config.types import Point
 from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, Name
@@ -126,7 +126,7 @@ def find_task(name: str) -> type[TaskKind]:
     try:
         return TASKS.find(registered(name, TASKS) if is_import(name) else name)
     except UnknownNameError as error:
-        raise DocumentError(f"{error}{OWN_TASK}, in Python imports=") from error
+        raise DocumentError(f"{error}, in Python imports=") from error
 
 
 def settings_from(given: object) -> object:

@@ -19,13 +19,13 @@ from selforg.registry import unknown
 class Library:
     """All configurations of some directories and of the shipped one; a key in an earlier directory hides a later one.
 
-    The constructor reads and checks every file, so that a mistake shows when the program starts.
+    A file is read and checked when its configuration is first asked for: one that nobody uses may be half written.
 
     Args:
         directories: searched for `mechanisms/*.yaml` before the shipped directory.
 
     Raises:
-        DocumentError: a file cannot be read, or a configuration cannot be built.
+        DocumentError: there is no such directory.
 
     >>> Library().configuration("RepulsionGradient", {"view_distance": 1.0}).mechanisms["avoidance"].parameters
     {'view_distance': 1.0}
@@ -34,11 +34,7 @@ class Library:
 
     def __init__(self, directories: Sequence[Path] = ()) -> None:
         self._paths = files_of("mechanisms", directories)
-        self._documents: dict[str, dict[str, Any]] = {key: read_mapping(path) for key, path in self._paths.items()}
-        for key, path in self._paths.items():
-            self.configuration(key)
-            with within(shown(path)):
-                check_parameters_used(self._documents[key])
+        self._documents: dict[str, dict[str, Any]] = {}
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -46,14 +42,24 @@ class Library:
         return tuple(self._paths)
 
     def configuration(self, key: str, parameters: Mapping[str, Any] | None = None) -> ConfigurationSpec:
-        """Return a configuration with its parameters overridden by `parameters`."""
+        """Return a configuration with its parameters overridden by `parameters`.
+
+        Raises:
+            DocumentError: the file cannot be read, or the configuration cannot be built.
+
+        """
         if key not in self._paths:
             raise DocumentError(unknown("configuration", key, self.keys))
         where = shown(self._paths[key])
+        document = self._documents.get(key) or read_mapping(self._paths[key])
         with within(where):
-            content = resolved(self._documents[key], parameters or {})
+            content = resolved(document, parameters or {})
         configuration = validated(ConfigurationSpec, content, where)
         RunningConfiguration(configuration, trial_host(configuration), where)
+        if key not in self._documents:
+            with within(where):
+                check_parameters_used(document)
+            self._documents[key] = document
         return configuration
 
     def parameters(self, key: str) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from selector.documents.fields import as_name
 from selector.documents.plain import short
 from selector.documents.trust import check_trust, is_import
 from selforg import plugins
-from selforg.registry import Registry, unknown
+from selforg.registry import Registry
 
 NameOrImport = Annotated[
     str,
@@ -39,7 +39,7 @@ def registered(text: str, registry: Registry[Any]) -> str:
         plugins.import_named(text.rpartition(":")[0])  # workers look the class up by its registered name
         return registry.name_of(found)
     if text not in registry:
-        raise DocumentError(unknown(registry.kind, text, registry.names()))
+        raise DocumentError(registry.unknown(text))
     return text
 
 

@@ -225,9 +225,9 @@ def steps_until(task: Repeated, time: float, latest: list[Deciding] | None = Non
 
 
 def _check_same_files(identity: Identity, path: Path) -> None:
-    held, now = identity.files, fingerprints(identity.directories)
-    for name in sorted(now.keys() | held.keys()):
-        if now.get(name) != held.get(name):
+    now = fingerprints(identity.directories)
+    for name, held in sorted(identity.files.items()):
+        if now.get(name) != held:
             told = "has changed since the evaluation; its runs cannot be repeated"
             raise ConfigurationError(f"{path}: {name} {told}")
 

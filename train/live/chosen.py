@@ -27,7 +27,7 @@ from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
 from train.deciders.named import FIXED, POLICY, decider_named
 from train.evaluation.base import DIGEST
-from train.running.run_folder import fingerprints
+from train.running.run_folder import fingerprints, held_files
 
 STRATEGY, AVOIDING, TRAINED, NEVER = "MaxScore", f"{FIXED}:ORCA", f"{POLICY}:one", f"{FIXED}:Off"
 """By the expert's scores; the cheapest where robots only choose how to avoid, or more than that; never to avoid."""
@@ -102,7 +102,7 @@ def again(recording: RecordedMission) -> PlayedMission:
     told = validated(_MissionPlay, recording.head["about"]["play"], f"{where}: about.play")
     mission = validated(MissionConfig, recording.head["mission"], f"{where}: mission")
     directories = tuple(Path(name) for name in told.directories)
-    if fingerprints(directories) != told.files:
+    if held_files(told.files, fingerprints(directories)) != told.files:
         changed = "mechanisms, knowledge or robots have changed since it was played"
         raise ConfigurationError(f"{recording.path}: {changed}")
     scenario = Scenario(told.start.id, told.seed, mission, told.start)

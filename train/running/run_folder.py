@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env import __version__
-from selector.documents.find import SHIPPED
+from selector.documents.find import files_of
 from selector.documents.plain import DocumentError, short
 from selector.documents.reading import read_json
 from selector.documents.writing import remove_parts, write_whole
@@ -42,6 +42,8 @@ PACKAGES = ("numpy", "numba", "pymunk", "scipy", "pydantic")
 """Packages that every result depends on, beside ours."""
 REMEDY = "give another --output, or remove the directory if nobody needs them"
 """What to do where a directory has the results of another command."""
+FILES = "files"
+"""Key of the identity for the fingerprints of files."""
 FINGERPRINTED = ("knowledge", "mechanisms", "robots")
 """Kinds of files on which a run depends, besides its configuration."""
 
@@ -122,6 +124,8 @@ class RunFolder:
         wanted = dict(identity)
         if growing and isinstance(kept := held["identity"].get(growing), dict):
             wanted[growing] = {name: wanted[growing].get(name, known) for name, known in kept.items()}
+        if FILES in wanted:
+            wanted[FILES] = held_files(held["identity"].get(FILES), wanted[FILES])
         different = _difference(held["identity"], wanted)
         if different:
             raise DocumentError(f"{self.path}: has other results: {different}; {REMEDY}")
@@ -195,10 +199,13 @@ def versions(more: Sequence[str] = (), needed_by: str = "results need", extra: s
 
 
 def fingerprints(directories: Sequence[Path] = ()) -> dict[str, str]:
-    """Return file -> SHA-256 of the fingerprinted files, both shipped and in the user's directories."""
-    found = {}
-    for root in (SHIPPED, *directories):
-        for path in sorted(path for kind in FINGERPRINTED for path in (root / kind).glob("*.yaml")):
-            name = (path.relative_to(root) if root == SHIPPED else path).as_posix()
-            found[name] = hashlib.sha256(path.read_bytes()).hexdigest()
-    return found
+    """Return kind/name -> SHA-256 of the fingerprinted files: for each name that of the file that is found by it."""
+    found = {
+        f"{kind}/{name}.yaml": path for kind in FINGERPRINTED for name, path in files_of(kind, directories).items()
+    }
+    return {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in found.items()}
+
+
+def held_files(held: object, now: Mapping[str, str]) -> dict[str, str]:
+    """Return the fingerprints that a manifest holds, as they are now; a file that was added since decides nothing."""
+    return {name: now[name] for name in held if name in now} if isinstance(held, dict) else dict(now)

@@ -72,7 +72,9 @@ def content(**changes):
 def library_of(directory, document):
     (directory / "mechanisms").mkdir(exist_ok=True)
     (directory / "mechanisms" / "All.yaml").write_text(yaml.safe_dump(document))
-    return Library([directory])
+    library = Library([directory])
+    library.configuration("All")
+    return library
 
 
 @pytest.fixture
@@ -296,7 +298,7 @@ def test_a_sum_of_what_is_no_movement_is_one_line(tmp_path, of, said):
     (tmp_path / "mechanisms").mkdir()
     (tmp_path / "mechanisms" / "Mine.yaml").write_text(content)
     with pytest.raises(DocumentError, match=re.escape(said)) as raised:
-        Library([tmp_path])
+        Library([tmp_path]).configuration("Mine")
     assert "mechanisms.both.parameters" in str(raised.value)
 
 
