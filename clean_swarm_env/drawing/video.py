@@ -159,7 +159,7 @@ def _opencv(output: Path) -> Any:  # noqa: ANN401  (a module that may be missing
     try:
         import cv2
     except ImportError as error:
-        needed = "OpenCV, which is not installed: pip install 'clean-swarm[video]'; .webp and .gif need none"
+        needed = "OpenCV, which is not installed: pip install '.[video]'; .webp and .gif need none"
         raise ConfigurationError(f"{output}: needs {needed}") from error
     return cv2
 

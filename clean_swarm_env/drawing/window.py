@@ -23,7 +23,7 @@ class Window:
         try:
             import pygame
         except ImportError as error:
-            expected = "a window needs pygame-ce, which is not installed: pip install 'clean-swarm[view]'"
+            expected = "a window needs pygame-ce, which is not installed: pip install '.[view]'"
             raise ModuleNotFoundError(expected) from error
         self._pygame, self._clock = pygame, pygame.time.Clock()
         self._screen: Any = None

@@ -61,17 +61,24 @@ def evaluate(evaluation: Evaluation, console: Console) -> int:
 
 
 def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> int:
-    memory, folder, request = evaluation.memory, results.folder, evaluation.request
+    folder, request = results.folder, evaluation.request
     if folder.learned:
         evaluation.mission = evaluation.mission.beginning_with(folder.learned)
     total = _count(evaluation.tasks({}))  # known before the first run
     try:
         _run_missing(evaluation, results, total)
+        _publish(evaluation, results, console)
     except (KeyboardInterrupt, WorkerLost) as end:
         kept = f": {len(results.runs)} of {max(total, len(results.runs))} runs are kept"
         return request.ended(end, folder.path, kept)
     finally:
         results.close()
+    return FINISHED
+
+
+def _publish(evaluation: Evaluation, results: Results, console: Console) -> None:
+    """Write and print the results, and give the scores to the store."""
+    memory, folder, request = evaluation.memory, results.folder, evaluation.request
     publication = evaluation.publication(results.records)
     if folder.learned:
         known = knowledge_of(evaluation.mission, evaluation.directories)
@@ -83,7 +90,6 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
         _give_scores(evaluation, memory, results.records)
         title = f"known now in the context {memory.context!r}"
         console.print(TerminalTable(learned_scores(memory.now(), title, evaluation.mission)))
-    return FINISHED
 
 
 def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:

@@ -84,12 +84,12 @@ def run_training(
                     line = checkpoint_line(training.history.entries[-1])
                     console.print(line, soft_wrap=True, highlight=False, markup=False)
                     update(more=beside_yardstick(training.validation) if training.validation else "")
+            exported = training.export(shlex.join(folder.words))
         except ValueError:  # the configuration is wrong: nothing has been learned
             folder.discard()
             raise
         except (KeyboardInterrupt, WorkerLost) as end:
             return request.ended(end, folder.path)
-        exported = training.export(shlex.join(folder.words))
     ended(training)
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
     return FINISHED

@@ -10,7 +10,7 @@ import json
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rich import box
@@ -36,8 +36,9 @@ LEAST_LABEL, LEAST_HEAD = 16, 10
 """Letters in a line of a name, and of a head, that a narrow terminal shows at least."""
 BREAKS = re.compile(r"(?:(?<=[\s+;:=,/-])|(?<=[a-z0-9])(?=[A-Z]))(?![^\[]*\])")
 """Places at which names, heads and cells may be broken; intervals are not."""
-MAX_ROWS_SHOWN = 30
-"""Most rows above the summary that the terminal shows; Markdown always has all rows."""
+MAX_ROWS_SHOWN, FIRST_ROWS, EACH = 30, 10, "fixed:"
+"""Most rows that a terminal shows all; where there are more, and no summary, it shows the first and those that one has
+named, whose labels do not begin with that of each option. Markdown has all rows."""
 
 
 @dataclass(frozen=True)
@@ -80,19 +81,27 @@ class TerminalTable:
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield the table that fits, and the lines below it."""
-        grid, room = self.grid, options.max_width if console.is_terminal else sys.maxsize
+        grid, room = _shortened(self.grid), options.max_width if console.is_terminal else sys.maxsize
         unbounded = options.update(max_width=sys.maxsize)
         for columns, label, folds in _narrower(grid, room):
             table = _table(grid, columns, label, folds=folds)
             if Measurement.get(console, unbounded, table).maximum <= room:
                 break
         yield from console.render(table, unbounded)
-        if len(grid.rows) > MAX_ROWS_SHOWN:
-            yield f"{len(grid.rows)} {grid.heads[0]}s, one by one in table.md"
+        if len(grid.rows) < len(self.grid.rows):
+            yield f"{len(grid.rows) or 'none'} of {len(self.grid.rows)} rows; all are in table.md"
         left_out = [" ".join(head.split()) for k, head in enumerate(grid.heads) if k not in columns]
         if left_out:
             yield Text(f"a wider terminal also shows: {', '.join(left_out)}", style="dim")
         yield from grid.notes
+
+
+def _shortened(grid: Grid) -> Grid:
+    """Return a grid with the rows that a terminal shows."""
+    if len(grid.rows) <= MAX_ROWS_SHOWN:
+        return grid
+    named = [row for row in grid.rows[FIRST_ROWS:] if not row[0].startswith(EACH)]
+    return replace(grid, rows=() if grid.summary else (*grid.rows[:FIRST_ROWS], *named))
 
 
 def _narrower(grid: Grid, room: int) -> Iterator[tuple[list[int], int, bool]]:
@@ -105,13 +114,12 @@ def _narrower(grid: Grid, room: int) -> Iterator[tuple[list[int], int, bool]]:
 
 def _table(grid: Grid, columns: Sequence[int], label: int, *, folds: bool) -> Table:
     """Return some columns of a grid, with lines of `label` letters at most in a cell; heads may fold to their cells."""
-    rows = () if len(grid.rows) > MAX_ROWS_SHOWN else grid.rows
     table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for k in columns:
-        cells = max((min(len(row[k]), label) for row in (*rows, *grid.summary)), default=0)
+        cells = max((min(len(row[k]), label) for row in (*grid.rows, *grid.summary)), default=0)
         head = _folded(grid.heads[k], max(cells, LEAST_HEAD)) if folds and k else grid.heads[k]
         table.add_column(Text(head), justify="right" if k else "left", no_wrap=True)
-    for row in rows:
+    for row in grid.rows:
         table.add_row(*(Text(_folded(row[k], label)) for k in columns))
     table.add_section()
     for row in grid.summary:
@@ -139,7 +147,8 @@ def _folded(text: str, width: int) -> str:
 
 
 def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(f'`{cell}`' if POINT in cell else cell for cell in cells)} |"
+    whole = [" ".join(cell.splitlines()).replace("|", r"\|") for cell in cells]
+    return f"| {' | '.join(f'`{cell}`' if POINT in cell else cell for cell in whole)} |"
 
 
 @dataclass(frozen=True)

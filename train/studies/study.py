@@ -59,23 +59,23 @@ def run_study(study: StudyConfig, request: Request, console: Console, make: Task
         results = Results(folder, tasks.mistake, journal=MISSIONS)
         try:
             arms, conclusion = _searched(study, request, space, results, make or tasks, family.mission)
+            found = FoundKnowledge(study, request.seed, family, space, conclusion)
+            folder.write(f"knowledge/{study.name}.yaml", found.text())
+            folder.write("trials.csv", trials_csv(arms, space))
+            importance = importances(arms, space)
+            publication = Publication(
+                study.name,
+                f"{study.description}\nFamily {family.name}, seed {request.seed}.",
+                verdict_of(conclusion),
+                study_tables(conclusion, space, importance),
+                study_summary(conclusion, space, arms, importance),
+            )
+            publish(publication, folder, console, request)
+            found.give(request.store)
         except (KeyboardInterrupt, WorkerLost) as end:
             return request.ended(end, folder.path, f": {len(results.runs)} missions are kept")
         finally:
             results.close()
-        found = FoundKnowledge(study, request.seed, family, space, conclusion)
-        folder.write(f"knowledge/{study.name}.yaml", found.text())
-        folder.write("trials.csv", trials_csv(arms, space))
-        importance = importances(arms, space)
-        publication = Publication(
-            study.name,
-            f"{study.description}\nFamily {family.name}, seed {request.seed}.",
-            verdict_of(conclusion),
-            study_tables(conclusion, space, importance),
-            study_summary(conclusion, space, arms, importance),
-        )
-        publish(publication, folder, console, request)
-        found.give(request.store)
     return FINISHED
 
 

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from selforg.network.planning.problem import FactTest, Guard, PlanningAction, PlanningProblem, Test, mandatory_tests
 from selforg.network.planning.search import Answer, ForwardSearch, Search, State, Unknown, Unsolvable
 
-INSTALL = "pip install 'clean-swarm[planning]'"
+INSTALL = "pip install '.[planning]'"
 FREE_GRID = 1 << 62
 """Grid of a number that nothing changes: so wide that only the truth of its bounds is left."""
 

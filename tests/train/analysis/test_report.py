@@ -135,7 +135,7 @@ def test_many_scenarios_are_left_to_the_file():
     grid = table_1(_report(31))
     console = Console(width=140, file=io.StringIO(), record=True)
     console.print(TerminalTable(grid))
-    assert "31 scenarios, one by one in table.md" in console.export_text()
+    assert "none of 31 rows; all are in table.md" in console.export_text()
     assert len([line for line in markdown(grid).splitlines() if line.startswith("| 3")]) == 3  # 3, 30 and 31
 
 

@@ -16,6 +16,7 @@ from selector.documents.writing import remove_parts, write_whole
 from tests.paths import ROOT
 from tests.train.commands import command, done, living, rows, runs, start, wait_for_end, wait_for_runs
 from tests.train.records import record
+from train.evaluation import pipeline
 from train.running.finished_runs import Results
 from train.running.run_folder import RunFolder
 
@@ -47,6 +48,16 @@ def test_ctrl_c_keeps_the_finished_runs_and_says_how_to_go_on(fake_missions, tmp
     assert len(runs(tmp_path / "r")) == 40
     done("evaluate", *TWENTY[:2], "--output", "whole", "--workers", 1)
     assert rows(tmp_path / "whole") == rows(tmp_path / "r")
+
+
+def test_a_signal_before_the_tables_says_how_to_go_on(fake_missions, tmp_path, monkeypatch):
+    def end(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pipeline, "publish", end)
+    code, _, err = command("evaluate", "--scenarios", "2", "--output", tmp_path / "r", "--workers", "1")
+    assert code == 130
+    assert "4 of 4 runs are kept; to go on:\n  clean-swarm evaluate" in err
 
 
 @pytest.mark.long

@@ -129,7 +129,7 @@ def test_a_video_of_opencv_can_be_read_again(recorded, tmp_path, suffix, codec, 
 @pytest.mark.skipif(OPENCV, reason="the extra 'video' is installed")
 def test_without_opencv_its_videos_are_one_line(recorded, tmp_path):
     line = refused("video", recorded, tmp_path / "out.mp4")
-    assert "needs OpenCV, which is not installed: pip install 'clean-swarm[video]'" in line
+    assert "needs OpenCV, which is not installed: pip install '.[video]'" in line
 
 
 @pytest.mark.parametrize("suffix", ["svg", "png", "webp"])

@@ -6,7 +6,7 @@ import re
 import pytest
 from rich.console import Console
 
-from train.reports.text_table import Grid, TerminalTable
+from train.reports.text_table import Grid, TerminalTable, markdown_table
 
 NAMES = ("models:fly=fixed:ORCA+Patrol;mule=fixed:ORCA+RecentFinds", "fixed:ORCA", "a" * 70)
 HEADS = ("strategy", "cost s [95 %]", "0 to 563", "times the first [95 %]", "unfinished", "duration s", "events")
@@ -52,3 +52,15 @@ def test_heads_of_groups_fold_and_intervals_do_not():
     text = printed(grid, 60)
     assert text.count("[1,000, 20,000]") == 2
     assert "also shows: Gradient time s, Gradient coll/s" in " ".join(text.split())
+
+
+def test_of_many_rows_the_first_and_those_that_were_named_are_shown():
+    names = [f"fixed:{number}" for number in range(35)]
+    text = printed(Grid("t", HEADS, [(name, *CELLS) for name in (*names, "MaxScore", "Random")]), 200)
+    shown = [line.split()[0] for line in text.splitlines() if CELLS[0] in line]
+    assert shown == [*names[:10], "MaxScore", "Random"]
+    assert "12 of 37 rows; all are in table.md" in text
+
+
+def test_a_label_is_one_cell_of_one_line():
+    assert markdown_table(("a", "b"), [("one\ntwo|three", "1")]).splitlines()[2:] == [r"| one two\|three | 1 |"]
