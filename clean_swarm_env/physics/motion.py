@@ -78,13 +78,9 @@ def wrapped_angle(angle: float) -> float:
 def touching(first: int, end: int, m: RobotMotion) -> bool:
     """Return whether any two robots present in the rows first .. end - 1 touch."""
     for i in range(first, end):
-        if not m.present[i]:
-            continue
         for j in range(first, i):
-            if not m.present[j]:
-                continue
             dx = nearest_image(m.positions[i, 0] - m.positions[j, 0], m.width)
-            if abs(dx) < m.reach:
+            if abs(dx) < m.reach and m.present[i] and m.present[j]:
                 dy = nearest_image(m.positions[i, 1] - m.positions[j, 1], m.height)
                 both = m.radii[i] + m.radii[j]
                 if dx * dx + dy * dy < both * both:

@@ -213,8 +213,12 @@ class Head(_Object):
         if len({channel.name for channel in self.channels}) < len(self.channels):
             raise ValueError("channels: a name is there twice")
         for axis, count in (("robot", self.robots), ("item", self.items)):
-            shapes = (dict(zip(channel.axes, channel.shape, strict=True)) for channel in self.channels)
-            lengths = {shape[axis] for shape in shapes if axis in shape} or {0}
+            lengths = {
+                length
+                for channel in self.channels
+                for name, length in zip(channel.axes, channel.shape, strict=True)
+                if name == axis
+            } or {0}
             if lengths != {count}:  # readers make room for as many
                 raise ValueError(f"{axis}s: expected the length of all axes {axis}, {sorted(lengths)}, got {count}")
         return self

@@ -122,7 +122,7 @@ def weigh_planes(
         vx, vy = own_velocity(row, poses)
         h.found[0], h.found[1] = wishes[row, 0], wishes[row, 1]
         for other in range(note_others(row, now, h.view_distance, h.others, poses)):
-            permit(other, vx, vy, planes)
+            permit(row, other, vx, vy, planes)
             note_cause(row, int(h.others[other, OTHER_ROW]), violation(other, h.lines, h.found), who, weights)
 
 
@@ -139,7 +139,7 @@ def avoid_rows(
         count = note_others(row, now, h.view_distance, h.others, poses)
         vx, vy = own_velocity(row, poses)
         for other in range(count):
-            permit(other, vx, vy, planes)
+            permit(row, other, vx, vy, planes)
         for k in range(p.wall_counts[row]):
             permit_wall(count + k, p.wall_ways[row, k, 0], p.wall_ways[row, k, 1], planes)
         count += p.wall_counts[row]
@@ -149,11 +149,12 @@ def avoid_rows(
 
 
 @part
-def permit(other: int, vx: float, vy: float, planes: Words[HalfPlanes]) -> None:
+def permit(row: int, other: int, vx: float, vy: float, planes: Words[HalfPlanes]) -> None:
     """Write the half-plane ORCA of a robot of velocity (vx, vy) [m/s] for an other: eq. (2) to (5).
 
     u is the smallest change of the relative velocity that leaves the velocity obstacle, a cone whose tip is cut off by
-    a circle; each of both robots makes half of it. Robots that overlap must have parted within one period.
+    a circle; each of both robots makes half of it. Robots that overlap must have parted within one period; of two at
+    one place the one of the lower row goes to the left.
     """
     h = open_half_planes(planes)
     px, py = h.others[other, OTHER_X], h.others[other, OTHER_Y]
@@ -164,7 +165,9 @@ def permit(other: int, vx: float, vy: float, planes: Words[HalfPlanes]) -> None:
     wx, wy = rx - px / time, ry - py / time  # from the centre of the circle that cuts off the tip
     length, along = np.sqrt(wx * wx + wy * wy), wx * px + wy * py
     if not apart or (along < 0.0 and along * along > radius * radius * length * length):
-        nx, ny = (wx / length, wy / length) if length > 0.0 else (-1.0, 0.0)
+        nx, ny = (
+            (wx / length, wy / length) if length > 0.0 else (-1.0 if row < h.others[other, OTHER_ROW] else 1.0, 0.0)
+        )
         ux, uy = (radius / time - length) * nx, (radius / time - length) * ny
     else:
         leg = np.sqrt(squared - radius * radius)

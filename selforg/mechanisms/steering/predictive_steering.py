@@ -62,6 +62,7 @@ class Foresight(NamedTuple):
     caution: float
     urgency: float
     turn_cost: float
+    right_cost: float
     turn_beyond: float
     patience: float
     circle: float
@@ -94,6 +95,8 @@ class PredictiveSteering(SteeringMechanism):
         caution: weight of a threat [-].
         urgency: threat of coming 1 m nearer than `distance`, at once [1/m].
         turn_cost: cost of a turn by 180 degrees [-].
+        right_cost: further cost of a turn to the right of the wanted direction [-]; robots that meet head-on then both
+            pass on the left instead of dodging to and fro.
         turn_beyond: heading error from which the drive turns on the spot [rad].
         patience: time after which a robot that made no progress dares more [s].
         circle: radius of the circle that a robot leaves while it makes progress [m].
@@ -113,6 +116,7 @@ class PredictiveSteering(SteeringMechanism):
         caution: float = 0.46,
         urgency: float = 37.6,
         turn_cost: float = 0.35,
+        right_cost: float = 0.0,
         turn_beyond: float = np.pi / 3.0,
         patience: float = 4.8,
         circle: float = 0.4,
@@ -142,6 +146,7 @@ class PredictiveSteering(SteeringMechanism):
                 caution=at_least(self, "caution", caution, 0.0),
                 urgency=at_least(self, "urgency", urgency, 0.0),
                 turn_cost=at_least(self, "turn_cost", turn_cost, 0.0),
+                right_cost=at_least(self, "right_cost", right_cost, 0.0),
                 turn_beyond=at_least(self, "turn_beyond", turn_beyond, 0.0),
                 patience=at_least(self, "patience", patience, 0.0),
                 circle=at_least(self, "circle", circle, 0.0),
@@ -224,7 +229,7 @@ def best_candidate(
         share, cosine, sine = f.candidates[k, OF_SPEED], f.candidates[k, AHEAD], f.candidates[k, ASIDE]
         turn = abs(f.candidates[k, OFF_WISH] - heading)
         turn = min(turn, 2.0 * np.pi - turn) if share > 0.0 else 0.0
-        promise = share * cosine - f.turn_cost * turn / np.pi
+        promise = share * cosine - f.turn_cost * turn / np.pi - (f.right_cost if sine < 0.0 else 0.0)
         if promise <= best:
             continue
         half = 0.5 * share * speed  # the robot goes half of the way as it looks now, or turns before it goes

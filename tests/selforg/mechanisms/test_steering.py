@@ -56,7 +56,7 @@ def seen_by(row, places, velocities, reach):
     return [(offsets[k], velocities[k]) for k in near]
 
 
-def predicted(wish, heading, others, distance=0.591, margin=0.05, horizon=1.64, caution=0.46, urgency=37.6):
+def predicted(wish, heading, others, distance=0.591, margin=0.05, horizon=1.64, caution=0.46, urgency=37.6, right=0.0):
     """Return the velocity that promises most, in plain Python."""
     speed, forward = math.hypot(*wish), math.atan2(wish[1], wish[0])
     best = -math.inf, (0.0, 0.0)
@@ -69,7 +69,7 @@ def predicted(wish, heading, others, distance=0.591, margin=0.05, horizon=1.64, 
         drives = candidate / 2 + share * speed / 2 * np.array([math.cos(heading), math.sin(heading)])
         if turn > math.pi / 3:
             drives = candidate / 2
-        promise = share * math.cos(math.radians(degree)) - 0.35 * turn / math.pi
+        promise = share * math.cos(math.radians(degree)) - 0.35 * turn / math.pi - (right if degree < 0 else 0.0)
         for offset, velocity in others:
             closing = velocity - drives
             if offset @ closing >= 0:
@@ -88,12 +88,47 @@ def test_predictive_steering_takes_what_promises_most(seed):
     poses, places, headings, velocities = moving(side=2.5, seed=seed)
     commands = wishes(8, seed)
     before = commands.vectors.copy()
-    PredictiveSteering(poses, view_distance=1.0).steer(DT, np.arange(8), commands.packed.words)
+    right = 0.1 * (seed % 2)
+    PredictiveSteering(poses, view_distance=1.0, right_cost=right).steer(DT, np.arange(8), commands.packed.words)
     for row in range(8):
         others = seen_by(row, places, velocities, 2.5)
-        expected = predicted(before[row], headings[row], others) if others else before[row]
+        expected = predicted(before[row], headings[row], others, right=right) if others else before[row]
         np.testing.assert_allclose(commands.vectors[row], expected, atol=1e-9)
     assert (commands.vectors != before).any()
+
+
+def nearest_meeting(name, start, goals, noise=0.0, seed=0, **options):
+    """Let two points of at most 1 m/s drive to `goals`; return how close they come [m]."""
+    rng, place, apart = np.random.default_rng(seed), np.array(start), []
+    poses, drives = make_world(Torus(SIDE, SIDE), rows=2).poses, goals - place
+    steering = MECHANISMS.create(name, poses, view_distance=1.0, **options)
+    for tick in range(1, 40):
+        poses.update(place + noise * rng.normal(size=(2, 2)), np.arctan2(*drives.T[::-1]), DT * tick)
+        commands, way = Commands(2, 2), goals - place
+        commands.vectors[:] = way / np.maximum(np.linalg.norm(way, axis=1), 1.0)[:, None]
+        commands.commanded[:] = True
+        steering.steer(DT * tick, np.arange(2), commands.packed.words)
+        drives = commands.vectors
+        place = place + DT * drives
+        apart.append(np.linalg.norm(place[0] - place[1]))
+    return min(apart[2:])
+
+
+def test_points_that_meet_head_on_pass_on_the_left_where_the_right_costs_a_little():
+    nearest = {}
+    for cost in (0.0, 0.02):
+        starts = [5.5 + 2.5 * np.outer((-1, 1), unit(0.3 * seed)) for seed in range(20)]
+        met = [
+            nearest_meeting("PredictiveSteering", start, start[::-1], 1e-4, seed, right_cost=cost)
+            for seed, start in enumerate(starts)
+        ]
+        nearest[cost] = min(met)
+    assert nearest[0.0] < 0.3  # they dodge left and right by turns
+    assert nearest[0.02] > 0.6
+
+
+def test_two_robots_at_one_place_part():
+    assert nearest_meeting("ORCA", np.full((2, 2), 5.0), np.full((2, 2), (8.0, 5.0))) > 0.6
 
 
 def test_who_did_not_get_on_dares_to_come_near_for_some_seconds():
@@ -172,6 +207,30 @@ def test_orca_takes_the_permitted_velocity_nearest_to_the_command(seed):
         inside = [{"type": "ineq", "fun": lambda v, p=p, n=n: (v - p) @ n} for p, n in planes]
         nearest_one = minimize(lambda v, w=wish: ((v - w) ** 2).sum(), found, constraints=[*disc, *inside])
         assert np.linalg.norm(found - wish) <= np.sqrt(nearest_one.fun) + 1e-4
+
+
+@pytest.mark.long
+@pytest.mark.extra
+def test_orca_takes_the_velocities_of_rvo2():
+    """RVO2 is the library of the authors, in numbers of 32 bits; `pyrvo` binds it, here without its requirements."""
+    pyrvo = pytest.importorskip("pyrvo", reason="needs pyrvo, by hand: pip install --no-deps pyrvo==0.4.3")
+    apart = []
+    for seed in range(325):
+        poses, places, _, velocities = moving(rows=6, side=[3.0, 2.0, 1.2][seed % 3], seed=seed)
+        commands, simulator = wishes(6, seed), pyrvo.RVOSimulator(0.2, 2.5, 10, 2.0, 1.0, 0.325, 1.0)
+        for row, (place, velocity, wish) in enumerate(
+            zip(places.tolist(), velocities.tolist(), commands.vectors.tolist(), strict=True)
+        ):
+            simulator.add_agent(place)
+            simulator.set_agent_velocity(row, velocity)
+            simulator.set_agent_pref_velocity(row, wish)
+            simulator.set_agent_max_speed(row, math.hypot(*wish))
+        simulator.do_step()
+        ORCA(poses, view_distance=1.0).steer(DT, np.arange(6), commands.packed.words)
+        theirs = [simulator.get_agent_velocity(row).to_tuple() for row in range(6)]
+        apart += np.abs(commands.vectors - theirs).max(axis=1).tolist()
+    assert max(apart) < 5e-3
+    assert np.quantile(apart, 0.99) < 1e-4
 
 
 def build(name, poses):
