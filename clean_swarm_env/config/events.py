@@ -16,7 +16,7 @@ from clean_swarm_env.config.types import ArrivalRate, Index, Items, Point, Pose,
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Name, Positive, Share
 
-MOST_EVENTS: Final = 100_000
+MOST_TIMES: Final = 100_000
 """Times that all events of a mission may happen together."""
 
 

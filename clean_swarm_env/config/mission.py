@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE, DeliveryConfig
-from clean_swarm_env.config.events import MOST_EVENTS, Again, Event, Join, SetDelivery, check_team
+from clean_swarm_env.config.events import MOST_TIMES, Again, Event, Join, SetDelivery, check_team
 from clean_swarm_env.config.free_places import check_place, check_walls, free_ground, robots_that_fit
 from clean_swarm_env.config.robots import RobotConfig, models_of_rows, of_each
 from clean_swarm_env.config.tasks import (
@@ -162,8 +162,8 @@ class MissionConfig(Closed):
             for event in self.events
             if isinstance(event, Again) and event.every > 0.0
         )
-        if together > MOST_EVENTS:
-            raise impossible("events", f"at most {MOST_EVENTS} times that they happen together", f"{together:.0f}")
+        if together > MOST_TIMES:
+            raise impossible("events", f"at most {MOST_TIMES} times that they happen together", f"{together:.0f}")
         if self.time_limit * world.control_rate < 1.0:
             raise impossible(
                 "time_limit", f"at least one control period, {1.0 / world.control_rate:g} s", self.time_limit
