@@ -225,9 +225,9 @@ class MeasureRewards:
             for end in batch.finished:  # such a world has gone on until the end of the period
                 now[:, end.world] = list(end.result.measures.values())
             own = np.repeat(self._prices @ (now - self._before), self._worlds.robots)
-            check_numbers(own, rewards.shape, f"task {self._worlds.task.name}: reward")
-            paid = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
-            rewards[:] = np.where(batch.took_part, paid, 0.0)
+        check_numbers(own, rewards.shape, f"task {self._worlds.task.name}: reward")
+        paid = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
+        rewards[:] = np.where(batch.took_part, paid, 0.0)
         for term, weight in self._further:
             rewards += weight * term(batch)
 
