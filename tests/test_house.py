@@ -5,7 +5,7 @@ import ast
 import pytest
 
 from tests import house
-from tests.house import MOST_COMPILED, MOST_MODULES, MOST_PLAIN
+from tests.house import MOST_MODULES
 
 ELEMENTARY = {
     "sin",
@@ -95,12 +95,3 @@ def test_retired_names_are_found(package):
         "class A:\n    told: int\n    tolds: int\n    def _begin(self): ...\ndef a_begin(): ...\ndef beginning(): ...\n"
     )
     assert set(house.retired_names(package.parent)) == {"selforg.a.A._begin", "selforg.a.A.told", "selforg.a.a_begin"}
-
-
-def test_long_signatures_are_found(package):
-    names = ", ".join(f"a{k}" for k in range(MOST_PLAIN + 1))
-    more = ", ".join(f"a{k}" for k in range(MOST_COMPILED + 1))
-    (package / "a.py").write_text(
-        f"def plain({names}): ...\n@part\ndef fits({names}): ...\n@part\ndef long({more}): ...\n"
-    )
-    assert {name for name, _ in house.long_signatures(package.parent)} == {"selforg.a.plain", "selforg.a.long"}

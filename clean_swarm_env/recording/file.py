@@ -15,7 +15,6 @@ from typing import IO, Annotated, Any, Final, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from clean_swarm_env.config.tasks import CLEANING
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import ByHand
 from clean_swarm_env.recording.channels import MOST_NUMBERS, Amount, Channel, PackedFrames, Text
@@ -165,20 +164,6 @@ def _unpacked(small: bytes, where: str) -> bytes:
 
 def _json(content: Mapping[str, Any]) -> bytes:
     return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
-
-
-EARLIER = ("garbage", "stations", "patrol", "consequences")
-"""Keys of missions that are settings of cleaning today."""
-
-
-def with_task_keys(mission: dict[str, Any]) -> dict[str, Any]:
-    """Return a mission as it is written today; earlier recordings have the settings of cleaning beside `task:`."""
-    settings = {key: mission[key] for key in EARLIER if key in mission}
-    rest = {key: value for key, value in mission.items() if key not in EARLIER}
-    task = mission.get("task", {"name": CLEANING})
-    if not isinstance(task, dict) or task.get("name") != CLEANING:
-        return rest
-    return {**rest, "task": {**settings, **task}}
 
 
 class _Object(BaseModel):

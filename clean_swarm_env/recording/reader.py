@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.channels import MOST_NUMBERS, AnyArray, Channel, packed_bytes, unpacked_frames
-from clean_swarm_env.recording.file import HEAD, PART, SUFFIX, Directory, Head, blocks_of, with_task_keys
+from clean_swarm_env.recording.file import HEAD, PART, SUFFIX, Directory, Head, blocks_of
 from clean_swarm_env.recording.stepping import WholeNumbers
 from selector.documents.errors import validated
 from selector.documents.plain import short
@@ -110,7 +110,6 @@ class RecordedParts(Iterator[RecordedStretch]):
             raise ConfigurationError(f"{name}: damaged: expected a recording that begins with its head")
         self.head = _object(content, f"{name}: head")
         listed = validated(Head, self.head, f"{name}: head").channels
-        self.head["mission"] = with_task_keys(self.head["mission"])
         self.channels = {channel.name: channel for channel in listed}
 
     def __next__(self) -> RecordedStretch:

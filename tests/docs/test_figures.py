@@ -7,9 +7,8 @@ from decimal import Decimal
 import pytest
 
 from docs.figures import numbers
-from docs.figures.printed import Figure, has_results, parsed, printed_intervals, result_tables
+from docs.figures.printed import Figure, parsed, result_tables
 from docs.figures.stored import ROOT, STORE, input_files, keep, load, record, save, take
-from tests.house import PACKAGES
 
 
 @pytest.fixture
@@ -59,11 +58,6 @@ def test_storing_changes_nothing(copy):
     numbers.write(copy)
     assert (copy / STORE).read_bytes() == before
     assert numbers.faults(copy) == []
-
-
-def test_inputs_are_data_and_no_code_that_may_be_written_anew():
-    inputs = {one for result in load().values() for one in result.inputs}
-    assert [one for one in sorted(inputs) if one.endswith(".py") and one.startswith(PACKAGES)] == []
 
 
 @pytest.mark.parametrize(
@@ -163,10 +157,6 @@ def test_a_table_of_results_outside_of_all_blocks_is_found(copy):
         assert "expected a block of docs/figures.json, got a table of results" in line
 
 
-def test_a_table_of_words_is_none():
-    assert not has_results([["`stop`", "0 s", "time"], ["`drop`", "false", "whether"], ["`sight`", "-", "3 of 4"]])
-
-
 def test_each_exemption_is_needed():
     found = {
         f"{page.relative_to(ROOT).as_posix()}: {table.mark or table.head}"
@@ -179,15 +169,6 @@ def test_each_exemption_is_needed():
 def test_a_new_result_needs_a_command(copy):
     with pytest.raises(ValueError, match="network/more: expected the command of a new result, got none"):
         record("network/more", "| | |", root=copy)
-
-
-def test_intervals_in_prose():
-    text = "It is `a[0, 1]` in [0, 1],\n16\n% [12, 19] less, **0.8** [0.7,\n0.9].\n"
-    text += "\n```py\nx = 1 [2, 3]\n```\n| 1 [2, 3] |\n"
-    assert [(line, figure.printed()) for line, figure in printed_intervals(text)] == [
-        (2, "16 % [12, 19]"),
-        (3, "0.8 [0.7, 0.9]"),
-    ]
 
 
 def test_a_figure_is_told_rounded_or_as_what_is_saved():

@@ -69,11 +69,6 @@ def test_the_glossary_names_files_that_exist():
     assert [file for file in files if not (ROOT / file).exists() and not (ROOT / "selforg" / file).exists()] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_no_page_leads_out_of_the_repository(page):
-    assert "../shared" not in page.read_text(encoding="utf-8")
-
-
 def sources() -> list[Path]:
     """Return all files of code and configuration, this one left out."""
     places = [ROOT / name for name in PACKAGES]

@@ -9,7 +9,7 @@ import pytest
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording import taking
 from clean_swarm_env.recording.channels import LARGEST_WHOLE, Channel, unpacked_frames
-from clean_swarm_env.recording.file import MAGIC, RecordingFile, blocks_of, with_task_keys
+from clean_swarm_env.recording.file import MAGIC, RecordingFile, blocks_of
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
 
@@ -178,10 +178,3 @@ def test_a_missing_file_and_a_directory_give_one_line(tmp_path):
     for path in (tmp_path / "none.swarm", tmp_path):
         with pytest.raises(ConfigurationError, match="cannot be read"):
             list(blocks_of(path))
-
-
-@pytest.mark.parametrize("task", [{}, {"task": {"name": "Cleaning"}}])
-def test_settings_of_cleaning_are_found_where_earlier_recordings_have_them(task):
-    found = with_task_keys({"robots": {"count": 2}, "stations": {"reach": 0.4}, **task})
-    assert found == {"robots": {"count": 2}, "task": {"name": "Cleaning", "stations": {"reach": 0.4}}}
-    assert with_task_keys({"garbage": {"count": 0}, "task": {"name": "Foraging"}}) == {"task": {"name": "Foraging"}}

@@ -51,11 +51,6 @@ def constant(*means):
     return lambda step, context: np.array([means])
 
 
-def switching(period, *means):
-    """Return means that are handed on to the next option every `period` steps."""
-    return lambda step, context: np.roll(np.array([means]), step // period, axis=1)
-
-
 def linear(*slopes):
     """Return means that are the products of the context with one vector for each option."""
     return lambda step, context: context @ np.array(slopes).T

@@ -45,13 +45,30 @@ def bounds(pulls, sums, prior, width):
     return [means[k] + width * math.sqrt(math.log(max(sum(pulls), 1.0)) / pulls[k]) for k in range(3)]
 
 
-@pytest.mark.parametrize("prior", [0.0, 0.1, 2.5])
-def test_ucb1(prior):
-    def formula(option, reward):
-        pulls = [int((option == k).sum()) for k in range(3)]
-        return bounds(pulls, [reward[option == k].sum() for k in range(3)], prior, 0.7 * math.sqrt(2.0))
+LIMITS = {"exploration": 0.4, "confidence": 0.6}
+WEIGHTED = {
+    "UCB1": ({"exploration": 0.7}, np.ones, 0.7 * math.sqrt(2.0)),
+    "DiscountedUCB": (
+        {**LIMITS, "discount": 0.95},
+        lambda steps: 0.95 ** np.arange(steps - 1, -1, -1),
+        2 * 0.4 * math.sqrt(0.6),
+    ),
+    "SlidingWindowUCB": ({**LIMITS, "window": 20}, lambda steps: np.arange(steps) >= steps - 20, 0.4 * math.sqrt(0.6)),
+}
+"""Strategy -> parameters, what each reward weighs after some steps, and the width of its bound."""
 
-    follow(made("UCB1", {"prior": prior, "exploration": 0.7}), formula)
+
+@pytest.mark.parametrize("prior", [0.0, 0.1, 2.5])
+@pytest.mark.parametrize("name", WEIGHTED)
+def test_upper_confidence_bounds(name, prior):
+    parameters, weights, width = WEIGHTED[name]
+
+    def formula(option, reward):
+        weight = weights(len(option))
+        pulls = [weight[option == k].sum() for k in range(3)]
+        return bounds(pulls, [(weight * reward)[option == k].sum() for k in range(3)], prior, width)
+
+    follow(made(name, {"prior": prior, **parameters}), formula)
 
 
 def test_rewards_of_one_group_discount_no_other_group():
@@ -65,29 +82,6 @@ def test_rewards_of_one_group_discount_no_other_group():
         strategy.update(np.array([1, 2])[known], np.array(reward)[known], both[known], rows=np.flatnonzero(known))
     assert strategy.counts.tolist() == [[0.0, 1.0, 0.0], [0.0, 0.0, 1.5]]
     assert strategy.totals.tolist() == [[0.0, 1.0, 0.0], [0.0, 0.0, 4.0]]
-
-
-@pytest.mark.parametrize("prior", [0.0, 2.5])
-def test_discounted_ucb(prior):
-    def formula(option, reward):
-        weight = 0.95 ** np.arange(len(option) - 1, -1, -1)
-        pulls = [weight[option == k].sum() for k in range(3)]
-        sums = [(weight * reward)[option == k].sum() for k in range(3)]
-        return bounds(pulls, sums, prior, 2 * 0.4 * math.sqrt(0.6))
-
-    parameters = {"prior": prior, "discount": 0.95, "exploration": 0.4, "confidence": 0.6}
-    follow(made("DiscountedUCB", parameters), formula)
-
-
-@pytest.mark.parametrize("prior", [0.0, 2.5])
-def test_sliding_window_ucb(prior):
-    def formula(option, reward):
-        option, reward = option[-20:], reward[-20:]
-        pulls = [int((option == k).sum()) for k in range(3)]
-        return bounds(pulls, [reward[option == k].sum() for k in range(3)], prior, 0.4 * math.sqrt(0.6))
-
-    parameters = {"prior": prior, "window": 20, "exploration": 0.4, "confidence": 0.6}
-    follow(made("SlidingWindowUCB", parameters), formula)
 
 
 def test_the_sums_of_a_sliding_window_do_not_drift():

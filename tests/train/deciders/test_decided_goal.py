@@ -5,14 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.families import FamilyConfig
-from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError
 from train.deciders.decided_goal import DecidedGoal, named_goal, option_named
-from train.deciders.named import decider_named
-from train.running.trials import TrialSettings, run_trials
 
 BOTH = ("ExplorationPatrol", "AvoidCollision")
 
@@ -42,23 +38,6 @@ def test_avoidance_is_the_goal_unless_another_is_named():
         named_goal(BOTH, "Avoid")
     with pytest.raises(DocumentError, match="goal: expected the name of one of Foraging, Patrol"):
         named_goal(("Foraging", "Patrol"), None)
-
-
-def test_what_is_chosen_serves_the_named_goal_and_the_other_keeps_its_best_option(monkeypatch):
-    mission = load_mission("cleaning-patrol").model_copy(update={"time_limit": 2.0})
-    scenario = FamilyConfig(name="two", description="Two goals.", mission=mission).scenario(0, 0, "test")
-    held = []
-
-    def step(batch, actions):
-        done = original(batch, actions)
-        held.append([c.model.options[c.held[0]] for c in batch.worlds.coordinators])
-        return done
-
-    original = Batch.step
-    monkeypatch.setattr(Batch, "step", step)
-    settings = TrialSettings(goal="ExplorationPatrol")
-    run_trials([scenario], lambda problem, teams: decider_named("fixed:RandomWalk").build(problem, teams), settings)
-    assert held[0] == ["RandomWalk", "RepulsionFernandez"]
 
 
 def test_several_goals_are_decided_as_one(batch):

@@ -185,19 +185,6 @@ def test_after_the_end_the_same_mission_or_another_one_begins(sessions, tmp_path
 
 
 @pytest.mark.long
-def test_walls_are_drawn_and_can_be_hidden(opened, tmp_path):
-    walled = {"world": {"ground": "walled", "walls": [{"corners": [[5.0, 0.0], [5.0, 8.0]]}]}}
-    with served(Session(play_of({**SMALL, **walled}), tmp_path / "walled.swarm")) as server:
-        page = opened(server)
-        assert page.is_checked("[name=walls]")
-        drawn = picture(page)
-        page.uncheck("[name=walls]")
-        assert picture(page) != drawn
-        wide, high = page.evaluate("[replay.page.shown[0].view.wide, replay.page.shown[0].view.high]")
-        assert wide == high  # the field, not the whole torus
-
-
-@pytest.mark.long
 def test_what_if_shows_the_next_seconds_of_every_option(session, page):
     for _ in range(3):
         step(page)

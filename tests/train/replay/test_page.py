@@ -51,23 +51,6 @@ def test_keys_move_one_step(opened):
 
 
 @pytest.mark.long
-def test_keys_change_the_speed_step_by_step_and_buttons_of_the_panel_choose_robots(opened):
-    page = opened("#t=10")
-    page.focus("#speed")
-    before = page.evaluate("replay.page.speed")
-    for _ in range(2):
-        page.keyboard.press("ArrowUp")
-    assert (page.evaluate("replay.page.speed"), page.evaluate("document.activeElement.id")) == (before - 2, "speed")
-    robots = page.evaluate("replay.page.shown[0].run.head.robots")
-    for turn, expected in ((-1, robots - 1), (1, 0), (1, 1)):
-        page.click(f"#panel [data-turn='{turn}']")
-        assert page.evaluate("replay.page.robot") == expected
-    page.focus("#panel [data-turn='1']")
-    page.keyboard.press("Enter")
-    assert page.evaluate("replay.page.robot") == 2
-
-
-@pytest.mark.long
 def test_the_timeline_and_the_charts_scrub(opened):
     page = opened()
     for selector in ("#timeline", ".chart >> nth=1"):
@@ -315,17 +298,6 @@ def test_zones_walls_and_models_are_drawn_and_explained(page_of, size):
     page.evaluate("document.querySelector('[name=numbers]').click()")
     assert picture(page) != shown
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("width", "height"), [(1366, 768), (1440, 1100), (390, 844)])
-def test_worlds_side_by_side_are_on_one_line_and_fit(opened, width, height):
-    page = opened("#t=10", viewport={"width": width, "height": height})
-    one, other = (page.locator(f".world >> nth={k}").bounding_box() for k in range(2))
-    assert (one["y"], one["height"]) == pytest.approx((other["y"], other["height"]))
-    assert one["x"] + one["width"] <= other["x"]
-    assert one["y"] + one["height"] <= height
-    assert other["x"] + other["width"] <= width
 
 
 @pytest.mark.long

@@ -5,7 +5,6 @@ import os
 import subprocess
 import sys
 import time
-from dataclasses import replace
 
 import pytest
 
@@ -66,17 +65,6 @@ def test_compiled_code_is_looked_for_by_what_it_is_compiled_from(monkeypatch, tm
     assert warm_up.compiled_before()
     monkeypatch.setattr(warm_up, "cache_directory", lambda: None)
     assert warm_up.compiled_before()  # nothing can be kept: each process compiles for itself
-
-
-def test_what_a_mission_compiled_is_found(task):
-    task.beginning().run()
-    assert warm_up.compiled_before()
-
-
-def test_a_mission_shorter_than_the_warm_up_keeps_its_limit(task):
-    mission = task.first.mission.model_copy(update={"time_limit": 20.0})
-    short = replace(task, scenarios=(replace(task.first, mission=mission),))
-    assert short.beginning().first.mission.time_limit == 20.0
 
 
 def test_the_warm_up_calls_a_kernel_that_no_first_second_needs(task, monkeypatch):
