@@ -166,11 +166,6 @@ def test_the_example_of_play_follows_a_session(folder):
         assert [frame["x"][2], frame["y"][2]] == pytest.approx([1.0, 3.0])
 
 
-def test_pages_that_show_the_same_training_show_the_same_code():
-    (lines,), (same,) = blocks("README.md", mark="learn"), blocks("docs/tutorials/selector.md", "python")
-    assert without_remarks(lines) == without_remarks(same)
-
-
 LOADERS = {
     "experiments": lambda name, directories: load_robustness(name, directories) or load_experiment(name, directories),
     "families": load_family,

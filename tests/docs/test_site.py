@@ -7,7 +7,6 @@ pytest.importorskip("sphinx", reason="needs the extra 'docs'")
 from docs.site.api import API, PLACES, exports, write_api
 from docs.site.build import faults, menu, sources
 from docs.site.catalogue import write_catalogue
-from docs.site.measured import rows_about
 from docs.site.stage import ROOT, Stage, site_path
 from train.cli.listing import LINES, names_of
 
@@ -31,14 +30,6 @@ def test_each_name_that_list_shows_has_a_page(stage, kind):
         page = stage.folder / "names" / kind / f"{name}.md"
         assert f"# {name}\n" in page.read_text(encoding="utf-8")
         assert f"[{name}]({name}.md)" in overview
-
-
-def test_a_task_has_its_measures_with_units_targets_and_the_baseline_from_the_table(stage):
-    text = (stage.folder / "names" / "tasks" / "ReachGoal.md").read_text(encoding="utf-8")
-    assert "| `distance_to_the_goal_area` | m | ≤ 0.5 |" in text
-    (rows,) = (found.rows for found in rows_about("ReachGoal") if found.page.name == "goal_results.md")
-    assert len(rows) == 2, "one for each measure"
-    assert all(row in text for row in rows)
 
 
 def test_the_menu_has_each_page_once():

@@ -160,11 +160,6 @@ def test_a_malformed_file_of_starts_is_one_line(tmp_path, content, expected):
     assert "\n" not in str(caught.value)
 
 
-def test_a_missing_file_of_starts_is_one_line(tmp_path):
-    with pytest.raises(ConfigurationError, match="No such file"):
-        load_starts(tmp_path / "none.json")
-
-
 @pytest.mark.parametrize(
     ("robots", "items", "expected"),
     [

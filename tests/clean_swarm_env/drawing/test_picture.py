@@ -93,11 +93,6 @@ def test_height_and_width_are_even_whatever_the_world(size, side):
     assert abs(max(size) / min(size) - 1.0) > 0.1 or width in (side, side + 1, side - 1)
 
 
-def test_the_size_does_not_depend_on_the_moment():
-    later = canvas(time=99.0, garbage=np.array([[1.0, 1.0]]), state="3 of 4 items dumped")
-    assert pixels_of(canvas()).shape == pixels_of(later).shape
-
-
 @pytest.mark.parametrize(
     ("state", "drawn"),
     [

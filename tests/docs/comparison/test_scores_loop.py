@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from clean_swarm_env.config.load import load_family
-from docs.comparison import loop_runs, write_scores
+from docs.comparison import loop_runs
 from docs.comparison.loop import (
     LEARNERS,
     RIGHT,
@@ -20,12 +19,9 @@ from docs.comparison.loop import (
 )
 from docs.comparison.loop_runs import LoopedRuns, make_loop
 from docs.comparison.loop_tables import BY_SCORE, LoopResults
-from docs.comparison.write_choosing import DOCS
-from selector.documents.reading import read_mapping
 from selector.knowledge import knowledge_from
-from selector.strategies.registry import named, spec_from_text
+from selector.strategies.registry import spec_from_text
 from tests.train.commands import done
-from train.deciders.named import decider_named
 from train.evaluation.claims import family_runs
 
 GOAL = "AvoidCollision"
@@ -122,18 +118,3 @@ def test_tables_say_who_ends_at_the_best_option_and_who_stays_with_a_wrong_one()
     random = np.mean(beside["Random"][:, -10:]) / missions.excess[:, 1, -10:].mean()
     assert rows["`Random`"].startswith(f"| `Random` | {random:.2f} [")
     assert results.numbers["UCB1"] in tried_numbers(manifest, "UCB1")
-
-
-def test_the_manifest_that_ships_names_what_there_is_and_the_page_has_its_tables():
-    manifest = LoopManifest(**read_mapping(write_scores.OWN))
-    assert set(manifest.numbers) == set(LEARNERS)
-    for name in LEARNERS:
-        assert set(manifest.numbers[name]) <= set(named(name).Parameters.model_fields)
-        assert named(name).can_learn()
-    page = (DOCS / "scores.md").read_text(encoding="utf-8")
-    assert f"pictures/{manifest.name}-loop.png" in page
-    for label, family in manifest.families.items():
-        assert load_family(family.file or label).name == label
-        assert f"<!-- begin: scores of {label} -->" in page
-        for strategy in family.beside:
-            decider_named(strategy)

@@ -10,8 +10,6 @@ import yaml
 from selector.configurations.host import Host, host_memory
 from selector.coordination.robot_document import network_from
 from selector.coordination.robots import CoordinatedRobots
-from selector.documents.errors import DocumentError
-from selforg.components import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
@@ -166,11 +164,3 @@ def test_a_copy_made_in_the_middle_goes_on_like_the_original():
 )
 def test_a_mistake_inside_is_one_line_that_says_where(document, message):
     assert message in refusal(network_from, document, "mine.yaml")
-
-
-def test_a_host_that_lacks_something_is_told_what():
-    network = network_from(CONTENT)
-    poses = OwnPoses(Euclidean(2), 1)
-    host = Host(poses, {"gradients": SoBuffer(BufferSettings(), poses.space, poses)}, memory=RobotMemory(1, {}))
-    with pytest.raises(DocumentError, match=r"network in Tidy: unknown call 'ring' \(known: none\)"):
-        CoordinatedRobots([], host, network=network)

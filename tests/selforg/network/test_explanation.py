@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from selforg.network import state as st
-from selforg.network.explanation import explain, in_short, text_of
+from selforg.network.explanation import explain, in_short
 from selforg.network.model.activators import Boolean, Greedy, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
@@ -156,22 +156,6 @@ def test_conditions_show_what_is_held_and_what_is_optional():
     network.hold(ROW, 0, 1)
     network.step()
     assert [c.label for c in explain(network, 0).behaviours[0].conditions][1] == ("fact = 1, Boolean(desired=True)")
-
-
-def test_the_text_holds_table_and_tree():
-    model = cleaning_model()
-    network = BehaviourNetwork(model, 3, Planner(model), explained=True)
-    for readings in wandering(np.random.default_rng(0), 15, 3):
-        network.readings[:] = readings
-        network.step()
-    text = text_of(explain(network, 0)).splitlines()
-    assert text[0].startswith("threshold ")
-    assert text[1].startswith("plan: [")
-    assert text[3].split()[:2] == ["behaviour", "activation"]
-    assert {line.split()[0].strip("*") or line.split()[1] for line in text[4:12]}
-    assert sum(line.startswith("*") for line in text[4:12]) == network.executing[0].sum()
-    assert "goal AvoidCollision: " in "\n".join(text)
-    assert any(line.startswith("   └─ rep_bool = ") for line in text)
 
 
 def test_activators_in_short():

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.tasks import find_task
-from docs.figures import write_original
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
@@ -120,13 +119,6 @@ def test_a_task_runs_by_another_expert_knowledge_beside_its_own_baseline():
 def test_every_option_of_the_original_can_be_built_and_serves_a_goal_with_a_task():
     Library().check(ORIGINAL)
     assert set(ORIGINAL.goals) == set(load_knowledge("library").goals) == set(tasks_to_run())
-
-
-def test_the_page_of_the_original_is_written_from_runs(monkeypatch):
-    monkeypatch.setattr(write_original, "tasks_to_run", lambda: ["MaxValue"])
-    text = write_original.page(runs=1)
-    assert "| MaxValue | GossipMax | GossipMax | rounds to agreement | ≤ 6 |" in text
-    assert "Of the 1 goals the original's options meet all targets of 1, the library's of 1." in text
 
 
 def test_a_run_gives_the_scores_of_its_option_to_a_store_once(tmp_path):

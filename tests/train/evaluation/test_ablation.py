@@ -1,7 +1,5 @@
 """The ablation: what it leaves out, that the plan's weight and the planner are one term, and what it writes."""
 
-import dataclasses
-
 from benchmarks import ablation
 from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.config.starts import random_start
@@ -36,31 +34,3 @@ def test_a_planner_without_weight_is_no_planner():
         other.tick()
         for name, part in snapshot(one.worlds, 0).items():
             assert part.tobytes() == snapshot(other.worlds, 0)[name].tobytes(), name
-
-
-@dataclasses.dataclass
-class Outcome:
-    duration_s: float
-    completed: bool
-
-
-def test_the_results_are_printed_and_recorded(monkeypatch, capsys):
-    seen = []
-
-    def run_mission(config, start, seed, scores):
-        seen.append((config.time_limit, start.id, seed, scores["AvoidCollision"]))
-        return Outcome(600.0 if config.network.planner == "off" else 100.0 + len(seen) % 3, True)
-
-    monkeypatch.setattr(ablation, "run_mission", run_mission)
-    recorded = {}
-    monkeypatch.setattr(ablation, "record", recorded.__setitem__)
-    ablation.main(["4", "9"])
-    text = recorded["ablation/terms"]
-    assert text.startswith("4 random start configurations of seed 9")
-    rows = [line for line in text.splitlines() if line.startswith("| planner off")]
-    assert [row.count("600 [600, 600]") for row in rows] == [2, 2, 1, 1]
-    assert text == capsys.readouterr().out.strip()
-    # every variant runs on the same starts with the same seeds, under every option
-    runs = {tuple(run[1:3] for run in seen[k : k + 4]) for k in range(0, len(seen), 4)}
-    assert len(runs) == 1
-    assert {limit for limit, *_ in seen} == {ablation.TIME_LIMIT}

@@ -35,17 +35,6 @@ def test_what_was_trained_decides_as_in_the_library_it_was_trained_for(member):
     assert (thought[:, len(SIX) :] <= known.min(axis=1, keepdims=True)).all()
 
 
-@pytest.mark.parametrize("member", ["policy:general", "learned:rules"])
-def test_a_policy_that_lists_its_options_in_another_order_takes_the_same_ones(member):
-    names = load_policy(find_policy("general", OWN)).spec.observations
-    teams, seen = np.zeros(500, dtype=np.int64), np.random.default_rng(2).uniform(-1, 1, (500, len(names)))
-    problem = Problem.of(load_knowledge("avoidance"), GOAL, names)
-    turned = problem.only(problem.options[::-1])
-    named, seen = decider_named(member, OWN), seen.astype(np.float32)
-    first, second = (named.build(each, teams).decide(seen).options for each in (problem, turned))
-    assert [problem.options[k] for k in first] == [turned.options[k] for k in second]
-
-
 @pytest.mark.parametrize("option", [option.name for option in SIX])
 def test_more_options_change_no_mission_of_the_others(option):
     results = []

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.train.live.pages import drag, free_place, on_screen, place_of, shows, until
+from tests.train.live.pages import shows, until
 from tests.train.live.sessions import SMALL, play_of, served
 
 pytestmark = [pytest.mark.page, pytest.mark.extra, pytest.mark.long]  # one of its kind in the gate: test_live_page.py
@@ -21,28 +21,6 @@ def test_the_world_fits_without_scrolling(session, opened, size, scheme):
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
         groups = page.evaluate("[...document.querySelectorAll('#groups details:not(#keys)')].map(group => group.open)")
         assert set(groups) == {size[0] > 900}
-
-
-def test_a_robot_is_dragged_while_the_world_runs(session, opened):
-    with served(session, speed=0.25, playing=True) as server:
-        page = opened(server)
-        until(page, "() => replay.page.run.frames > 2")
-        drag(page, place_of(page, 2), free_place(session))
-        until(page, "() => replay.page.run.byHand.concat(replay.page.run.coming).some(({robot}) => robot === 2)")
-        assert page.evaluate("replay.page.state.playing")
-
-
-def test_click_and_drag_take_the_same_things(page):
-    """Ten pixels beside the middle of an item or robot is near enough for both, 60 for none."""
-    x, y = on_screen(page, *place_of(page, 3))
-    for away, near in ((10, True), (60, False)):
-        page.evaluate("replay.page.choose(0, 0)")
-        page.mouse.click(x + away, y)
-        shows(page, "#panel h2", "Robot 3" if near else "Robot 0")
-        page.mouse.move(x + away, y)
-        page.mouse.down()
-        assert page.evaluate("replay.page.taken?.number ?? -1") == (3 if near else -1)
-        page.mouse.up()
 
 
 def test_the_end_has_a_verdict_and_leads_on(sessions, opened):

@@ -10,7 +10,6 @@ import time
 from itertools import product
 from urllib.request import urlopen
 
-import numpy as np
 import pytest
 
 from clean_swarm_env.recording.file import blocks_in
@@ -91,21 +90,6 @@ def test_orders_are_carried_out_or_refused_in_one_line(session):
         ticks = session.ticks
         time.sleep(0.5)  # more than two periods
         assert session.ticks == ticks
-
-
-def test_programs_read_the_stream_as_it_comes(session):
-    with served(session) as server, urlopen(server.address.replace("/?", "/stream?")) as source:
-        parts = RecordedParts(blocks_in(source, "stream"), "stream")
-        frames = frames_from(parts)
-        for tick in range(5):
-            assert ordered(server, do="step") == ""
-            frame = next(frames)
-            assert parts.frames == tick + 1
-            assert frame["x"].shape == (session.worlds.robots,)
-            assert parts.notes["made"] == pytest.approx(time.time(), abs=60.0)
-        there = session.worlds.physics.present
-    recording = RecordedMission(session.batch.recorder.settings.directory / "run.swarm")
-    np.testing.assert_array_equal(recording["x"][4][there], frame["x"][there])
 
 
 @pytest.mark.long

@@ -5,17 +5,8 @@ import pytest
 from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
-from tests.train.live.test_session import played
-from train.live.chosen import again, chosen
+from train.live.chosen import chosen
 from train.live.session import Session
-
-BY_HAND = {
-    3: [{"do": "put_robot", "robot": 2, "x": 1.0, "y": 1.5}],
-    12: [{"do": "set_loss", "loss": 0.5}, {"do": "fail_robot", "robot": 0}],
-    20: [{"do": "hold_option", "robots": [1], "option": "ChemotaxisGe"}],
-    31: [{"do": "remove_robot", "robot": 3}, {"do": "follow_strategy", "strategy": "Random"}],
-    40: [{"do": "put_robot", "robot": 0, "x": 17.0, "y": 3.0}],
-}
 
 
 @pytest.mark.parametrize("task", [*task_names(), "Shepherding"])
@@ -30,18 +21,6 @@ def test_every_task_can_be_played(tmp_path, task, monkeypatch):
     recording = RecordedMission(tmp_path / "a.swarm")
     assert recording.frames == 3
     assert recording.head["about"]["experiment"] == task
-
-
-def test_a_task_that_was_changed_by_hand_runs_again_with_the_same_bits(tmp_path):
-    first = Session(chosen("ReachGoal", 1, 4, None, ()), tmp_path / "a.swarm", minds=False)
-    played(first, by_hand=BY_HAND)
-    recording = RecordedMission(tmp_path / "a.swarm")
-    assert [recording[name][3, 2] for name in "xy"] == [1.0, 1.5]
-    assert [change.tick for change in recording.by_hand] == [tick for tick, orders in BY_HAND.items() for _ in orders]
-    second = Session(again(recording), tmp_path / "b.swarm", minds=False)
-    played(second, by_hand={})
-    assert first.worlds.physics.bodies.tobytes() == second.worlds.physics.bodies.tobytes()
-    assert RecordedMission(tmp_path / "b.swarm").checksums() == recording.checksums()
 
 
 def test_what_other_tasks_do_not_have_is_one_line(tmp_path):

@@ -12,10 +12,9 @@ import pytest
 import yaml
 
 from tests.train.commands import done, refused, runs
-from tests.train.records import record
 from train.analysis.statistics import by_scenario, summarise
 from train.report_page.charts import distributions, profile
-from train.report_page.page import html_of_markdown, scenario_map, with_unfinished
+from train.report_page.page import html_of_markdown, scenario_map
 from train.report_page.results import SELECTION_CHANNELS, results_in
 from train.reports.charts import figure_of
 from train.running import needs
@@ -229,13 +228,6 @@ def test_intervals_are_by_the_number_of_scenarios_however_many_worlds_each_has()
     low, high = summarise(one).ci95
     assert f"[{low:.4g}, {high:.4g}]" in distributions(costs, names, ("a", "b"), "cost")
     assert by_scenario(np.array([1.0, 3.0, np.nan]), ["1.5", "1.6", "2"]).tolist() == [1.0, 3.0]  # names of starts
-
-
-def test_the_share_of_unfinished_missions_stands_beside_every_condition():
-    records = [record(str(k), "a", completed=k > 0) for k in range(4)] + [record(str(k), "b") for k in range(4)]
-    assert with_unfinished(records, ("a", "b")) == ["a\n25% unfinished", "b\n0% unfinished"]
-    coming = [record(str(k), "a", completed=False) for k in range(4)]
-    assert with_unfinished(coming, ("a",)) == ["a"]
 
 
 def test_markdown_becomes_tables_and_nothing_else():

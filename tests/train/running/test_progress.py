@@ -1,13 +1,11 @@
 """Progress: what is done of all, the time left, the best so far, on the terminal and in a log."""
 
-import io
 import re
 import threading
 from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
-from rich.console import Console
 
 from tests.train.waiting import until
 from train.evaluation.family import FamilyEvaluation
@@ -26,17 +24,6 @@ def test_a_log_gets_a_line_now_and_then_until_the_bar_ends(tmp_path, monkeypatch
     first, *_, last = log.read_text().splitlines()
     assert re.fullmatch(r"\d\d:\d\d:\d\d, 2 of 10 missions, time left: not known yet", first)
     assert re.fullmatch(r"\d\d:\d\d:\d\d, 6 of 10 missions, \d:\d\d:\d\d left, best so far ORCA, 54 s", last)
-
-
-def test_a_narrow_terminal_shows_what_is_counted_whole_and_the_cost_before_the_name(monkeypatch):
-    console = Console(width=80, file=io.StringIO(), force_terminal=True, color_system=None)
-    monkeypatch.setattr(commands, "Console", lambda stderr: console)
-    with commands.progress("missions", 10, 2) as update:
-        update(advance=4, more="lowest mean cost 54 s: models:fly=fixed:ORCA+Patrol;mule=fixed:ORCA+RecentFinds")
-    text = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]|\r", "\n", console.file.getvalue())
-    last = [line for line in text.split("\n") if line.startswith("missions ")][-1]
-    assert re.search(r" 6/10 \d:\d\d:\d\d \d:\d\d:\d\d left lowest mean cost 54 s:", last)
-    assert len(last) <= 80
 
 
 MOST = {"most": 30 * 600.0, "ran": 1800.0}
