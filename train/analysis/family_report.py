@@ -198,7 +198,7 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
         label: {name: summarise(values[label].mean(axis=(0, 2))) for name, values in figures.items()}
         for label in runs.conditions
     }
-    comparison = compare_strategies(excesses_of(runs), runs.fixed) if runs.fixed else None
+    comparison = compare_strategies(excesses_of(runs), runs.fixed, censored(runs)) if runs.fixed else None
     limits = {} if comparison is None else limit_ratios(runs, comparison.best_fixed)
     measures = task_class(runs.family.mission).measures
     front = None if measures else _front(runs, summaries)
@@ -213,7 +213,7 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
 def ranking_of(runs: FamilyRuns) -> Ranking:
     """Return the strategies by their excess; the worlds of a scenario count as one."""
     off = "never avoiding" if GOAL in runs.goal else "Off"
-    return Ranking.of({label: own.mean(axis=2) for label, own in excesses_of(runs).items()}, spoken={NEVER_AVOIDS: off})
+    return Ranking.of(excesses_of(runs), left=censored(runs), spoken={NEVER_AVOIDS: off})
 
 
 def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
@@ -223,6 +223,11 @@ def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
     return runs.table(lambda _, result: float(not result.completed))
 
 
+def censored(runs: FamilyRuns) -> dict[str, Floats]:
+    """Return `unfinished_of`, of cleaning alone: the costs of other tasks are known however a mission ends."""
+    return {} if task_class(runs.family.mission).measures else unfinished_of(runs)
+
+
 def excesses_of(runs: FamilyRuns, limits: float = 1.0) -> dict[str, Floats]:
     """Return label -> excess costs (S, K, V) [s], items that are left priced by the time limit times `limits`."""
     return runs.table(lambda mission, r: r.excess_s + (limits - 1.0) * left_cost(mission, r.garbage_done))
@@ -230,9 +235,11 @@ def excesses_of(runs: FamilyRuns, limits: float = 1.0) -> dict[str, Floats]:
 
 def excess_ratios(runs: FamilyRuns, against: Mapping[str, str]) -> dict[str, Ratio]:
     """Return label -> ratio of the mean excess to that of what it is compared with; nothing for the latter."""
-    means = {label: own.mean(axis=2) for label, own in excesses_of(runs).items()}
+    excesses, left = excesses_of(runs), censored(runs)
     return {
-        label: Ratio.of(means[label], means[other].mean(axis=0)) for label, other in against.items() if label != other
+        label: Ratio.of(excesses[label], excesses[other], (left[label], left[other]) if left else None)
+        for label, other in against.items()
+        if label != other
     }
 
 

@@ -1,10 +1,12 @@
-"""How far means over scenarios may be from the truth: intervals, p-values, and how many scenarios are needed.
+"""How far means over scenarios may be from the truth, whether two strategies differ, and how many scenarios tell it.
 
-Scenarios are drawn at random, and so are trainings where a strategy has several. Every interval and p-value is
-therefore Student's, by the number of scenarios and trainings, however many missions were run. A ratio of means is taken
-by its logarithm. docs/decisions/0212-ratios-by-student.md says how often intervals of ratios contain the truth.
+Scenarios are drawn at random, and so are trainings where a strategy has several. Every interval is therefore Student's,
+by the number of scenarios and trainings, however many missions were run. A ratio of means is taken by its logarithm.
+Whether two strategies differ is not told by an interval but by sign flips (`train.analysis.flips`).
+docs/decisions/0212-sign-flips.md says how often intervals contain the truth, and how often equal strategies are told
+apart.
 
-Shapes: S trainings of a strategy, K scenarios.
+Shapes: S trainings of a strategy, K scenarios, V worlds of each.
 """
 
 from __future__ import annotations
@@ -13,22 +15,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from statistics import NormalDist
 from typing import Final
 
 import numpy as np
 
-from selforg.arrays import Floats
+from selforg.arrays import Flags, Floats
+from train.analysis.flips import TAIL, Flips, fewest, holm
 
 Interval = tuple[float, float]
-TAIL: Final = 0.025
-"""Probability of each tail outside of a 95 % interval."""
-FEWEST: Final = 6
-"""Scenarios from which on there are p-values: five that all agree are no rarer than 6 % by chance alone."""
+HEAVY: Final = 25.0
+"""Squared skewness times this number is at most the number of scenarios if Student's interval is to keep its promise
+(Cochran 1977, Sampling Techniques, 2.15)."""
 TOLD: Final = math.log(1.1)
 """Difference between two means, a tenth, that scenarios have to tell; as a logarithm."""
-POWER: Final = 0.8
-"""Probability that the recommended number of scenarios shows this difference."""
 NO_SPREAD: Final = 1e-9
 """Errors of means below this one are roundings only."""
 
@@ -37,13 +36,10 @@ NO_SPREAD: Final = 1e-9
 class MeanError:
     """The error of a mean over scenarios and trainings."""
 
-    scenarios: int
     error: float
     """Standard error."""
     freedom: float
     """Degrees of freedom, by Welch and Satterthwaite."""
-    of_trainings: float = 0.0
-    """The part of the trainings, which more scenarios do not lower; a standard error, too."""
 
     @classmethod
     def of(cls, values: Floats, other: Floats | None = None) -> MeanError | None:
@@ -55,11 +51,8 @@ class MeanError:
         if values.shape[1] < 2:
             return None
         of_trainings = [values.mean(axis=1), *([] if other is None else [other.mean(axis=1)])]
-        means = [own for own in (values.mean(axis=0), *of_trainings) if len(own) > 1]
-        parts = np.array([own.var(ddof=1) / len(own) for own in means])
-        shares = np.maximum(parts, NO_SPREAD**2) / np.maximum(parts, NO_SPREAD**2).sum()
-        freedom = 1.0 / (shares**2 / [len(own) - 1 for own in means]).sum()
-        return cls(values.shape[1], math.sqrt(parts.sum()), float(freedom), math.sqrt(parts[1:].sum()))
+        parts, freedom = welch([values.mean(axis=0), *of_trainings])
+        return cls(math.sqrt(parts.sum()), freedom)
 
     def half_width(self, tail: float = TAIL) -> float:
         """Return half the width of the interval both of whose tails have the probability `tail`."""
@@ -71,43 +64,59 @@ class MeanError:
         """Return the 95 % interval."""
         return mean - self.half_width(), mean + self.half_width()
 
-    def p(self, mean: float) -> float | None:
-        """Return the two-sided probability of a mean at least so far from 0 if it were 0; None for few scenarios."""
-        if self.scenarios < FEWEST:
-            return None
-        from scipy.special import stdtr
 
-        return 2.0 * float(stdtr(self.freedom, -abs(mean) / max(self.error, NO_SPREAD)))
+def welch(means: Sequence[Floats]) -> tuple[Floats, float]:
+    """Return the squared errors of the means of independent samples with two values or more, and their freedom."""
+    known = [own for own in means if len(own) > 1]
+    parts = np.array([own.var(ddof=1) / len(own) for own in known])
+    shares = np.maximum(parts, NO_SPREAD**2) / np.maximum(parts, NO_SPREAD**2).sum()
+    return parts, float(1.0 / (shares**2 / [len(own) - 1 for own in known]).sum()) if known else 1.0
 
-    def needed(self, effect: float, tail: float = TAIL) -> int | None:
-        """Return the number of scenarios that tells a mean of `effect` from 0, by this spread.
 
-        None if no number does, because the trainings differ too much.
-        """
-        level, power = -NormalDist().inv_cdf(tail), NormalDist().inv_cdf(POWER)
-        allowed = (effect / (level + power)) ** 2 - self.of_trainings**2
-        variance = (self.error**2 - self.of_trainings**2) * self.scenarios
-        return max(math.ceil(variance / allowed + level**2 / 2.0), FEWEST) if allowed > 0.0 else None
+def heavy_tailed(values: Floats) -> bool:
+    """Return whether some values (K,) are so far out that Student's interval of the mean is too narrow.
+
+    A skewness that as many normal values have in one of twenty samples is no sign of it.
+
+    >>> heavy_tailed(np.r_[np.arange(29.0), 500.0]), heavy_tailed(np.arange(30.0))
+    (True, False)
+
+    """
+    away, count = values - values.mean(), len(values)
+    spread = float(np.mean(away**2))
+    skewness = float(np.mean(away**3)) / spread**1.5 if spread > NO_SPREAD**2 else 0.0
+    return skewness**2 > max(count / HEAVY, 4.0 * 6.0 / count)
 
 
 @dataclass(frozen=True)
 class Ratio:
-    """A ratio of two means over the same scenarios."""
+    """A ratio of two means over the same scenarios, and whether the strategies differ."""
 
     ratio: float | None
     """None if the denominator is zero."""
     spread: MeanError | None
     """That of its logarithm; None for a single scenario, or if a mean is zero."""
     scenarios: int
+    tests: tuple[Flips, ...]
+    """That of the costs of missions that both finish, and of the shares of unfinished ones."""
+    sign: float
+    """Sign of the difference of the means; a test of the other sign tells nothing."""
 
     @classmethod
-    def of(cls, own: Floats, other: Floats) -> Ratio:
-        """Return the ratio of the means of `own` (S, K) or (K,) and `other`, likewise."""
-        own, other = np.atleast_2d(own), np.atleast_2d(other)
+    def of(cls, own: Floats, other: Floats, left: tuple[Floats, Floats] | None = None) -> Ratio:
+        """Return the ratio of the means of `own` (K,), (S, K) or (S, K, V) and `other`, likewise.
+
+        `left` has 1 for each unfinished mission of both, else 0, in the same shapes.
+        """
+        both = cells(own), cells(other)
+        tests = _tests(*both, None if left is None else (cells(left[0]), cells(left[1])))
+        own, other = (each.mean(axis=2) for each in both)
         above, below, count = float(own.mean()), float(other.mean()), other.shape[1]
-        if below == 0.0 or above / below <= 0.0:
-            return cls(above / below if below else None, None, count)
-        return cls(above / below, MeanError.of(own / above - other.mean(axis=0) / below, other / below), count)
+        ratio, sign = above / below if below else None, float(np.sign(above - below))
+        if ratio is None or ratio <= 0.0:
+            return cls(ratio, None, count, tests, sign)
+        spread = MeanError.of(own / above - other.mean(axis=0) / below, other / below)
+        return cls(ratio, spread, count, tests, sign)
 
     def interval(self, tail: float = TAIL) -> Interval | None:
         """Return the interval both of whose tails have the probability `tail`; None if it is unknown."""
@@ -121,15 +130,56 @@ class Ratio:
         """The 95 % interval."""
         return self.interval()
 
-    @property
+    @cached_property
     def p(self) -> float | None:
-        """Probability of a ratio at least so far from 1 if it were 1; None for fewer than FEWEST scenarios."""
-        return self.spread.p(math.log(self.ratio)) if self.ratio is not None and self.spread is not None else None
+        """Probability of such a difference between equal strategies, of this comparison alone; see `told`."""
+        return told([self])[0]
 
     @property
     def content(self) -> dict[str, object]:
         """The ratio as JSON has it."""
         return {"ratio": self.ratio, "ci95": self.ci95, "p": self.p}
+
+
+def cells(values: Floats) -> Floats:
+    """Return values as (S, K, V)."""
+    return values[None, :, None] if values.ndim == 1 else values.reshape(*values.shape[:2], -1)
+
+
+def _tests(own: Floats, other: Floats, left: tuple[Floats, Floats] | None) -> tuple[Flips, ...]:
+    """Return the test of the figures of missions (S, K, V), and that of the shares of unfinished ones."""
+    mine, theirs = own[:, None], other[None]
+    if left is None:
+        finished = np.broadcast_to(True, np.broadcast_shapes(mine.shape, theirs.shape))
+    else:
+        finished = (left[0][:, None] == 0.0) & (left[1][None] == 0.0)
+    positive = bool(np.minimum(mine, theirs)[finished].min(initial=np.inf) > 0.0)
+    if positive:
+        mine, theirs = (np.log(each, where=each > 0.0, out=np.zeros_like(each)) for each in (mine, theirs))
+    shares = [] if left is None else [_flips(left[0][:, None] - left[1][None], np.ones_like(finished), False)]
+    return _flips(mine - theirs, finished, positive), *shares
+
+
+def _flips(differences: Floats, counted: Flags, logarithms: bool) -> Flips:
+    """Return the test of those differences (S, S', K, V) that are counted."""
+    found = np.ma.masked_array(differences, ~counted)
+    parts, freedom = welch([found.mean(axis=rest).compressed() for rest in ((1, 2, 3), (0, 2, 3))])
+    return Flips(found.mean(axis=(0, 1, 3)).compressed(), math.sqrt(parts.sum()), freedom, logarithms)
+
+
+def told(ratios: Sequence[Ratio]) -> list[float | None]:
+    """Return the p-value of each of the comparisons of a table, corrected for their number.
+
+    None where the scenarios do not allow a statement.
+    """
+    enough = [one.scenarios >= fewest(len(ratios)) for one in ratios]
+    tests = [(k, test) for k, one in enumerate(ratios) for test in one.tests if any(enough)]
+    corrected = holm([test.p for _, test in tests], [test.least for _, test in tests])
+    found = [1.0] * len(ratios)
+    for (k, test), p in zip(tests, corrected, strict=True):
+        if test.sign == ratios[k].sign:
+            found[k] = min(found[k], p)
+    return [p if known else None for p, known in zip(found, enough, strict=True)]
 
 
 def too_few(ratios: Sequence[Ratio]) -> tuple[str, ...]:
@@ -141,12 +191,13 @@ def too_few(ratios: Sequence[Ratio]) -> tuple[str, ...]:
     ('2 scenarios: no statement; about 110 are needed to tell a difference of a tenth',)
 
     """
-    scenarios = min((one.scenarios for one in ratios), default=FEWEST)
-    if scenarios >= FEWEST:
+    least = fewest(len(ratios))
+    scenarios = min((one.scenarios for one in ratios), default=least)
+    if scenarios >= least:
         return ()
-    spreads = [one.spread for one in ratios if one.spread is not None and one.spread.error > NO_SPREAD]
-    found = [count for spread in spreads if (count := spread.needed(TOLD)) is not None]
-    about = f"about {about_number(float(np.median(found)))}" if found else f"{FEWEST} or more"
+    tests = [one.tests[0] for one in ratios if one.tests[0].spread > NO_SPREAD]
+    found = [count for test in tests if (count := test.needed(TOLD)) is not None]
+    about = f"about {about_number(max(float(np.median(found)), least))}" if found else f"{least} or more"
     plural = "s" if scenarios != 1 else ""
     return (f"{scenarios} scenario{plural}: no statement; {about} are needed to tell a difference of a tenth",)
 

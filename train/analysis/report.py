@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.task import task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Flags, Floats
@@ -81,6 +82,8 @@ class Report:
     experiment: ExperimentConfig
     seed: int
     figures: Figures
+    left: Mapping[str, Floats]
+    """Condition -> 1 where a mission was not completed (1, K, 1), else 0; nothing where garbage keeps coming."""
     summaries: dict[str, dict[str, Summary]]
     """Condition -> metric -> summary."""
     comparisons: Mapping[tuple[str, str, str], Ratio]
@@ -121,13 +124,20 @@ def agreements(report: Report) -> list[Agreement]:
 def ranking_of_conditions(report: Report) -> Ranking:
     """Return the conditions by their duration, or by the cost of a task."""
     metric, verb = (COST, "costs") if report.measured_by_task else ("duration_s", "takes")
-    return Ranking.of(dict(zip(report.figures.conditions, report.figures.values[metric], strict=True)), verb)
+    values = dict(zip(report.figures.conditions, report.figures.values[metric], strict=True))
+    return Ranking.of(values, verb, left={} if report.measured_by_task else report.left)
+
+
+def _left(figures: Figures, mission: MissionConfig) -> dict[str, Floats]:
+    """Return condition -> 1 where a mission was not completed (1, K, 1), else 0; nothing where garbage keeps coming."""
+    if mission.items.keep_coming:
+        return {}
+    return dict(zip(figures.conditions, 1.0 - figures.completed[:, None, :, None], strict=True))
 
 
 def verdict_of(report: Report) -> list[str]:
     """Return what came out, in one to three sentences."""
     ranking, beside = ranking_of_conditions(report), agreements(report)
-    left = dict(zip(report.figures.conditions, 1.0 - report.figures.completed[:, None], strict=True))
     source = "measured" if report.means else "the paper"
     those = source if report.means else f"of {source} (95 % intervals meet)"
     known = [one for one in beside if one.agrees is not None]
@@ -135,9 +145,8 @@ def verdict_of(report: Report) -> list[str]:
     said = f"{len(known) - len(others)} of {len(known)} figures agree with those {those}"
     compared = [f"{said}{'; not: ' * bool(others)}{'; '.join(others[:MOST_NAMED])}."] if known else []
     word = "ended short of a target" if report.measured_by_task else "left unfinished"
-    coming = report.experiment.mission.items.keep_coming
-    unfinished = [] if coming else [unfinished_sentence(left, ranking, word)]
-    return [*ranking.sentences()[: 1 if compared else 2], *compared, *unfinished]
+    unfinished = unfinished_sentence(report.left, ranking, word)
+    return [*ranking.sentences()[: 1 if compared else 2], *compared, *filter(None, [unfinished])]
 
 
 def _words(metric: str, of: str) -> str:
@@ -165,9 +174,14 @@ def report_of(
         name: {metric: summarise(figures.values[metric][c]) for metric in summarised}
         for c, name in enumerate(conditions)
     }
+    left = _left(figures, experiment.mission)
     comparisons = {
-        (conditions[a], conditions[b], metric): Ratio.of(*figures.values[metric][[a, b]])
-        for a, b in itertools.combinations(range(len(conditions)), 2)
+        (a, b, metric): Ratio.of(
+            figures.values[metric][conditions.index(a)],
+            figures.values[metric][conditions.index(b)],
+            (left[a], left[b]) if left and metric == "duration_s" else None,
+        )
+        for a, b in itertools.combinations(conditions, 2)
         for metric in compared
     }
     beside = _compared_with_measured(
@@ -175,7 +189,7 @@ def report_of(
     )
     baseline = next((each.name for each in experiment.conditions if each.strategy == BASELINE), "")
     of_task = measured_conditions(measures, figures, baseline)
-    return Report(experiment, seed, figures, summaries, comparisons, *beside, measured, own_starts, of_task)
+    return Report(experiment, seed, figures, left, summaries, comparisons, *beside, measured, own_starts, of_task)
 
 
 def summary_of(report: Report) -> dict[str, Any]:

@@ -11,8 +11,9 @@ import numpy as np
 
 from clean_swarm_env.config.families import RobustnessConfig
 from selforg.arrays import Floats
-from train.analysis.family_report import FIGURES, NEVER_AVOIDS, FamilyRuns
-from train.analysis.intervals import TAIL, Interval
+from train.analysis.family_report import FIGURES, NEVER_AVOIDS, FamilyRuns, censored
+from train.analysis.flips import TAIL
+from train.analysis.intervals import Interval
 from train.analysis.strategy_comparison import Estimate
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
 
@@ -76,9 +77,12 @@ class RobustnessReport:
 
 def durations_over(robustness: RobustnessConfig, runs: FamilyRuns) -> Ranking:
     """Rank strategies by their mean duration over all disturbances, and without any."""
-    tables = [runs.within(name).table(FIGURES["duration_s"]) for name in robustness.disturbed]
-    values = {label: np.mean([table[label].mean(axis=2) for table in tables], axis=0) for label in runs.conditions}
-    return Ranking.of(values, "takes")
+    variants = [runs.within(name) for name in robustness.disturbed]
+    times, left = [own.table(FIGURES["duration_s"]) for own in variants], [censored(own) for own in variants]
+    values, lost = (
+        {label: np.concatenate([table[label] for table in each], axis=2) for label in each[0]} for each in (times, left)
+    )
+    return Ranking.of(values, "takes", left=lost)
 
 
 def _estimates(completed: Floats, durations: Floats, events: Floats) -> dict[str, Estimate]:

@@ -8,9 +8,9 @@ than that on which it is judged. It needs two world seeds or more
 (docs/decisions/0213-best-fixed-on-halves.md).
 
 The share of the gap between the yardsticks that a strategy closes is (best fixed - strategy) / (best fixed - oracle) of
-means; above 1 the strategy is better than every choice of one option for each scenario. There is a gap where its
-interval excludes 0. Ratios are of means. Intervals are by the number of scenarios, and of training seeds if there are
-several (`train.analysis.intervals`).
+means; above 1 the strategy is better than every choice of one option for each scenario. There is a gap where sign flips
+tell it from 0 (`train.analysis.flips`). Ratios are of means. Intervals are by the number of scenarios, and of training
+seeds if there are several (`train.analysis.intervals`).
 
 Shapes: S training seeds, K scenarios, V world seeds of each, O fixed options.
 """
@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 
 from selforg.arrays import Floats, Ints
+from train.analysis.flips import ALPHA, Flips
 from train.analysis.intervals import Interval, MeanError, Ratio
 
 ORACLE = "oracle"
@@ -97,30 +98,32 @@ class StrategyComparison:
     best_fixed: BestFixed
     gap: Estimate | None
     """Mean excess of the best fixed option less that of the oracle [s]; None with one world seed a scenario."""
+    has_gap: bool
+    """Whether the gap is told from 0."""
     standings: tuple[StrategyStanding, ...]
     """In the order given, the oracle last."""
 
-    @property
-    def has_gap(self) -> bool:
-        """Whether the interval of the gap excludes 0."""
-        return self.gap is not None and self.gap.ci95 is not None and self.gap.ci95[0] > 0.0
 
-
-def compare_strategies(excesses: Mapping[str, Floats], fixed: tuple[str, ...]) -> StrategyComparison:
+def compare_strategies(
+    excesses: Mapping[str, Floats], fixed: tuple[str, ...], left: Mapping[str, Floats] | None = None
+) -> StrategyComparison:
     """Return the comparison of strategies by their excess costs (S, K, V).
 
-    `fixed` names those that are one option each; at least one.
+    `fixed` names those that are one option each; at least one. `left`: label -> 1 where a mission was not completed.
     """
     best = BestFixed.of(excesses, fixed)
-    yardstick = best.judged(excesses)[0].mean(axis=1)
-    means, gaps = {label: own.mean(axis=2) for label, own in excesses.items()}, None
-    if excesses[fixed[0]].shape[2] > 1:
-        means[ORACLE] = cross_fitted(np.stack([excesses[label][0] for label in fixed]))[None]
-        gaps = yardstick - means[ORACLE][0]
-    found = StrategyComparison(best, None if gaps is None else Estimate.of(gaps[None]), ())
-    closable = gaps if found.has_gap else None
-    standings = (_standing(label, own, yardstick, closable) for label, own in means.items())
-    return StrategyComparison(best, found.gap, tuple(standings))
+    yardstick, kept = best.judged(excesses), best.judged(left) if left else None
+    compared, gap, closable = dict(excesses), None, None
+    if yardstick.shape[2] > 1:
+        compared[ORACLE] = cross_fitted(np.stack([excesses[label][0] for label in fixed]))[None, :, None]
+        gaps = (yardstick - compared[ORACLE])[0].mean(axis=1)
+        gap = Estimate.of(gaps[None])
+        closable = gaps if gap.value > 0.0 and Flips(gaps).p < ALPHA else None
+    standings = []
+    for label, own in compared.items():
+        ratio = Ratio.of(own, yardstick, (left[label], kept) if left and kept is not None and label in left else None)
+        standings.append(_standing(label, own.mean(axis=2), yardstick[0].mean(axis=1), ratio, closable))
+    return StrategyComparison(best, gap, closable is not None, tuple(standings))
 
 
 def cross_fitted(options: Floats) -> Floats:
@@ -139,11 +142,11 @@ def cross_fitted(options: Floats) -> Floats:
     return judged
 
 
-def _standing(label: str, own: Floats, fixed: Floats, gaps: Floats | None) -> StrategyStanding:
+def _standing(label: str, own: Floats, fixed: Floats, ratio: Ratio, gaps: Floats | None) -> StrategyStanding:
     """Return the standing of excesses `own` (S, K) beside those of the best fixed option (K,)."""
     share = None
     if gaps is not None:
         closed, width = fixed - own, float(gaps.mean())
         value = float(closed.mean()) / width
         share = Estimate.of((closed - value * gaps) / width, value)
-    return StrategyStanding(label, Estimate.of(own), Ratio.of(own, fixed), share)
+    return StrategyStanding(label, Estimate.of(own), ratio, share)

@@ -6,11 +6,12 @@ Shapes: K scenarios.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from clean_swarm_env.world.measure import Measure
 from selforg.arrays import Floats
+from train.analysis.flips import ALPHA, Flips, fewest, holm
 from train.analysis.statistics import Figures, Summary, summarise
 
 
@@ -26,19 +27,15 @@ class MeasuredStrategy:
     """The same measure of the baseline; None without one, or for the baseline itself."""
     difference: Summary | None
     """Own minus baseline, scenario by scenario."""
+    flips: Flips | None = None
+    """The test of these differences; None for a measure that need not be better."""
+    beats: bool | None = None
+    """Whether the strategy is told to be better than the baseline; None where there are too few scenarios."""
 
     @property
     def met(self) -> bool:
         """Whether the mean reaches the target."""
         return self.measure.met(self.own.mean)
-
-    @property
-    def beats(self) -> bool | None:
-        """Whether the 95 % interval of the difference is on the better side of zero; None where there is none."""
-        if self.difference is None or self.difference.ci95 is None or self.measure.guard:
-            return None
-        low, high = self.difference.ci95
-        return high < 0.0 if self.measure.better == "lower" else low > 0.0
 
     @property
     def content(self) -> dict[str, Any]:
@@ -74,9 +71,22 @@ def measured_strategies(
         rival = values.get(baseline) if strategy != baseline else None
         for measure in measures:
             name = measure.name
-            beside = None if rival is None else (summarise(rival[name]), summarise(own[name] - rival[name]))
-            found.append(MeasuredStrategy(strategy, measure, summarise(own[name]), *(beside or (None, None))))
-    return found
+            one = MeasuredStrategy(strategy, measure, summarise(own[name]), None, None)
+            if rival is not None:
+                away = own[name] - rival[name]
+                flips = None if measure.guard else Flips(away)
+                one = replace(one, baseline=summarise(rival[name]), difference=summarise(away), flips=flips)
+            found.append(one)
+    tests = [one.flips for one in found if one.flips is not None]
+    ps = iter(holm([test.p for test in tests], [test.least for test in tests]))
+    return [one if one.flips is None else replace(one, beats=_beats(one, next(ps), len(tests))) for one in found]
+
+
+def _beats(one: MeasuredStrategy, p: float, tests: int) -> bool | None:
+    """Return whether a measure of a table of so many tests is told to be better; `p` is corrected for their number."""
+    if one.flips is None or len(one.flips.differences) < fewest(tests):
+        return None
+    return p < ALPHA and (one.flips.sign < 0.0) == (one.measure.better == "lower")
 
 
 def measured_conditions(measures: Sequence[Measure], figures: Figures, baseline: str) -> list[MeasuredStrategy]:

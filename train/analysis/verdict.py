@@ -1,14 +1,15 @@
 """Verdicts: the sentences that say what a comparison found, and how sure that is.
 
-Two strategies can be told apart if the interval of the ratio of their means excludes 1. These intervals contain the
-truth for all pairs of the comparison at once in 95 % of comparisons (Bonferroni), so that the luckiest of many is not
-called the best.
+Two strategies can be told apart if sign flips of paired log ratios, or of shares of unfinished missions, say so after
+Holm's correction for all pairs (`train.analysis.flips`), so that the luckiest of many is not called the best. Intervals
+of ratios of means are for all pairs at once, too (Bonferroni).
 
 Shapes: S trainings of a strategy, K scenarios, V worlds of each.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,7 +18,8 @@ from functools import cached_property
 import numpy as np
 
 from selforg.arrays import Floats
-from train.analysis.intervals import FEWEST, NO_SPREAD, TAIL, TOLD, Interval, MeanError, Ratio, about_number
+from train.analysis.flips import ALPHA, TAIL, fewest
+from train.analysis.intervals import NO_SPREAD, TOLD, Interval, Ratio, about_number, cells, heavy_tailed, told
 from train.analysis.strategy_comparison import Estimate
 
 TIMES = 1.5
@@ -34,23 +36,42 @@ RANDOM, CHANCE = "Random", "chance"
 class Ranking:
     """Strategies by their means of one figure, the lowest first."""
 
-    values: Mapping[str, Floats]
-    """Label -> (S, K) the figure."""
+    missions: Mapping[str, Floats]
+    """Label -> (S, K, V) the figure."""
+    left: Mapping[str, Floats] = field(default_factory=dict)
+    """Label -> 1 where a mission was not completed (S, K, V), else 0; nothing where that means nothing."""
     verb: str = "costs"
     """What a strategy does of the figure."""
     spoken: Mapping[str, str] = field(default_factory=dict)
     """Label -> what it is called in a sentence, where that differs."""
 
     @classmethod
-    def of(cls, values: Mapping[str, Floats], verb: str = "costs", spoken: Mapping[str, str] | None = None) -> Ranking:
-        """Rank labels by `values` (S, K) or (K,)."""
+    def of(
+        cls,
+        values: Mapping[str, Floats],
+        verb: str = "costs",
+        *,
+        left: Mapping[str, Floats] | None = None,
+        spoken: Mapping[str, str] | None = None,
+    ) -> Ranking:
+        """Rank labels by `values` (K,), (S, K) or (S, K, V)."""
         order = sorted(values, key=lambda label: float(values[label].mean()))
-        return cls({label: np.atleast_2d(values[label]) for label in order}, verb, spoken or {})
+        return cls({label: cells(values[label]) for label in order}, left or {}, verb, spoken or {})
 
     @property
     def labels(self) -> list[str]:
         """The labels in their order."""
-        return list(self.values)
+        return list(self.missions)
+
+    @cached_property
+    def values(self) -> dict[str, Floats]:
+        """Label -> mean over worlds (S, K)."""
+        return {label: own.mean(axis=2) for label, own in self.missions.items()}
+
+    @property
+    def heavy(self) -> list[str]:
+        """Labels whose intervals are too narrow, as a few scenarios have most of the cost."""
+        return [label for label, own in self.values.items() if heavy_tailed(own.mean(axis=0))]
 
     @property
     def scenarios(self) -> int:
@@ -60,7 +81,12 @@ class Ranking:
     @property
     def tail(self) -> float:
         """Probability of each tail outside of an interval, so that those of all pairs hold together."""
-        return TAIL / max(math.comb(len(self.values), 2), 1)
+        return TAIL / self.pairs
+
+    @property
+    def pairs(self) -> int:
+        """Number of comparisons; 1 at least."""
+        return max(math.comb(len(self.missions), 2), 1)
 
     @cached_property
     def means(self) -> dict[str, Estimate]:
@@ -73,22 +99,23 @@ class Ranking:
 
     def ratio(self, label: str, to: str) -> Ratio:
         """Return the ratio of the means of two."""
-        return Ratio.of(self.values[label], self.values[to])
+        left = (self.left[label], self.left[to]) if self.left else None
+        return Ratio.of(self.missions[label], self.missions[to], left)
 
     def interval(self, label: str, to: str) -> Interval | None:
         """Return the interval of the ratio of two, which holds together with those of all pairs."""
         return self.ratio(label, to).interval(self.tail)
 
+    @cached_property
+    def ps(self) -> dict[frozenset[str], float | None]:
+        """Pair of labels -> p-value corrected for all pairs; None where there are too few scenarios for a statement."""
+        pairs = list(itertools.combinations(self.labels, 2))
+        return dict(zip(map(frozenset, pairs), told([self.ratio(b, a) for a, b in pairs]), strict=True))
+
     def apart(self, label: str, other: str) -> bool:
         """Return whether two can be told apart."""
-        if self.scenarios < FEWEST:
-            return False
-        found = self.interval(label, other)
-        if found is None:  # a mean is zero, or the signs differ: by the difference
-            spread = MeanError.of(self.values[label] - self.values[other].mean(axis=0), self.values[other])
-            gap = self.means[label].value - self.means[other].value
-            return spread is not None and abs(gap) > max(spread.half_width(self.tail), NO_SPREAD)
-        return not found[0] <= 1.0 <= found[1]
+        p = self.ps[frozenset((label, other))]
+        return p is not None and p < ALPHA
 
     def name(self, label: str) -> str:
         """Return what a strategy is called in a sentence."""
@@ -105,23 +132,22 @@ class Ranking:
         """
         best, *others = self.labels
         mean = f"{amount(self.means[best].value)} s a mission{interval_words(self.means[best].ci95, amount)}"
+        mean += " (too narrow: heavy tails)" if best in self.heavy else ""
         if not others:
             return [f"{self.name(best)} {self.verb} {mean}; nothing is compared with it."]
-        if self.scenarios < FEWEST:
+        yardstick = next((label for label in (*yardsticks, others[-1]) if label in others), others[-1])
+        if self.scenarios < fewest(self.pairs):
             few = f"{self.scenarios} scenario{'s' * (self.scenarios > 1)}"
             would = self._needed(others[0], best, TOLD)
-            ends = {label: self.interval(label, best) for label in others}
-            apart = [self._next(label, best) for label, own in ends.items() if own is not None and own[0] > 1.0]
-            if apart:
-                least = f"{self.name(best)} {self.verb} least, {mean}"
-                return [f"{few} tell large differences only{would}: {least}; told from it: {listed(apart)}."]
-            return [f"{few} cannot tell strategies apart{would}: {self.name(best)} {self.verb} least in them, {mean}."]
+            below = int((self.values[best].mean(axis=0) < self.values[yardstick].mean(axis=0)).sum())
+            beside = f"less than {self.name(yardstick)} in {below} of {self.scenarios}"
+            cannot = f"{few} cannot tell {len(self.labels)} strategies apart, {fewest(self.pairs)} may{would}"
+            return [f"{cannot}: {self.name(best)} {self.verb} least in them, {mean}, {beside}."]
         alike = [label for label in others if not self.apart(label, best)]
         if len(alike) == len(others):
             names = [self.name(label) for label in self.labels]
             told = f"{listed(names)} cannot be told apart {self._would_tell(best, others)}"
             return [f"{told}; {names[0]} has the lowest mean, {mean}."]
-        yardstick = next((label for label in (*yardsticks, others[-1]) if label in others), others[-1])
         found = [f"{self.name(best)} {self.verb} least: {mean}, {self._less(best, yardstick)}."]
         random = [label for label in tried if label not in alike and label != best and not self.apart(label, RANDOM)]
         parts = [
@@ -161,10 +187,10 @@ class Ranking:
         return f"({self.scenarios} scenarios{self._needed(far, label, max(effect, TOLD))})"
 
     def _needed(self, label: str, other: str, effect: float) -> str:
-        spread = self.ratio(label, other).spread
-        if spread is None or spread.error <= NO_SPREAD:
+        test = self.ratio(label, other).tests[0]
+        if test.spread <= NO_SPREAD:
             return ""
-        needed, what = spread.needed(effect, self.tail), " a tenth" if effect == TOLD else ""
+        needed, what = test.needed(effect, self.tail), " a tenth" if effect == TOLD else ""
         if needed is None:
             return "; more trainings are needed, not more scenarios"
         if needed <= self.scenarios:
@@ -181,15 +207,29 @@ def unfinished_sentence(left: Mapping[str, Floats], ranking: Ranking, word: str 
     lost, blamed = sum(counts.values()), sorted((label for label in counts if counts[label]), key=counts.__getitem__)
     if not missions:
         return ""
+    may = f"; up to {most_left(left[ranking.labels[0]]):.0%} of {ranking.name(ranking.labels[0])}'s may be"
     if not lost or lost == missions:
-        return f"{'No' if not lost else 'Every'} mission of {missions} was {word}."
+        return f"{'Every' if lost else 'No'} mission of {missions} was {word}{'' if lost else may}."
     begin = f"{lost} of {missions} missions {'was' if lost == 1 else 'were'} {word}"
     if len(blamed) == 1:
-        return f"{begin}, {['', 'both ', 'all '][min(lost, 3) - 1]}by {ranking.name(blamed[0])}."
+        return f"{begin}, {['', 'both ', 'all '][min(lost, 3) - 1]}by {ranking.name(blamed[0])}{may}."
     first = blamed[: -MOST_NAMED - 1 : -1]
     rest = lost - sum(counts[label] for label in first)
     shares = [f"{counts[label]} by {ranking.name(label)}" for label in first] + [f"{rest} by others"] * (rest > 0)
-    return f"{begin}: {', '.join(shares)}."
+    return f"{begin}: {', '.join(shares)}{may}."
+
+
+def most_left(left: Floats) -> float:
+    """Return the upper 95 % bound (Clopper and Pearson's) of the share of 1 in `left` (S, K, V), by scenarios.
+
+    >>> round(most_left(np.zeros((1, 30, 1))), 3), most_left(np.ones((1, 30, 1)))
+    (0.095, 1.0)
+
+    """
+    from scipy.special import betaincinv  # waits: processes of missions need no SciPy
+
+    scenarios, lost = left.shape[1], float(left.mean()) * left.shape[1]
+    return float(betaincinv(lost + 1.0, scenarios - lost, 1.0 - 2.0 * TAIL)) if lost < scenarios else 1.0
 
 
 def amount(value: float) -> str:

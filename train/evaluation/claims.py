@@ -1,8 +1,9 @@
 """Claims about strategies on several families at once: p-values and intervals that are corrected for their number.
 
-Of many families some look different by chance. Holm's step-down method corrects the p-values: it keeps the probability
-of a single wrong claim below 5 % however the families depend on each other (Holm 1979, "A simple sequentially rejective
-multiple test procedure"). The corrected interval of each family is Bonferroni's, so that all of them hold together.
+Of many families some look different by chance. Holm's step-down method corrects the p-values of sign flips: it keeps
+the probability of a single wrong claim below 5 % however the families depend on each other (Holm 1979, "A simple
+sequentially rejective multiple test procedure"). The corrected interval of each family is Bonferroni's, so that all of
+them hold together.
 
 Shapes: S training seeds, K scenarios, V world seeds.
 """
@@ -19,8 +20,9 @@ from clean_swarm_env.config.families import place_of
 from clean_swarm_env.config.types import ConfigurationError
 from selforg.arrays import Floats
 from selforg.registry import unknown
-from train.analysis.family_report import FamilyRuns, excesses_of, unfinished_of
-from train.analysis.intervals import TAIL, Interval, Ratio, too_few
+from train.analysis.family_report import FamilyRuns, censored, excesses_of
+from train.analysis.flips import TAIL
+from train.analysis.intervals import Interval, Ratio, told, too_few
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
 from train.evaluation.base import Identity
@@ -63,7 +65,10 @@ class Claim:
 
 
 def claims_of(
-    families: Mapping[str, Mapping[str, Floats]], strategies: Sequence[str], against: Mapping[str, str]
+    families: Mapping[str, Mapping[str, Floats]],
+    strategies: Sequence[str],
+    against: Mapping[str, str],
+    left: Mapping[str, Mapping[str, Floats]] | None = None,
 ) -> list[Claim]:
     """Return one claim for each strategy and family.
 
@@ -71,32 +76,21 @@ def claims_of(
         families: family -> label -> excess costs (S, K, V), at least two scenarios.
         strategies: labels that all families have.
         against: family -> label of the strategy with which the others are compared.
+        left: family -> label -> 1 where a mission was not completed (S, K, V); nothing where that means nothing.
 
     """
-    ratios = {
-        (family, label): Ratio.of(excesses[label].mean(axis=2), excesses[against[family]].mean(axis=(0, 2)))
-        for family, excesses in families.items()
-        for label in strategies
-    }
-    ps, tail = holm([1.0 if one.p is None else one.p for one in ratios.values()]), TAIL / max(len(ratios), 1)
+    ratios = {}
+    for family, excesses in families.items():
+        other = against[family]
+        lost = (left or {}).get(family)
+        for label in strategies:
+            both = (lost[label], lost[other]) if lost else None
+            ratios[family, label] = Ratio.of(excesses[label], excesses[other], both)
+    ps, tail = told(list(ratios.values())), TAIL / max(len(ratios), 1)
     return [
-        Claim(family, label, against[family], one, one.interval(tail) or ANY_RATIO, None if one.p is None else p)
+        Claim(family, label, against[family], one, one.interval(tail) or ANY_RATIO, p)
         for ((family, label), one), p in zip(ratios.items(), ps, strict=True)
     ]
-
-
-def holm(ps: Sequence[float]) -> list[float]:
-    """Return p-values corrected by Holm's method, in the same order.
-
-    >>> holm([0.01, 0.04, 0.03])
-    [0.03, 0.06, 0.06]
-
-    """
-    order = np.argsort(ps, kind="stable")
-    scaled = np.array(ps)[order] * np.arange(len(ps), 0, -1)
-    corrected = np.empty(len(ps))
-    corrected[order] = np.minimum(np.maximum.accumulate(scaled), 1.0)
-    return [float(p) for p in corrected]
 
 
 def family_runs(directory: Path) -> FamilyRuns:
@@ -131,7 +125,7 @@ def claims_over(
 
     Beside them stand family -> label -> share of unfinished missions, without labels where garbage keeps coming.
     """
-    families, others, shares = {}, {}, {}
+    families, others, lost = {}, {}, {}
     for directory in directories:
         runs = family_runs(directory)
         name, excesses = runs.family.name, excesses_of(runs)
@@ -143,14 +137,15 @@ def claims_over(
         if not (against or runs.fixed):
             raise ConfigurationError(f"{directory}: expected fixed options, or --against")
         best = None if against else BestFixed.of(excesses, runs.fixed)
-        left = unfinished_of(runs)
+        left = censored(runs)
         if best is not None:
             excesses[best.label] = best.judged(excesses)
             left |= {best.label: best.judged(left)} if left else {}
         families[name] = excesses
-        shares[name] = {label: float(missions.mean()) for label, missions in left.items()}
+        lost[name] = left
         others[name] = against if best is None else best.label
-    return claims_of(families, strategies, others), shares
+    shares = {name: {label: float(own.mean()) for label, own in left.items()} for name, left in lost.items()}
+    return claims_of(families, strategies, others, lost), shares
 
 
 def claims_table(claims: Sequence[Claim], shares: Mapping[str, Mapping[str, float]]) -> Grid:

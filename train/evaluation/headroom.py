@@ -28,6 +28,7 @@ from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from train.analysis.family_report import excess_ratios, excesses_of
+from train.analysis.flips import ALPHA
 from train.analysis.intervals import Ratio
 from train.analysis.strategy_comparison import BestFixed
 from train.deciders.decider import Decider, TeamsDecider, columns_of
@@ -138,14 +139,14 @@ class HeadroomEvaluation(FamilyEvaluation):
         runs, against = self.runs(records, {label: (label,) for label in labels}), dict.fromkeys(labels, SINGLE)
         ratio, excesses = excess_ratios(runs, against)[RULE_FOUND], excesses_of(runs)
         best = BestFixed.of(excesses, (SINGLE, *others))
-        hindsight = Ratio.of(excesses[RULE_FOUND].mean(axis=2), best.judged(excesses).mean(axis=(0, 2)))
+        hindsight = Ratio.of(excesses[RULE_FOUND], best.judged(excesses))
         told = "" if hindsight.ratio is None else f"{hindsight.ratio:.3f} {interval_cell(hindsight.ci95)}"
         ends = "" if ratio.ci95 is None else " [{:.1%}, {:.1%}]".format(*(1.0 - end for end in reversed(ratio.ci95)))
         cases, saved = self._cases(done), 1.0 - (np.inf if ratio.ratio is None else ratio.ratio)
         single, many = self.options[self._single(done)], len(self.scenarios)
         named = f"Choosing for each case in place of always {single}"
         verdict = f"{named} is not shown to save anything on {many} scenarios: {saved:.0%}{ends} of the excess."
-        if ratio.p is not None and ratio.ci95 is not None and not ratio.ci95[0] <= 1.0 <= ratio.ci95[1]:
+        if ratio.p is not None and ratio.p < ALPHA:
             verdict = f"{named} {'saves' if saved > 0.0 else 'loses'} {abs(saved):.0%}{ends} of the excess."
         notes = (
             f"headroom {saved:.1%}{ends} of the excess: what the best choice for each case saves",

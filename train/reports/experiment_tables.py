@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from selforg.arrays import Floats
-from train.analysis.intervals import FEWEST, Interval
+from train.analysis.flips import fewest
+from train.analysis.intervals import Interval, told
 from train.analysis.report import Report, agreements, ranking_of_conditions
 from train.analysis.statistics import COST, distance_metrics, share_cell, summarise
-from train.reports.ranking_table import ranking_table
+from train.reports.ranking_table import MISSED, TELLS, UNFINISHED, p_cell, ranking_table, share_bounds
 from train.reports.task_tables import VERDICTS, measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid
 
@@ -45,9 +46,7 @@ def all_tables(report: Report) -> list[Grid]:
 
 def conditions_table(report: Report) -> Grid:
     """Return the conditions, the fastest or cheapest first."""
-    own, unfinished = report.figures, (1.0 - report.figures.completed.mean(axis=1)).tolist()
-    missed = "missed" if report.measured_by_task else "unfinished"
-    columns = {missed: dict(zip(own.conditions, map(share_cell, unfinished), strict=True))}
+    own, columns = report.figures, {MISSED if report.measured_by_task else UNFINISHED: share_bounds(report.left)}
     for one in report.measured_by_task:
         columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
     for metric, head in SHOWN.items() if not report.measured_by_task else ():
@@ -103,17 +102,18 @@ def ratios(report: Report) -> Grid:
     paper, own = report.experiment.reference, report.figures
     unfinished = dict(zip(own.conditions, (1.0 - own.completed.mean(axis=1)).tolist(), strict=True))
     rows = []
-    for (*pair, metric), found in report.comparisons.items():
-        p = EMPTY_CELL if found.p is None else f"{found.p:.2g}"
+    corrected = told(list(report.comparisons.values()))
+    for ((*pair, metric), found), p in zip(report.comparisons.items(), corrected, strict=True):
         shares = " / ".join(share_cell(unfinished[name]) for name in pair)
-        row = [TITLES[metric], " / ".join(pair), shares, _number(found.ratio), _interval(found.ci95), p]
+        row = [TITLES[metric], " / ".join(pair), shares, _number(found.ratio), _interval(found.ci95), p_cell(p)]
         if paper:
             a, b = (paper.figures.get(name, {}).get(metric, ()) for name in pair)
             row.append(f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL)
         rows.append(row)
-    heads = ("figure", "conditions", "unfinished", "ratio", "95 % interval", "p") + (("paper",) if paper else ())
-    few = (f"p: from {FEWEST} scenarios on",) if len(own.scenarios) < FEWEST else ()
-    return Grid("ratios of means", heads, rows, notes=few)
+    heads = ("figure", "conditions", "unfinished", "ratio", "95 % interval", "p (Holm)") + (("paper",) if paper else ())
+    need = fewest(len(rows))
+    few = f"; {need} scenarios may tell something" if len(own.scenarios) < need else ""
+    return Grid("ratios of means", heads, rows, notes=(f"{TELLS}{few}",))
 
 
 def _ours(report: Report, condition: int, metric: str) -> _Column:

@@ -24,7 +24,7 @@ from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words, unfinished_sentence
 from train.deciders.named import FIXED, MACHINE, POLICY
-from train.reports.ranking_table import ranking_table
+from train.reports.ranking_table import MISSED, UNFINISHED, ranking_table, share_bounds
 from train.reports.task_tables import measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
 
@@ -60,7 +60,7 @@ def family_tables(report: FamilyReport) -> list[Grid]:
 
 def _ranked(report: FamilyReport) -> Grid:
     runs, own = report.runs, report.summaries
-    columns = {_unfinished(report): {label: share_cell(report.unfinished(label)) for label in own}}
+    columns = {MISSED if report.measured else UNFINISHED: share_bounds(report.left)}
     for one in report.measured:
         columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
     if not report.measured:

@@ -81,7 +81,7 @@ def learned_scores(knowledge: Knowledge, title: str, mission: MissionConfig) -> 
         problem = Problem.of(knowledge, goal)
         for k, option in enumerate(knowledge.options(goal)):
             count, mean, variance = problem.rewards[:, k].tolist()
-            spread = None if count < 2 else MeanError(int(count), math.sqrt(variance / (count - 1)), count - 1)
+            spread = None if count < 2 else MeanError(math.sqrt(variance / (count - 1)), count - 1)
             half = None if spread is None else spread.half_width()
             score = EMPTY_CELL if not count else _with_interval(mean, half, ".4f")
             cost, limit = EMPTY_CELL, mission.time_limit

@@ -6,14 +6,20 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from selforg.arrays import Floats
 from train.analysis.intervals import Interval
-from train.analysis.verdict import LOG_FROM, Ranking, amount, interval_words
+from train.analysis.statistics import share_cell
+from train.analysis.verdict import LOG_FROM, Ranking, amount, interval_words, listed, most_left
 from train.reports.text_table import EMPTY_CELL, POINT, Grid
 
 LETTERS = 20
 """Width of a drawn cell."""
 LARGEST_RATIO = 1_000
 """Ends of intervals of ratios beyond this one say nothing: there are too few scenarios."""
+UNFINISHED, MISSED = "unfinished (at most)", "missed (at most)"
+"""Heads of the column of missions that were not completed: the share, and the upper 95 % bound of it."""
+TELLS = "p: sign flips of missions that both finish, and of shares unfinished, by Holm over the table; told below 0.05"
+"""How strategies are told apart, in a line."""
 
 
 def ranking_table(
@@ -39,13 +45,28 @@ def ranking_table(
         ratio, ends = ranking.ratio(label, best).ratio, None if label == best else ranking.interval(label, best)
         again = EMPTY_CELL if ratio is None else f"{ratio:.2f}{interval_words(ends, _ratio_words)}"
         drawn = strip(mean.value, mean.ci95, (low, most), logarithmic)
-        cells = (f"{amount(mean.value)}{interval_words(mean.ci95, amount)}", drawn, again)
+        p = EMPTY_CELL if label == best else p_cell(ranking.ps[frozenset((label, best))])
+        cells = (f"{amount(mean.value)}{interval_words(mean.ci95, amount)}", drawn, again, p)
         rows.append((label, *cells, *(column.get(label, "") for column in columns.values())))
     scale = f"{amount(low)} to {amount(most)}{', logarithmic' * logarithmic}"
-    heads = ("strategy", f"{what} [95 %]", scale, "times the first [95 %]", *columns)
+    heads = ("strategy", f"{what} [95 %]", scale, "times the first [95 %]", "p (Holm)", *columns)
     alone = ranking.scenarios == 1 or len(rows) == 1
-    line = "times the first: ratio of means; the 95 % hold for all pairs of the table together"
-    return Grid(title, heads, rows, notes=(*([] if alone else [line]), *notes))
+    lines = ["times the first: ratio of means; the 95 % hold for all pairs of the table together", TELLS]
+    lines = [] if alone else lines
+    if ranking.heavy:
+        names = listed([ranking.name(label) for label in ranking.heavy])
+        lines.append(f"heavy tails: a few scenarios have most of the cost of {names}; these intervals are too narrow")
+    return Grid(title, heads, rows, notes=(*lines, *notes))
+
+
+def p_cell(p: float | None) -> str:
+    """Return a p-value; a dash where there is none."""
+    return EMPTY_CELL if p is None else f"{p:.2g}"
+
+
+def share_bounds(left: Mapping[str, Floats]) -> dict[str, str]:
+    """Return label -> share of unfinished missions, and its upper bound; `left` as `Ranking` has it."""
+    return {label: f"{share_cell(float(own.mean()))} ({most_left(own):.0%})" for label, own in left.items()}
 
 
 def _ratio_words(ratio: float) -> str:

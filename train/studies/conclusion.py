@@ -16,12 +16,13 @@ from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
 from selector.knowledge import knowledge_from
 from selforg.arrays import Floats
-from train.analysis.intervals import Ratio
+from train.analysis.flips import ALPHA
+from train.analysis.intervals import Ratio, told
 from train.analysis.statistics import Summary, summarise
 from train.evaluation.pipeline import mission_score
 from train.memory import StoreRequest
 from train.studies.config import RANDOM, StudyConfig
-from train.studies.missions import COST, FIGURES, STATEMENT, Candidate, MissionField
+from train.studies.missions import COST, FIGURES, STATEMENT, UNFINISHED, Candidate, MissionField
 from train.studies.search import Arm, CandidateSearch
 from train.studies.space import NULL_OPTION, StudySpace
 
@@ -48,12 +49,7 @@ class Stated:
 
     def ratio_to(self, other: Stated) -> Ratio:
         """Return the ratio of the mean cost to that of another."""
-        return Ratio.of(self.figures[COST], other.figures[COST])
-
-    def beats(self, other: Stated) -> bool:
-        """Return whether the interval of the ratio says that this one is cheaper; it does not for few scenarios."""
-        ratio = self.ratio_to(other)
-        return ratio.p is not None and ratio.ci95 is not None and ratio.ci95[1] < 1.0
+        return Ratio.of(self.figures[COST], other.figures[COST], (self.figures[UNFINISHED], other.figures[UNFINISHED]))
 
 
 @dataclass(frozen=True)
@@ -65,8 +61,11 @@ class Conclusion:
 
     @property
     def marks(self) -> list[str]:
-        """Labels of the yardsticks that the result did not beat."""
-        return [one.label for one in self.yardsticks if one.label in TO_BEAT and not self.result.beats(one)]
+        """Labels of the yardsticks that the result did not beat, after a correction for their number."""
+        rivals = [one.label for one in self.yardsticks if one.label in TO_BEAT]
+        ratios = [self.result.ratio_to(one) for one in self.yardsticks if one.label in TO_BEAT]
+        found = zip(rivals, ratios, told(ratios), strict=True)
+        return [label for label, ratio, p in found if p is None or p >= ALPHA or ratio.sign > 0.0]
 
     @property
     def everyone(self) -> tuple[Stated, ...]:

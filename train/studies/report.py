@@ -45,7 +45,8 @@ def study_tables(conclusion: Conclusion, space: StudySpace, importance: Importan
 
 def ranking_of(conclusion: Conclusion) -> Ranking:
     """Return the result and its yardsticks by cost."""
-    return Ranking.of({one.label: one.figures[COST] for one in conclusion.everyone})
+    left = {one.label: one.figures[UNFINISHED][None, :, None] for one in conclusion.everyone}
+    return Ranking.of({one.label: one.figures[COST] for one in conclusion.everyone}, left=left)
 
 
 def study_summary(
@@ -73,11 +74,10 @@ def trials_csv(arms: Sequence[Arm], space: StudySpace) -> str:
 
 def verdict_of(conclusion: Conclusion) -> list[str]:
     """Return what came out, in one to three sentences."""
-    left = {one.label: one.figures[UNFINISHED][None, :, None] for one in conclusion.everyone}
     ranking, label, marks = ranking_of(conclusion), conclusion.result.label, conclusion.marks
     shown = f"{label} is not shown to beat {' and '.join(marks)}." if marks else ""
     shown = shown or f"{label}: shown to beat {' and '.join(TO_BEAT)}."
-    return [ranking.sentences((UNCHANGED, NULL_OPTION))[0], shown, unfinished_sentence(left, ranking)]
+    return [ranking.sentences((UNCHANGED, NULL_OPTION))[0], shown, unfinished_sentence(ranking.left, ranking)]
 
 
 def _stated(stated: Stated, space: StudySpace) -> dict[str, Any]:

@@ -17,9 +17,9 @@ def costs(rng, scenarios, **means):
 def test_the_number_of_scenarios_that_would_tell_does_tell_four_times_in_five():
     rng, repeats = np.random.default_rng(3), 200
     ranking = Ranking.of(costs(rng, 20_000, a=1.0, b=1.2, c=2.0))
-    needed = ranking.ratio("b", "a").spread.needed(np.log(1.2), ranking.tail)
+    needed = ranking.ratio("b", "a").tests[0].needed(np.log(1.2), ranking.tail)
     told = [Ranking.of(costs(rng, needed, a=1.0, b=1.2, c=2.0)).apart("b", "a") for _ in range(repeats)]
-    assert 0.7 < np.mean(told) < 0.9
+    assert 0.7 < np.mean(told) < 0.97  # more than 0.8: by Holm, others that are told leave more room
     fewer = [Ranking.of(costs(rng, needed // 3, a=1.0, b=1.2, c=2.0)).apart("b", "a") for _ in range(repeats)]
     assert np.mean(fewer) < 0.5
 
@@ -44,7 +44,9 @@ def test_the_best_is_named_with_its_yardstick_and_who_is_no_better_than_chance()
     ranking = Ranking.of(found, spoken={"fixed:Off": "never avoiding"})
     first, second = ranking.sentences(("fixed:Off", "Random"), ["policy:x"])
     assert re.fullmatch(
-        r"ORCA costs least: \d+ s a mission \[\d+, \d+\], [45]\.\d times less than never avoiding \[.+\]\.", first
+        r"ORCA costs least: \d+ s a mission \[\d+, \d+\] \(too narrow: heavy tails\), "
+        r"[45]\.\d times less than never avoiding \[.+\]\.",
+        first,
     )
     assert second.startswith("policy:x cannot be told from chance (60 scenarios")
     small = Ranking.of(costs(rng, 3000, a=1.0, b=1.25)).sentences()
@@ -73,15 +75,17 @@ def test_few_scenarios_zeros_and_one_strategy():
     assert all(text for text in below.sentences())
 
 
-def test_five_scenarios_tell_what_their_intervals_tell():
+def test_five_scenarios_tell_no_more_than_who_was_better_in_how_many():
     own = np.array([526.8, 377.2, 556.0, 474.2, 408.2]), np.array([140.2, 197.6, 210.4, 90.4, 276.4])
     (text,) = Ranking.of(dict(zip("ab", own, strict=True))).sentences()
-    assert text.startswith(
-        "5 scenarios tell large differences only; about 190 would tell a tenth: b costs least, 183 s"
+    assert text == (
+        "5 scenarios cannot tell 2 strategies apart, 6 may; about 230 would tell a tenth: "
+        "b costs least in them, 183 s a mission [95, 271], less than a in 5 of 5."
     )
-    assert text.endswith("told from it: a, 468 s, 2.56 times as much [1.43, 4.59].")
-    (text,) = Ranking.of({"a": own[1], "b": own[1][::-1] * 1.1}).sentences()
-    assert text.startswith("5 scenarios cannot tell strategies apart")
+    nine = {label: np.arange(1.0, 10.0) * 2.0**k for k, label in enumerate("abcdef")}
+    assert Ranking.of(nine).sentences()[0].startswith("9 scenarios cannot tell 6 strategies apart, 10 may")
+    ten = {label: np.arange(1.0, 11.0) * 2.0**k for k, label in enumerate("abcdef")}
+    assert Ranking.of(ten).sentences()[0].startswith("a costs least: ")
 
 
 def test_a_mean_of_times_has_no_interval_below_zero():
@@ -96,9 +100,13 @@ def test_who_left_missions_unfinished():
     none, all_ = np.zeros((1, 6, 1)), np.ones((1, 6, 1))
     two = none.copy()
     two[0, :2] = 1.0
+    may = "; up to 39% of a's may be."
     assert unfinished_sentence({}, ranking) == ""
-    assert unfinished_sentence({"a": none, "b": none}, ranking) == "No mission of 12 was left unfinished."
+    assert unfinished_sentence({"a": none, "b": none}, ranking) == f"No mission of 12 was left unfinished{may}"
     assert unfinished_sentence({"a": all_}, ranking) == "Every mission of 6 was left unfinished."
-    assert unfinished_sentence({"a": none, "b": two}, ranking) == "2 of 12 missions were left unfinished, both by b."
+    assert unfinished_sentence({"a": none, "b": two}, ranking) == (
+        f"2 of 12 missions were left unfinished, both by b{may}"
+    )
     text = unfinished_sentence({"a": two, "b": two, "c": two, "d": all_, "e": none}, ranking)
-    assert text == "12 of 30 missions were left unfinished: 6 by d, 2 by c, 2 by b, 2 by others."
+    shares = "6 by d, 2 by c, 2 by b, 2 by others; up to 73% of a's may be."
+    assert text == f"12 of 30 missions were left unfinished: {shares}"

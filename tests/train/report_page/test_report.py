@@ -91,7 +91,7 @@ def test_the_figures_are_those_of_the_runs_and_links_lead_to_replays(results, tm
     assert "Random: AvoidCollision, 3 recorded runs" in headings
     assert json.loads(text.found["pre"][0]) == json.loads((results / "manifest.json").read_text())
     verdict = json.loads((results / "summary.json").read_text())["verdict"]
-    assert verdict[0].startswith("3 scenarios cannot tell strategies apart; about ")
+    assert verdict[0].startswith("3 scenarios cannot tell 3 strategies apart, 7 may")
     assert page.read_text().index("<blockquote>") < page.read_text().index("<table>") < page.read_text().index("<svg")
     assert "\n".join(verdict) in text.found["p"]
     assert "Four robots & <items>." in text.found["p"]
