@@ -14,7 +14,7 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.tasks.cleaning.cost import left_cost, mission_cost
+from clean_swarm_env.tasks.cleaning.cost import mission_cost
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
@@ -22,13 +22,11 @@ from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
 from train.analysis.intervals import Ratio
 from train.analysis.statistics import Summary, summarise
-from train.analysis.strategy_comparison import BestFixed, StrategyComparison, compare_strategies
+from train.analysis.strategy_comparison import StrategyComparison, compare_strategies
 from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies
 from train.analysis.verdict import RANDOM, Ranking, unfinished_sentence
 from train.running.runs import RunRecord, under
 
-LIMITS = (0.5, 2.0)
-"""Shares of the time limit by which items that are left are priced once more."""
 PRICES = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Prices of a collision event [s]; the price of contacts keeps its ratio to it."""
 NEVER_AVOIDS = "fixed:Off"
@@ -128,8 +126,6 @@ class FamilyReport:
     """Label of a strategy -> figure -> summary over the scenarios."""
     comparison: StrategyComparison | None
     """None without fixed options to compare with."""
-    limits: Mapping[str, tuple[Ratio, ...]]
-    """Label -> ratio to the best fixed option at each of LIMITS; empty if no item was left."""
     front: Front | None
     """Costs over prices of a collision; None for tasks other than cleaning, whose costs are their measures."""
     measured: Sequence[MeasuredStrategy]
@@ -184,7 +180,6 @@ class FamilyReport:
         content |= by_strategy(self.measured)
         if comparison is not None:
             content["best_fixed"] = comparison.best_fixed.labels
-            content["limits"] = {label: [one.content for one in own] for label, own in self.limits.items()}
             content["gap"] = None if comparison.gap is None else asdict(comparison.gap)
             content["comparison"] = [standing.content for standing in comparison.standings]
         return content
@@ -199,7 +194,6 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
         for label in runs.conditions
     }
     comparison = compare_strategies(excesses_of(runs), runs.fixed, censored(runs)) if runs.fixed else None
-    limits = {} if comparison is None else limit_ratios(runs, comparison.best_fixed)
     measures = task_class(runs.family.mission).measures
     front = None if measures else _front(runs, summaries)
     tables = {one.name: runs.table(partial(lambda name, _, r: r.measures[name], one.name)) for one in measures}
@@ -207,7 +201,7 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
         label: {name: table[label].mean(axis=(0, 2)) for name, table in tables.items()} for label in runs.conditions
     }
     measured = measured_strategies(measures, values, BASELINE)
-    return FamilyReport(runs, summaries, comparison, limits, front, measured)
+    return FamilyReport(runs, summaries, comparison, front, measured)
 
 
 def ranking_of(runs: FamilyRuns) -> Ranking:
@@ -228,9 +222,9 @@ def censored(runs: FamilyRuns) -> dict[str, Floats]:
     return {} if task_class(runs.family.mission).measures else unfinished_of(runs)
 
 
-def excesses_of(runs: FamilyRuns, limits: float = 1.0) -> dict[str, Floats]:
-    """Return label -> excess costs (S, K, V) [s], items that are left priced by the time limit times `limits`."""
-    return runs.table(lambda mission, r: r.excess_s + (limits - 1.0) * left_cost(mission, r.garbage_done))
+def excesses_of(runs: FamilyRuns) -> dict[str, Floats]:
+    """Return label -> excess costs (S, K, V) [s]."""
+    return runs.table(FIGURES["excess_s"])
 
 
 def excess_ratios(runs: FamilyRuns, against: Mapping[str, str]) -> dict[str, Ratio]:
@@ -240,18 +234,6 @@ def excess_ratios(runs: FamilyRuns, against: Mapping[str, str]) -> dict[str, Rat
         label: Ratio.of(excesses[label], excesses[other], (left[label], left[other]) if left else None)
         for label, other in against.items()
         if label != other
-    }
-
-
-def limit_ratios(runs: FamilyRuns, best: BestFixed) -> dict[str, tuple[Ratio, ...]]:
-    """Return label -> ratio to the best fixed option at each of LIMITS; empty if no item was left."""
-    priced = [excesses_of(runs, limits) for limits in LIMITS]
-    if all(np.array_equal(priced[0][label], own) for label, own in priced[1].items()):
-        return {}
-    yardsticks = [best.judged(own).mean(axis=(0, 2)) for own in priced]
-    return {
-        label: tuple(Ratio.of(own[label].mean(axis=2), other) for own, other in zip(priced, yardsticks, strict=True))
-        for label in runs.conditions
     }
 
 

@@ -182,24 +182,15 @@ def told(ratios: Sequence[Ratio]) -> list[float | None]:
     return [p if known else None for p, known in zip(found, enough, strict=True)]
 
 
-def too_few(ratios: Sequence[Ratio]) -> tuple[str, ...]:
-    """Return the line that says how many scenarios `ratios` need, by the middle one of their spreads; none if enough.
+def too_few(scenarios: int, tests: int) -> tuple[str, ...]:
+    """Return the line that so many scenarios tell nothing in a table of so many comparisons; none if they may.
 
-    The ratio of the fewest scenarios counts.
-
-    >>> too_few([Ratio.of(np.array([5.0, 3.0]), np.array([4.0, 4.0]))])
-    ('2 scenarios: no statement; about 110 are needed to tell a difference of a tenth',)
+    >>> too_few(2, 1)
+    ('2 scenarios: no statement; 6 or more are needed',)
 
     """
-    least = fewest(len(ratios))
-    scenarios = min((one.scenarios for one in ratios), default=least)
-    if scenarios >= least:
-        return ()
-    tests = [one.tests[0] for one in ratios if one.tests[0].spread > NO_SPREAD]
-    found = [count for test in tests if (count := test.needed(TOLD)) is not None]
-    about = f"about {about_number(max(float(np.median(found)), least))}" if found else f"{least} or more"
-    plural = "s" if scenarios != 1 else ""
-    return (f"{scenarios} scenario{plural}: no statement; {about} are needed to tell a difference of a tenth",)
+    line = f"{scenarios} scenario{'s' * (scenarios != 1)}: no statement; {fewest(tests)} or more are needed"
+    return (line,) if scenarios < fewest(tests) else ()
 
 
 def about_number(count: float) -> int:

@@ -69,7 +69,7 @@ def play_command(
     check_named(directories, [strategy] if strategy else (), families=None if name.endswith(".swarm") else name)
     if sys.stderr.isatty():
         typer.echo(f"starting {name}; on a new machine it compiles first, about a minute", err=True)
-    from train.live.chosen import chosen, playable  # imports Numba
+    from train.live.chosen import chosen, playable, remarks  # imports Numba
     from train.live.conductor import Conductor, checked_speed
     from train.live.server import LiveServer
     from train.live.session import Session
@@ -84,6 +84,8 @@ def play_command(
 
     checked_speed(speed)
     play = chosen(name, scenario, seed, strategy, directories)
+    for remark in remarks(play):
+        typer.echo(remark, err=True)
     if output is not None and output.exists():
         raise ConfigurationError(f"--output: {output} exists already; expected a new file")
     sessions = {

@@ -67,6 +67,8 @@ class NamedDecider:
     """Terms of the observation that it needs beside the usual ones."""
     knows: tuple[str, ...] = ()
     """Names of the options that it was trained with; none if it knows all."""
+    training: Mapping[str, Any] = field(default_factory=dict)
+    """How it was trained, as its file says; empty if it does not."""
     network: Mapping[str, Any] = field(default_factory=dict)
     """The network that chooses options, for recordings; empty without one."""
 
@@ -195,6 +197,7 @@ def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
         terms=spec.terms,
         sees=spec.observation,
         knows=tuple(name for options in spec.goals.values() for joint in options for name in joint.split(JOINT)),
+        training=spec.training,
         network=described(policy),
     )
 

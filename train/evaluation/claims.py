@@ -164,5 +164,5 @@ def claims_table(claims: Sequence[Claim], shares: Mapping[str, Mapping[str, floa
         for left in (shares[claim.family],)
     ]
     heads = ("strategy", "against", "unfinished", "ratio of excess", "95 %", "95 % together", "p", "p (Holm)")
-    notes = too_few([claim.of for claim in claims])
+    notes = too_few(min((claim.of.scenarios for claim in claims), default=0), len(claims))
     return Grid(f"{len(claims)} claims, corrected for their number", heads, rows, notes=notes)

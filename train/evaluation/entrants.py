@@ -19,6 +19,7 @@ from selector.documents.trust import BASELINE
 from train.analysis.verdict import RANDOM
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FILED, FIXED, decider_named
+from train.deciders.unseen import remarks_of
 
 UNTAUGHT = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
 """What is said of a strategy that could learn."""
@@ -95,13 +96,19 @@ def with_baselines(entrants: Sequence[Entrant], options: Sequence[str], mission:
 
 
 def remarks_on(
-    entrants: Sequence[Entrant], batch: Batch, goal: str | None = None, directories: Sequence[Path] = ()
+    entrants: Sequence[Entrant],
+    batch: Batch,
+    goal: str | None = None,
+    directories: Sequence[Path] = (),
+    missions: Sequence[MissionConfig] = (),
 ) -> list[str]:
     """Return which goals strategies decide, if not the usual one, and which options of a batch they never take.
 
-    And which strategies could learn, but have learned nothing.
+    And what of `missions` (unless given, that of the batch) policies never saw, and which strategies could learn, but
+    have learned nothing.
     """
     told, usual = [], DecidedGoal(batch, goal).problem.goal
+    goals = {each.model.goal: each.model.options for each in batch.worlds.coordinators}
     for entrant in entrants:
         named = decider_named(entrant.members[0], directories)
         decided = DecidedGoal(batch, named.decides(goal))
@@ -111,6 +118,7 @@ def remarks_on(
         missing = [option for options in parts for option in options if option not in named.knows]
         if missing:
             told.append(f"{entrant.label}: never takes {', '.join(missing)}, which it was trained without")
+        told += remarks_of(entrant.label, named, goals, missions or [batch.mission], directories)
         if named.learns:
             told.append(f"{entrant.label}: {UNTAUGHT}")
     return told

@@ -102,7 +102,8 @@ class FamilyEvaluation(Evaluation):
 
     def remarks(self) -> list[str]:
         """Return what strategies never take, and which have learned nothing and do not here."""
-        told = remarks_on(self.entrants, self.batch, self.request.goal, self.request.directories)
+        missions = [family.largest for family in self.variants.values()]
+        told = remarks_on(self.entrants, self.batch, self.request.goal, self.request.directories, missions)
         return [remark for remark in told if not (self.request.store.path and remark.endswith(UNTAUGHT))]
 
     def tasks(self, done: Done) -> list[TrialTask]:

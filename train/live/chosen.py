@@ -26,6 +26,7 @@ from selector.documents.fields import Closed
 from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
 from train.deciders.named import FIXED, POLICY, decider_named
+from train.deciders.unseen import remarks_of, unseen
 from train.evaluation.base import DIGEST
 from train.running.run_folder import fingerprints, held_files
 
@@ -145,14 +146,24 @@ def usual(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[str, s
 
     The latter is empty where none is known. Both were measured: docs/play.md.
     """
-    known, library = knowledge_of(mission, directories), library_of(directories)
-    options = {model.goal: model.options for model in coordinators_of(mission, known, library, directories)}
+    options, trained = _goals(mission, directories), decider_named(TRAINED)
     cleans, jams = mission.items.rows > 0, mission.robots.count >= MANY
     if not cleans or not {AVOIDING, NEVER} <= {f"{FIXED}:{option}" for option in options.get(GOAL, ())}:
         return STRATEGY, ""
-    if set(options) & set(decider_named(TRAINED).meant_for or ()) > {GOAL}:
+    if set(options) & set(trained.meant_for or ()) > {GOAL} and not unseen(trained.training, [mission]):
         return TRAINED, NEVER if jams else ""
     return AVOIDING, STRATEGY if jams else ""
+
+
+def remarks(play: PlayedMission) -> list[str]:
+    """Return what the policy of a play never saw, and goals that it leaves alone."""
+    mission, named = play.scenario.mission, decider_named(play.member, play.directories)
+    return remarks_of(play.member, named, _goals(mission, play.directories), [mission], play.directories)
+
+
+def _goals(mission: MissionConfig, directories: tuple[Path, ...]) -> dict[str, tuple[str, ...]]:
+    known, library = knowledge_of(mission, directories), library_of(directories)
+    return {model.goal: model.options for model in coordinators_of(mission, known, library, directories)}
 
 
 def playable(directories: tuple[Path, ...]) -> list[str]:

@@ -9,7 +9,6 @@ import numpy as np
 
 from clean_swarm_env.tasks.cleaning.cost import LEFT_LIMITS
 from train.analysis.family_report import (
-    LIMITS,
     PRICES,
     FamilyReport,
     FamilyRuns,
@@ -118,25 +117,19 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
     if comparison.has_gap:
         notes.append(f"share of the gap: 0 for {yardstick}, 1 for the {ORACLE}.")
     notes.append("The 95 % are of each ratio alone; those of the first table hold together, so they are wider.")
-    if report.limits:
-        notes.append("limit / 2, limit x 2: the ratio with items left priced by half and twice the time limit.")
-    priced = ("limit / 2", "limit x 2") if report.limits else ()
     shares = ("share of the gap", "95 %") if comparison.has_gap else ()
-    heads = (f"{report.compared} s", f"ratio to {yardstick}", "95 % alone", *priced, *shares)
+    heads = (f"{report.compared} s", f"ratio to {yardstick}", "95 % alone", *shares)
     return Grid(title, ("strategy", _unfinished(report), *heads), rows, notes=tuple(notes))
 
 
 def _gap_row(standing: StrategyStanding, report: FamilyReport, comparison: StrategyComparison) -> tuple[str, ...]:
     label, ratio, share = standing.label, standing.ratio, standing.share
-    priced = report.limits.get(label, ())
     return (
         label,
         share_cell(report.unfinished(label)),
         f"{standing.excess.value:.1f}",
         EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}",
         interval_cell(ratio.ci95),
-        *(EMPTY_CELL if one.ratio is None else f"{one.ratio:.3f}" for one in priced),
-        *(("",) * len(LIMITS) if report.limits and not priced else ()),
         *(() if share is None else (f"{share.value:.2f}", interval_cell(share.ci95))),
     )
 
@@ -214,7 +207,7 @@ def excess_publication(
             cells = (EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}", interval_cell(ratio.ci95))
         rows.append((label, share_cell(share), f"{excess.value:.1f}", *cells))
     heads = ("strategy", "unfinished", "excess s", head, "95 %")
-    few = too_few(list(ratios.values()))
+    few = too_few(runs.scenarios, len(ratios))
     grid = Grid(f"{runs.family.name}: {title}", heads, rows, notes=(*notes, EXCESS, *few))
     content = {"family": runs.family.name, "strategies": summary, "notes": list(notes)}
     said = [*verdict, *ranking.sentences(), *filter(None, [unfinished_sentence(left, ranking)])][:MOST_SENTENCES]

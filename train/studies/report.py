@@ -102,8 +102,8 @@ def _comparison(conclusion: Conclusion) -> Grid:
     result = conclusion.result
     row = (result.label, *_ratios(conclusion), ", ".join(conclusion.marks) or EMPTY_CELL)
     heads = ("result to", *TO_BEAT, UNCHANGED, "not shown to beat")
-    ratios = [result.ratio_to(other) for other in conclusion.yardsticks]
-    return Grid("ratios of mean costs, with 95 % intervals", heads, [row], notes=too_few(ratios))
+    few = too_few(result.figures.shape[1], len(TO_BEAT))
+    return Grid("ratios of mean costs, with 95 % intervals", heads, [row], notes=few)
 
 
 def _ratios(conclusion: Conclusion) -> list[str]:

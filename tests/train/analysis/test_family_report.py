@@ -2,8 +2,6 @@
 
 import itertools
 
-import numpy as np
-
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.tasks.cleaning.cost import mission_cost
@@ -45,25 +43,6 @@ def test_the_share_of_unfinished_missions_stands_beside_every_mean():
         )
         plain = {"fixed:a": "0%", "fixed:b": "0%", "Random": "12%"}
         assert shares == {label: share + bounds.get(label, "") for label, share in plain.items()}, grid.title
-
-
-def test_ratios_are_told_with_items_left_priced_by_half_and_twice_the_limit():
-    found = report({"Random": 2})
-    _, gaps, _ = family_tables(found)
-    (row,) = (row for row in gaps.rows if row[0] == "Random")
-    cells = dict(zip(gaps.heads, row, strict=True))
-    fixed = np.mean([10.0 + 0.1 * k for k in range(SCENARIOS)])
-    finished = sum(12.0 + 0.1 * k for k in range(SCENARIOS - 1))
-    for head, limits in (("limit / 2", 0.5), ("ratio to best fixed", 1.0), ("limit x 2", 2.0)):
-        own = (finished + LIMIT + 2 * 2.0 * LIMIT * limits) / SCENARIOS
-        assert cells[head] == f"{own / fixed:.3f}"
-    assert cells["limit / 2"] < cells["ratio to best fixed"] < cells["limit x 2"]
-
-
-def test_without_an_unfinished_mission_there_are_no_other_limits():
-    found = report({})
-    assert found.limits == {}
-    assert not any("limit" in head for head in family_tables(found)[1].heads)
 
 
 def test_a_single_fixed_option_is_not_called_the_best():
