@@ -2,8 +2,7 @@
 
 A variant is an option of the library with another value of one parameter. All variants of a goal race beside all
 options of the library, while the other goal holds what won before it, or what the manifest says. What wins meets the
-best option of the library again on fresh training scenarios, and counts only if the interval of their ratio lies below
-1.
+best option of the library again on fresh training scenarios, and counts only if sign flips tell that it is cheaper.
 """
 
 from collections.abc import Mapping
@@ -18,6 +17,7 @@ from docs.comparison.manifest import Numbers
 from docs.comparison.running import run, written
 from selector.documents.fields import JOINT
 from selector.knowledge import Option, load_knowledge
+from train.analysis.flips import ALPHA
 from train.analysis.intervals import Ratio
 from train.reports.text_table import interval_cell, markdown_table
 from train.running.finished_runs import JOURNAL, runs_of
@@ -41,7 +41,8 @@ class Won:
     @property
     def confirmed(self) -> bool:
         """Whether the variant is shown to be better than the best option of the library."""
-        return self.ratio is not None and (self.ratio.ci95 or (0.0, np.inf))[1] < 1.0
+        ratio = self.ratio
+        return ratio is not None and ratio.p is not None and ratio.p < ALPHA and ratio.sign < 0.0
 
     @property
     def option(self) -> str:

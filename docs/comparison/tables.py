@@ -29,9 +29,11 @@ from docs.comparison.runs import (
 )
 from selforg.arrays import Floats
 from train.analysis.family_report import excesses_of, unfinished_of
-from train.analysis.intervals import Ratio
+from train.analysis.flips import ALPHA
+from train.analysis.intervals import Ratio, told
 from train.analysis.statistics import share_cell
-from train.analysis.verdict import RANDOM, listed
+from train.analysis.strategy_comparison import Estimate
+from train.analysis.verdict import RANDOM, interval_words, listed
 from train.deciders.named import FIXED
 from train.evaluation.claims import family_runs
 from train.evaluation.headroom import scenario_kinds
@@ -46,8 +48,8 @@ BEST = "best options"
 """Label of the options that the race found."""
 NUMBERS = "raced numbers"
 """Label of the options whose numbers were raced, too."""
-SCREENED = " ¹"
-"""Mark of a ratio on the scenarios of the screening."""
+CHEAPER = "cheaper"
+"""Label of those of the two that cost less: a policy has to beat both."""
 
 
 class Results:
@@ -75,17 +77,42 @@ class Results:
             self._screened = {f: self._judged(f, f"{f}-{SCREENING}", seeds) for f in manifest.families}
         for family, own in self._excesses.items():
             if self._raced[family].told:
-                own[TOLD] = self._told(family)
+                own[TOLD] = self._of_the_told(family)
+            raced_too = NUMBERS in own and own[NUMBERS].mean() < own[BEST].mean()
+            for table in (own, self._left[family]):
+                if BEST in table:
+                    table[CHEAPER] = table[NUMBERS if raced_too else BEST]
 
     def ratio(self, family: str, label: str, against: str = BEST) -> Ratio | None:
-        """Return the ratio of two labels on a family; None where one of them was not judged.
+        """Return the ratio of two labels on a family; None where one of them was dropped in the screening.
 
-        It is that of the screening where one of them was judged only there.
+        What the screening drops is not judged: a figure by which somebody was chosen says too much.
         """
-        for own in (self._excesses[family], self._screened.get(family, {})):
-            if label in own and against in own:
-                return Ratio.of(own[label].mean(axis=2), own[against].mean(axis=(0, 2)))
-        return None
+        own, left = self._excesses[family], self._left[family]
+        if label not in own or against not in own:
+            return None
+        return Ratio.of(
+            own[label], own[against], (left[label], left[against]) if {label, against} <= set(left) else None
+        )
+
+    @cached_property
+    def _ps(self) -> dict[tuple[str, str, str], float | None]:
+        """Family, label, and what it is compared with -> p-value by sign flips, by Holm over the page."""
+        claimed, rules = self._manifest.claimed, list(self._manifest.rules)
+        pairs = [(label, BEST) for label in (*self._manifest.learners, *rules, NUMBERS, TOLD, RANDOM, NOTHING)]
+        pairs += [(claimed, other) for other in (*self._manifest.learners, *rules, CHEAPER) if other != claimed]
+        every = [(family, *pair) for family in self._manifest.families for pair in pairs]
+        found = {one: ratio for one in every if (ratio := self.ratio(*one)) is not None}
+        return dict(zip(found, told(list(found.values())), strict=True))
+
+    def _told(self, family: str, label: str, against: str = BEST) -> float:
+        """Return 1 or -1 if the first is told to be dearer or cheaper than the second, else 0."""
+        p, ratio = self._ps.get((family, label, against)), self.ratio(family, label, against)
+        return ratio.sign if ratio is not None and p is not None and p < ALPHA else 0.0
+
+    def _judged_cell(self, family: str, label: str, against: str = BEST) -> str:
+        """Return a ratio with its interval, bold where the first is told to be cheaper."""
+        return _cell(self.ratio(family, label, against), bold=self._told(family, label, against) < 0.0)
 
     def tables(self) -> dict[str, str]:
         """Return name -> table."""
@@ -114,19 +141,18 @@ class Results:
         lost += [
             f"`{family}`: not shown to be better than the best options, {ratios[family][0]:.3f}"
             for family in gaining
-            if ratios[family][2] >= 1.0
+            if self._told(family, claimed) >= 0.0
         ]
-        ways = [self._way(family) for family in gaining]
+        ways = [self._way(family).value for family in gaining]
         if ways and np.mean(ways) < WAY:
             lost.append(f"{np.mean(ways):.0%} of the way from the best options to a told team, {WAY:.0%} wanted (mean)")
         for rule in self._manifest.rules:
-            better = [f for f in gaining if _ends(self.ratio(f, claimed, rule))[1] < 1.0]
+            better = [f for f in gaining if self._told(f, claimed, rule) < 0.0]
             if 2 * len(better) < len(gaining):
                 lost.append(f"shown to be better than `{rule}` on {len(better)} of {len(gaining)} families")
         for label in self._manifest.learners:
-            worse = [
-                f for f in families if label != claimed and (r := self.ratio(f, claimed, label)) and _ends(r)[1] >= 1
-            ]
+            others = [f for f in families if label != claimed and self.ratio(f, claimed, label) is not None]
+            worse = [f for f in others if self._told(f, claimed, label) >= 0.0]
             if worse:
                 lost.append(f"not shown to be better than `{label}` on {listed([f'`{family}`' for family in worse])}")
         for label in self._manifest.variants:
@@ -161,7 +187,7 @@ class Results:
         }
         return {name: np.concatenate([own[name] for own in each], axis=1) for name in each[0]}
 
-    def _told(self, family: str) -> Floats:
+    def _of_the_told(self, family: str) -> Floats:
         """Return the excess costs (1, K, 1) of a team that takes the options for the kind of its scenario."""
         count, given = self._manifest.families[family].scenarios, load_family(family)
         own, told = self._excesses[family], self._raced[family].told
@@ -180,22 +206,24 @@ class Results:
         assert found.ratio is not None
         return found.ratio, *_ends(found)
 
-    def _way(self, family: str) -> float:
-        """Return the share of the way from the best options to a team that is told."""
+    def _way(self, family: str) -> Estimate:
+        """Return the share of the way from the best options to a team that is told, which is a searched choice."""
         own = self._excesses[family]
-        best, claimed, told = (own[label].mean() for label in (BEST, self._manifest.claimed, TOLD))
-        return float((best - claimed) / (best - told))
+        best, given = (own[label].mean(axis=(0, 2)) for label in (BEST, TOLD))
+        closed, width = best - own[self._manifest.claimed].mean(axis=2), float((best - given).mean())
+        share = float(closed.mean()) / width
+        return Estimate.of((closed - share * (best - given)) / width, share)
 
     def _main(self) -> str:
         """Return the claimed learner beside what would embarrass it: a row for each family."""
         claimed, rows = self._manifest.claimed, []
         for family, own in self._excesses.items():
             cells = [f"`{family}`", shown_options(self.best[family]), f"{own[BEST].mean():.1f}"]
-            cells += [self._spread(family) if self._manifest.screening is None else _cell(self.ratio(family, claimed))]
-            cells += [_cell(self.ratio(family, claimed, NUMBERS))] * (self._manifest.numbers is not None)
-            cells += [_cell(self.ratio(family, label)) for label in (RANDOM, NOTHING)]
+            cells += [self._spread(family) if self._manifest.screening is None else self._judged_cell(family, claimed)]
+            cells += [self._judged_cell(family, claimed, CHEAPER)] * (self._manifest.numbers is not None)
+            cells += [self._judged_cell(family, label) for label in (RANDOM, NOTHING)]
             rows.append(cells)
-        raced = [f"`{claimed}` / best with raced numbers"] * (self._manifest.numbers is not None)
+        raced = [f"`{claimed}` / the cheaper of best and raced numbers"] * (self._manifest.numbers is not None)
         heads = ["family", "best options", "their excess s", f"`{claimed}` / best", *raced]
         heads += ["`Random` / best", "no avoidance / best"]
         mean = ["geometric mean", "", "", f"{self.geometric_mean:.3f}", *([""] * (len(heads) - 4))]
@@ -237,22 +265,17 @@ class Results:
         rows = []
         for label, learner in self._manifest.learners.items():
             minutes = cpu_minutes(self._folder, [f"{label}-{seed}" for seed in learner.seeds])
-            cells = [self._judging(family, label) for family in self._manifest.families]
+            cells = [self._judged_cell(family, label) for family in self._manifest.families]
             rows.append([f"`{label}`", str(len(learner.seeds)), f"{minutes:.1f}", *cells])
         for label in (*self._manifest.rules, *([NUMBERS] * (self._manifest.numbers is not None))):
-            cells = [self._judging(family, label) for family in self._manifest.families]
+            cells = [self._judged_cell(family, label) for family in self._manifest.families]
             rows.append([f"`{label}`" if label != NUMBERS else label, "", "", *cells])
         claimed = self._manifest.claimed
         for rule in self._manifest.rules:
-            cells = [_cell(self.ratio(family, claimed, rule)) for family in self._manifest.families]
+            cells = [self._judged_cell(family, claimed, rule) for family in self._manifest.families]
             rows.append([f"`{claimed}` / `{rule}`", "", "", *cells])
         heads = ["", "trainings", "CPU min each", *(f"`{family}`" for family in self._manifest.families)]
         return markdown_table(heads, rows)
-
-    def _judging(self, family: str, label: str) -> str:
-        """Return the ratio to the best options, marked where it is that of the screening."""
-        screened = label not in self._excesses[family] and label in self._screened.get(family, {})
-        return _cell(self.ratio(family, label)) + (SCREENED if screened else "")
 
     def _headroom(self) -> str:
         """Return the claimed learner beside a team that is told, and with shuffled observations."""
@@ -264,8 +287,10 @@ class Results:
             seeds = self._manifest.seeds if first is None else (first.seed,)
             shuffled = self._read(f"{family}-{SHUFFLED}", seeds)[claimed].mean(axis=2)
             given = (self._screened or self._excesses)[family][BEST].mean(axis=(0, 2))
-            cells = [_cell(self.ratio(family, label)) for label in (TOLD, claimed)]
-            rows.append([f"`{family}`", *cells, f"{self._way(family):.0%}", _cell(Ratio.of(shuffled, given))])
+            cells = [self._judged_cell(family, label) for label in (TOLD, claimed)]
+            way = self._way(family)
+            ends = interval_words(way.ci95, "{:.0%}".format)
+            rows.append([f"`{family}`", *cells, f"{way.value:.0%}{ends}", _cell(Ratio.of(shuffled, given))])
         heads = ["family", "told / best", f"`{claimed}` / best", "share of the way", "shuffled / best"]
         return markdown_table(heads, rows)
 
@@ -282,9 +307,14 @@ class Results:
         ]
         return markdown_table(["", "of", f"`{self._manifest.claimed}` / best"], rows)
 
+    def _screened_ratio(self, family: str, label: str) -> Ratio | None:
+        """Return the ratio of a label to the claimed learner on the scenarios on which all trainings were judged."""
+        own = self._screened.get(family) or self._excesses[family]
+        return Ratio.of(own[label], own[self._manifest.claimed]) if label in own else None
+
     def _ablated(self, labels: Sequence[str], families: Sequence[str]) -> str:
         """Return each ablation beside the claimed learner."""
-        rows = [[label, *(_cell(self.ratio(f, label, self._manifest.claimed)) for f in families)] for label in labels]
+        rows = [[label, *(_cell(self._screened_ratio(f, label)) for f in families)] for label in labels]
         return markdown_table(["", *(f"`{family}`" for family in families)], rows)
 
     def _unfinished(self) -> str:
@@ -314,9 +344,9 @@ def _ends(ratio: Ratio | None) -> tuple[float, float]:
     return (ratio and ratio.ci95) or (0.0, np.inf)
 
 
-def _cell(ratio: Ratio | None) -> str:
-    """Return a ratio with its interval, bold where that lies below 1."""
+def _cell(ratio: Ratio | None, *, bold: bool = False) -> str:
+    """Return a ratio with its interval."""
     if ratio is None or ratio.ratio is None:
         return EMPTY_CELL
-    bold = "**" if _ends(ratio)[1] < 1.0 else ""
-    return f"{bold}{ratio.ratio:.3f}{bold} {interval_cell(ratio.ci95)}"
+    mark = "**" * bold
+    return f"{mark}{ratio.ratio:.3f}{mark} {interval_cell(ratio.ci95)}"

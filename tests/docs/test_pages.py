@@ -212,6 +212,18 @@ def test_documents_are_read(page, folder):
         assert HOLDS.get(page, bool)(found)
 
 
+def swallowed(text):
+    """Return the lines that MyST takes for comments or breaks, so that the site does not show them."""
+    prose = re.sub(r"(?ms)^ *```.*?^ *```$", "", text)
+    return [line for line in prose.splitlines() if re.match(r" {0,3}(%|\+\+\+)", line)]
+
+
+def test_the_site_shows_each_line_of_each_page():
+    assert swallowed("It costs 16\n% [12, 19] less.\n\n```tex\n% code\n```") == ["% [12, 19] less."]
+    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "configs" / "policies").rglob("*.md")]
+    assert {page.name: lines for page in pages if (lines := swallowed(page.read_text(encoding="utf-8")))} == {}
+
+
 def test_a_part_of_a_document_is_read_by_what_reads_the_whole():
     (spec,) = blocks("docs/strategies.md", "yaml")
     (word,) = re.findall(r"or in one word, `(.*?)`", text_of("docs/strategies.md"))
