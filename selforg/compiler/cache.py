@@ -66,8 +66,7 @@ ROOM = 100e6
 """Free room below which nothing is kept [byte]; the kernels of all commands take less."""
 MOST = 500e6
 """Room for compiled code [byte]: what was used longest ago goes."""
-DAY = 24 * 3600.0
-MONTH = 30 * DAY
+MONTH = 30 * 24 * 3600.0
 """Time [s] after which compiled code goes that was not used meanwhile."""
 UNCACHED = (
     "compiled code cannot be kept: {}. Every start compiles again, about a minute; "
@@ -104,7 +103,10 @@ class KernelCache(NullCache):
         target_context.refresh()
         for directory in filter(None, (cache_directory(), shared_directory())):
             with suppress(Exception):  # a pickle that is not whole may raise any
-                code, described, environments, *rest = pickle.loads(bytes_at(directory / self.name_for(sig)))
+                path = directory / self.name_for(sig)
+                code, described, environments, *rest = pickle.loads(path.read_bytes())
+                with suppress(OSError):  # an administrator's
+                    os.utime(path)  # its date is that of its last use
                 own, *used = (environment_of(*one) for one in environments)
                 described.modname = self._function.__module__
                 return cast("Compiler", CompileResult)._rebuild(target_context, code, described, own, *rest, used)
@@ -118,15 +120,13 @@ class KernelCache(NullCache):
         remove_old(directory)
         try:
             path = directory / self.name_for(sig)
-        except UnkeyedError as error:
-            warnings.warn(f"{error}: it is compiled at every start", RuntimeWarning, stacklevel=2)
-            return
-        code, described, own, *rest, used = data._reduce()
-        part = path.with_name(f"{path.name}-{os.getpid()}")  # another process may write the same
-        try:
+            part = path.with_name(f"{path.name}-{os.getpid()}")  # another process may write the same
+            code, described, own, *rest, used = data._reduce()
             environments = [(one.env_name, list(one.consts)) for one in (own, *used)]
             part.write_bytes(dumps((code, described, environments, *rest)))  # type: ignore[no-untyped-call]
             part.replace(path)
+        except UnkeyedError as error:
+            warnings.warn(f"{error}: it is compiled at every start", RuntimeWarning, stacklevel=2)
         except OSError as error:
             warnings.warn(UNCACHED.format(error), RuntimeWarning, stacklevel=2)
             with suppress(OSError):
@@ -144,14 +144,6 @@ class KernelCache(NullCache):
     def _stem(self) -> str:
         made_of = f"{key_of(self._function)} {sorted(self._options.items())}"
         return f"{self._function.__code__.co_name.strip('<>')}-{hash_of(made_of)}"
-
-
-def bytes_at(path: Path) -> bytes:
-    """Return the bytes of a file; once a day, its date becomes that of its last use."""
-    if time.time() - path.stat().st_mtime > DAY:
-        with suppress(OSError):  # an administrator's
-            os.utime(path)
-    return path.read_bytes()
 
 
 @cache

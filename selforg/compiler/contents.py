@@ -73,11 +73,13 @@ def hash_of(words: str) -> str:
 def compiler() -> str:
     """Return what compiles, and for which CPU."""
     config: Compiler = numba.config
-    versions = sys.version, numba.__version__, llvmlite.__version__, np.__version__
-    cpu = config.CPU_NAME or binding.get_host_cpu_name(), config.CPU_FEATURES or binding.get_host_cpu_features()
-    settings = [getattr(config, name) for name in SETTINGS], PLAIN, CHECKED, binding.get_process_triple()
-    sources = [path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))]
-    return f"{versions} {cpu} {settings} {hash_of(repr(sources))}"
+    told = (
+        *(sys.version, numba.__version__, llvmlite.__version__, np.__version__, binding.get_process_triple()),
+        *(config.CPU_NAME or binding.get_host_cpu_name(), config.CPU_FEATURES or binding.get_host_cpu_features()),
+        *(PLAIN, CHECKED, *(getattr(config, name) for name in SETTINGS)),
+        *(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))),
+    )
+    return hash_of(repr(told))
 
 
 @cache
