@@ -5,12 +5,9 @@ coming; messages get lost, more of them in the daytime. No number may be infinit
 memory of the process must not grow by more than 2 MB. Linux only: /proc tells the memory.
 """
 
-import gc
-import resource
 import sys
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
@@ -18,7 +15,7 @@ from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.worlds import Worlds
 from tests.clean_swarm_env.courses import OPTIONS, avoidance, begin
-from tests.soaking import report, time_limit
+from tests.soaking import report, resident, time_limit
 
 HOUR, DAY = 3600.0, 86_400.0  # [s]
 CARRIED_AWAY = 20  # hour of the day
@@ -75,12 +72,6 @@ def finite(worlds: Worlds) -> bool:
     return all(bool(np.isfinite(array).all()) for array in arrays)
 
 
-def resident() -> float:
-    """Return the memory that the process has now [MB]."""
-    gc.collect()
-    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize() / 1e6
-
-
 def soak(days: int) -> list[str]:
     """Run as many of the days as the limit of time allows; return what went wrong."""
     wrong: list[str] = []
@@ -89,7 +80,7 @@ def soak(days: int) -> list[str]:
     memory, done = np.zeros((days, 24)), 0
     while done < days and time.monotonic() - began < time_limit():
         for hour in hours(worlds, 24 * done, 24):
-            memory[done, hour % 24] = resident()
+            memory[done, hour % 24] = resident() / 1e6
             if not finite(worlds):
                 wrong.append(f"a number is not finite after {hour + 1} h")
         print(f"day {done + 1}: {memory[done].mean():.2f} MB, {worlds.task.garbage.done[0]} items dumped")

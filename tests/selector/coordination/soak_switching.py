@@ -5,11 +5,8 @@ an hour of simulated time. They must have equal fingerprints all along, and the 
 once there are as many pheromones and remembered plans as a mission needs (Linux: /proc tells the memory).
 """
 
-import gc
 import hashlib
-import resource
 import sys
-from pathlib import Path
 
 import numpy as np
 
@@ -20,7 +17,7 @@ from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
-from tests.soaking import report, rounds
+from tests.soaking import report, resident, rounds
 
 HOUR = 3600.0  # [s]
 LOOKS = 120  # at fingerprints and memory
@@ -90,13 +87,6 @@ def soak(seconds: float) -> list[str]:
         return [f"memory grew by {(last - third) / 1024:.0f} KiB from the third quarter to the last"]
     report(done, done)
     return []
-
-
-def resident() -> int:
-    """Return the memory that the process has now [bytes]."""
-    gc.collect()
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-    return pages * resource.getpagesize()
 
 
 def main(arguments: list[str]) -> int:
