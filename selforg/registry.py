@@ -13,7 +13,7 @@ from selforg import plugins
 
 Base = TypeVar("Base")
 Class = TypeVar("Class")
-MOST_LETTERS = 150
+MOST_LISTED = 150
 """Letters of known names that fit a line on an unknown one."""
 
 
@@ -121,8 +121,8 @@ def import_modules(package: str) -> None:
 def unknown(what: str, name: str, known: Sequence[str]) -> str:
     """Return the message for an unknown `name`, with the known names that fit and the most similar one."""
     near, listed = difflib.get_close_matches(name, known, n=1), ", ".join(known) or "none"
-    if len(listed) > MOST_LETTERS:
-        listed = listed[:MOST_LETTERS].rpartition(", ")[0]
+    if len(listed) > MOST_LISTED:
+        listed = listed[:MOST_LISTED].rpartition(", ")[0]
         listed += f" and {len(known) - listed.count(', ') - 1} more"
     hint = f"; did you mean {near[0]!r}?" if near else ""
     return f"unknown {what} {name!r:.60} (known: {listed}{hint})"

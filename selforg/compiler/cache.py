@@ -29,7 +29,7 @@ from numba.core.compiler import CompileResult
 from numba.core.environment import Environment, lookup_environment
 from numba.core.serialize import dumps
 
-from selforg.compiler.contents import UnkeyedError, hash_of, key_of, words_for
+from selforg.compiler.contents import UnkeyedError, content_key, hash_of, words_for
 from selforg.compiler.intrinsics import Compiler
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -142,7 +142,7 @@ class KernelCache(NullCache):
         return any(any(directory.glob(f"{self._stem()}-*")) for directory in directories)
 
     def _stem(self) -> str:
-        made_of = f"{key_of(self._function)} {sorted(self._options.items())}"
+        made_of = f"{content_key(self._function)} {sorted(self._options.items())}"
         return f"{self._function.__code__.co_name.strip('<>')}-{hash_of(made_of)}"
 
 

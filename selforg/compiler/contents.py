@@ -28,10 +28,20 @@ from selforg.compiler.switches import CHECKED, PLAIN
 
 VERSIONED = sys.stdlib_module_names | {"numba", "numpy", "llvmlite"}
 """Packages of which a name is enough, since their versions are in every key."""
-SETTINGS = ("OPT", "ENABLE_AVX", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT")
+DECIDING = ("OPT", "ENABLE_AVX", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT")
 """Settings of Numba that change compiled code."""
+CONFIG: Compiler = numba.config
+MADE_BY = repr(
+    (
+        *(sys.version, numba.__version__, llvmlite.__version__, np.__version__, binding.get_process_triple()),
+        *(CONFIG.CPU_NAME or binding.get_host_cpu_name(), CONFIG.CPU_FEATURES or binding.get_host_cpu_features()),
+        *(PLAIN, CHECKED, *(getattr(CONFIG, name) for name in DECIDING)),
+        *(hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(Path(__file__).parent.glob("*.py"))),
+    )
+)
+"""What compiles, and for which CPU; read at the start, since sources may be edited meanwhile."""
 SIMPLE = {bool, int, float, complex, str, bytes, type(None)}
-PARTS: dict[Any, Callable[[Compiler], Iterable[Any]]] = {
+MADE_OF: dict[Any, Callable[[Compiler], Iterable[Any]]] = {
     tuple: lambda one: (type(one).__qualname__, *one),
     CodeType: lambda one: (one.co_code, one.co_consts, one.co_names, one.co_varnames, one.co_argcount, one.co_flags),
     FunctionType: lambda one: options_of(one),
@@ -54,9 +64,9 @@ class UnkeyedError(Exception):
 
 
 @cache
-def key_of(function: FunctionType) -> str:
+def content_key(function: FunctionType) -> str:
     """Return the hash of what a kernel is compiled from, but for its options and the types of its arguments."""
-    words, found = compiler(), [function]
+    words, found = MADE_BY, [function]
     for one in found:  # which grows
         own, called = words_of_function(one)
         found += [other for other in dict.fromkeys(called) if other not in found]
@@ -67,19 +77,6 @@ def key_of(function: FunctionType) -> str:
 def hash_of(words: str) -> str:
     """Return a hash that can be part of the name of a file."""
     return hashlib.sha256(words.encode()).hexdigest()[:24]
-
-
-@cache
-def compiler() -> str:
-    """Return what compiles, and for which CPU."""
-    config: Compiler = numba.config
-    told = (
-        *(sys.version, numba.__version__, llvmlite.__version__, np.__version__, binding.get_process_triple()),
-        *(config.CPU_NAME or binding.get_host_cpu_name(), config.CPU_FEATURES or binding.get_host_cpu_features()),
-        *(PLAIN, CHECKED, *(getattr(config, name) for name in SETTINGS)),
-        *(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))),
-    )
-    return hash_of(repr(told))
 
 
 @cache
@@ -97,7 +94,7 @@ def words_of_function(function: FunctionType) -> tuple[str, tuple[FunctionType, 
 def words_for(value: Any) -> str:  # noqa: ANN401  (types of Numba)
     """Return all that tells a value from others as words; UnkeyedError if there are none."""
     called = list[FunctionType]()
-    return " ".join((words_of(value, called), *map(key_of, called)))
+    return " ".join((words_of(value, called), *map(content_key, called)))
 
 
 def names_in(code: CodeType) -> set[str]:
@@ -125,7 +122,7 @@ def words_of(value: Any, called: list[FunctionType]) -> str:  # noqa: ANN401
     """
     if type(value) in SIMPLE:
         return repr(value)
-    parts_of = next((parts for kind, parts in PARTS.items() if isinstance(value, kind)), None)
+    parts_of = next((parts for kind, parts in MADE_OF.items() if isinstance(value, kind)), None)
     named = parts_of is None or isinstance(value, FunctionType | type)
     if named and (word := word_for(value)):
         return word
@@ -141,7 +138,7 @@ def word_for(value: Any) -> str:  # noqa: ANN401
     place = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None)
     place = place or type(value).__module__
     word = getattr(value, "__qualname__", "") or repr(value)
-    ours = isinstance(value, type) and place.startswith("selforg.compiler.")  # `compiler` has their sources
+    ours = isinstance(value, type) and place.startswith("selforg.compiler.")  # `MADE_BY` has their sources
     of_process = word.endswith(">") and " at 0x" in word
     versioned = ours or place.partition(".")[0] in VERSIONED
     return f"{type(value).__qualname__} {place} {word}" if versioned and not of_process else ""

@@ -71,7 +71,7 @@ def key_after(monkeypatch):
     def key(old, new):
         inner = module_of("inner", INNER.replace(old, new, 1))
         monkeypatch.setitem(contents.sys.modules, "inner", inner)
-        return contents.key_of(module_of("outer", OUTER.replace(old, new, 1)).outer)
+        return contents.content_key(module_of("outer", OUTER.replace(old, new, 1)).outer)
 
     return key
 
@@ -115,8 +115,8 @@ def reading(value):
     ],
 )
 def test_the_key_changes_with_a_value(value, other):
-    assert contents.key_of(reading(value)) == contents.key_of(reading(copy.deepcopy(value)))
-    assert contents.key_of(reading(value)) != contents.key_of(reading(other))
+    assert contents.content_key(reading(value)) == contents.content_key(reading(copy.deepcopy(value)))
+    assert contents.content_key(reading(value)) != contents.content_key(reading(other))
 
 
 def test_the_key_changes_with_what_is_overloaded():
@@ -125,7 +125,7 @@ def test_the_key_changes_with_what_is_overloaded():
             return x
 
         overload(called)(lambda x: lambda x: x + number)
-        return contents.key_of(reading(called))
+        return contents.content_key(reading(called))
 
     assert overloaded(1.0) == overloaded(1.0) != overloaded(2.0)
 
@@ -133,7 +133,7 @@ def test_the_key_changes_with_what_is_overloaded():
 @pytest.mark.parametrize("value", [object(), CFUNCTYPE(c_double)(lambda: 1.0), np.array([object()]), Thing, Thing()])
 def test_what_is_another_thing_in_each_process_has_no_key(value):
     with pytest.raises(contents.UnkeyedError, match=r"test_contents.py:\d+: <lambda> reads "):
-        contents.key_of(reading(value))
+        contents.content_key(reading(value))
 
 
 def test_what_names_itself_has_a_key():
@@ -150,5 +150,5 @@ def test_what_names_itself_has_a_key():
 
 def test_each_kernel_of_ours_can_be_kept():
     import_module(TASKS_HOME)
-    keys = {contents.key_of(getattr(kernel, "py_func", kernel)) for kernel in KERNELS.values()}
+    keys = {contents.content_key(getattr(kernel, "py_func", kernel)) for kernel in KERNELS.values()}
     assert len(keys) > 80

@@ -136,9 +136,7 @@ def test_wrong_parameters_are_named(name):
 
 
 def test_unknown_names_list_the_known_ones_and_no_name_is_taken_twice():
-    with pytest.raises(
-        KeyError, match=r"unknown mechanism 'Repulsion' \(known: ApproachLeastBusy, AvoidAll, .* more; did"
-    ):
+    with pytest.raises(KeyError, match=r"unknown mechanism 'Repulsion' \(known: ApproachLeastBusy, .* more; did"):
         MECHANISMS.create("Repulsion")
     with pytest.raises(ValueError, match="'Spring' is registered already"):
         MECHANISMS.register(Spring)
