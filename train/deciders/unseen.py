@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
-from selector.documents.errors import DocumentError
+from selector.documents.find import files_of
 from train.deciders.named import NamedDecider
 
 
@@ -35,24 +34,22 @@ def unseen(
     training: Mapping[str, Any], missions: Sequence[MissionConfig], directories: Sequence[Path] = ()
 ) -> list[str]:
     """Return what of missions the training, as a policy's file records it, never had; nothing if it does not say."""
-    families = _families(training, directories)
+    names = [task.get("family") for task in training.get("configuration", {}).get("tasks", ())]
+    families = [load_family(name, directories) for name in names if name in files_of("families", directories)]
     if not families:
         return []
     known = _features([family.mission for family in families])
-    if any("deliver" in family.changes.kinds for family in families):
-        known.add("lost messages")
-    found = sorted(_features(missions) - known)
-    robots = [least_or_most for family in families for least_or_most in family.robots]
+    known |= {"lost messages"} if any("deliver" in family.changes.kinds for family in families) else set()
+    robots = [float(count) for family in families for count in family.robots]
     areas = [width * height for family in families for width, height in family.tori]
-    for mission in missions:
-        world = mission.world
-        for what, own, trained in (
-            ("robots", mission.robots.count, robots),
-            ("m2 of ground", world.width * world.height, areas),
-        ):
-            if not min(trained) <= own <= max(trained):
-                found.append(f"{own:g} {what} ({min(trained):g} to {max(trained):g})")
-    return list(dict.fromkeys(found))
+    sizes = [(float(mission.robots.count), "robots", robots) for mission in missions]
+    sizes += [(mission.world.width * mission.world.height, "m2 of ground", areas) for mission in missions]
+    odd = [
+        f"{own:g} {what} ({min(trained):g} to {max(trained):g})"
+        for own, what, trained in sizes
+        if not min(trained) <= own <= max(trained)
+    ]
+    return [*sorted(_features(missions) - known), *dict.fromkeys(odd)]
 
 
 def _features(missions: Sequence[MissionConfig]) -> set[str]:
@@ -70,14 +67,3 @@ def _features(missions: Sequence[MissionConfig]) -> set[str]:
         }.items()
         if there
     }
-
-
-def _families(training: Mapping[str, Any], directories: Sequence[Path]) -> list[FamilyConfig]:
-    """Return the families of a training that there are still."""
-    found = []
-    for task in training.get("configuration", {}).get("tasks", ()):
-        try:
-            found.append(load_family(str(task.get("family")), directories))
-        except DocumentError:
-            continue
-    return found

@@ -118,7 +118,7 @@ def remarks_on(
         missing = [option for options in parts for option in options if option not in named.knows]
         if missing:
             told.append(f"{entrant.label}: never takes {', '.join(missing)}, which it was trained without")
-        told += remarks_of(entrant.label, named, goals, missions or [batch.mission], directories)
+        told += remarks_of(entrant.label, named, {} if goal else goals, missions or [batch.mission], directories)
         if named.learns:
             told.append(f"{entrant.label}: {UNTAUGHT}")
     return told

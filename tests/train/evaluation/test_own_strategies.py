@@ -102,7 +102,8 @@ def test_without_a_goal_a_policy_decides_its_own_and_says_so():
     batch, both = Batch(family="clustered"), "AvoidCollision+ExplorationPatrol"
     entrants = entrants_of(("fixed:ORCA", "policy:exploring-ppo"), batch.options["AvoidCollision"])
     told = "policy:exploring-ppo: decides ExplorationPatrol, not AvoidCollision; see --goal"
-    assert remarks_on(entrants, batch) == [told]
+    kept = "decides ExplorationPatrol only; of AvoidCollision robots hold the option of highest score"
+    assert remarks_on(entrants, batch) == [told, f"policy:exploring-ppo: {kept}"]
     assert remarks_on(entrants[1:], batch, "ExplorationPatrol") == []
     check_fit(entrants, batch, None, ())
     with pytest.raises(DocumentError, match="goals: expected AvoidCollision, ExplorationPatrol, got Explor"):
