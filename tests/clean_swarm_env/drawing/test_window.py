@@ -45,5 +45,5 @@ def test_no_display_and_no_pygame_are_errors_of_one_line(monkeypatch):
     with pytest.raises(RuntimeError, match=r"a window needs a display \(.*\); SDL_VIDEODRIVER=dummy runs without one"):
         Window().show(PICTURE)
     monkeypatch.setitem(sys.modules, "pygame", None)
-    with pytest.raises(ModuleNotFoundError, match=r"pip install 'clean-swarm\[view\]'"):
+    with pytest.raises(ModuleNotFoundError, match=r"pip install '\.\[view\]'"):
         Window()

@@ -42,7 +42,7 @@ def test_another_search_takes_the_place_of_the_built_in_one():
 def test_without_the_library_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "unified_planning.shortcuts", None)
     environment.cache_clear()
-    message = r"planner 'aries' is neither 'built-in' nor 'off', and .*pip install 'clean-swarm\[planning\]'"
+    message = r"planner 'aries' is neither 'built-in' nor 'off', and .*pip install '\.\[planning\]'"
     with pytest.raises(ModuleNotFoundError, match=message):
         check_planner("aries")
     environment.cache_clear()
