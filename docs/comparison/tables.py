@@ -30,7 +30,7 @@ from docs.comparison.runs import (
 from selforg.arrays import Floats
 from train.analysis.family_report import excesses_of, unfinished_of
 from train.analysis.flips import ALPHA
-from train.analysis.intervals import Ratio, told
+from train.analysis.intervals import Ratio, corrected_ps
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import Estimate
 from train.analysis.verdict import RANDOM, interval_words, listed
@@ -103,7 +103,7 @@ class Results:
         pairs += [(claimed, other) for other in (*self._manifest.learners, *rules, CHEAPER) if other != claimed]
         every = [(family, *pair) for family in self._manifest.families for pair in pairs]
         found = {one: ratio for one in every if (ratio := self.ratio(*one)) is not None}
-        return dict(zip(found, told(list(found.values())), strict=True))
+        return dict(zip(found, corrected_ps(list(found.values())), strict=True))
 
     def _told(self, family: str, label: str, against: str = BEST) -> float:
         """Return 1 or -1 if the first is told to be dearer or cheaper than the second, else 0."""

@@ -27,7 +27,7 @@ POWER: Final = 0.8
 """Probability that the recommended number of scenarios shows a difference."""
 FLIPS: Final = 2**15
 """Most flips: all there are for up to 16 scenarios that differ, else as many that are drawn."""
-BLOCK: Final = 2**23
+MOST_SUMS: Final = 2**23
 """Most sums that are held in memory at once."""
 ROUNDING: Final = 1e-9
 """Share of the sum of all differences by which equal sums may differ."""
@@ -87,7 +87,7 @@ def flip_ps(differences: Floats, error: float = 0.0, freedom: float = 1.0, flips
     for count in np.unique(counts[counts > 0]).tolist():
         signs, every = _signs(count, flips), np.flatnonzero(counts == count)
         drawn = float(len(signs) < 2 ** (count - 1))
-        for rows in np.array_split(every, -(-len(every) * len(signs) // BLOCK)):
+        for rows in np.array_split(every, -(-len(every) * len(signs) // MOST_SUMS)):
             own = packed[rows, :count]
             sums, found = own @ signs.T, np.abs(own.sum(axis=1, keepdims=True))
             if error > 0.0:

@@ -132,8 +132,8 @@ class Ratio:
 
     @cached_property
     def p(self) -> float | None:
-        """Probability of such a difference between equal strategies, of this comparison alone; see `told`."""
-        return told([self])[0]
+        """Probability of such a difference between equal strategies, of this comparison alone; see `corrected_ps`."""
+        return corrected_ps([self])[0]
 
     @property
     def content(self) -> dict[str, object]:
@@ -167,7 +167,7 @@ def _flips(differences: Floats, counted: Flags, logarithms: bool) -> Flips:
     return Flips(found.mean(axis=(0, 1, 3)).compressed(), math.sqrt(parts.sum()), freedom, logarithms)
 
 
-def told(ratios: Sequence[Ratio]) -> list[float | None]:
+def corrected_ps(ratios: Sequence[Ratio]) -> list[float | None]:
     """Return the p-value of each of the comparisons of a table, corrected for their number.
 
     None where the scenarios do not allow a statement.

@@ -19,7 +19,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from train.analysis.flips import ALPHA, TAIL, fewest
-from train.analysis.intervals import NO_SPREAD, TOLD, Interval, Ratio, about_number, cells, heavy_tailed, told
+from train.analysis.intervals import NO_SPREAD, TOLD, Interval, Ratio, about_number, cells, corrected_ps, heavy_tailed
 from train.analysis.strategy_comparison import Estimate
 
 TIMES = 1.5
@@ -110,7 +110,7 @@ class Ranking:
     def ps(self) -> dict[frozenset[str], float | None]:
         """Pair of labels -> p-value corrected for all pairs; None where there are too few scenarios for a statement."""
         pairs = list(itertools.combinations(self.labels, 2))
-        return dict(zip(map(frozenset, pairs), told([self.ratio(b, a) for a, b in pairs]), strict=True))
+        return dict(zip(map(frozenset, pairs), corrected_ps([self.ratio(b, a) for a, b in pairs]), strict=True))
 
     def apart(self, label: str, other: str) -> bool:
         """Return whether two can be told apart."""

@@ -22,7 +22,7 @@ from selforg.arrays import Floats
 from selforg.registry import unknown
 from train.analysis.family_report import FamilyRuns, censored, excesses_of
 from train.analysis.flips import TAIL
-from train.analysis.intervals import Interval, Ratio, told, too_few
+from train.analysis.intervals import Interval, Ratio, corrected_ps, too_few
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
 from train.evaluation.base import Identity
@@ -86,7 +86,7 @@ def claims_of(
         for label in strategies:
             both = (lost[label], lost[other]) if lost else None
             ratios[family, label] = Ratio.of(excesses[label], excesses[other], both)
-    ps, tail = told(list(ratios.values())), TAIL / max(len(ratios), 1)
+    ps, tail = corrected_ps(list(ratios.values())), TAIL / max(len(ratios), 1)
     return [
         Claim(family, label, against[family], one, one.interval(tail) or ANY_RATIO, p)
         for ((family, label), one), p in zip(ratios.items(), ps, strict=True)

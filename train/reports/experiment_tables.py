@@ -10,7 +10,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from train.analysis.flips import fewest
-from train.analysis.intervals import Interval, told
+from train.analysis.intervals import Interval, corrected_ps
 from train.analysis.report import Report, agreements, ranking_of_conditions
 from train.analysis.statistics import COST, distance_metrics, share_cell, summarise
 from train.reports.ranking_table import MISSED, TELLS, UNFINISHED, p_cell, ranking_table, share_bounds
@@ -102,7 +102,7 @@ def ratios(report: Report) -> Grid:
     paper, own = report.experiment.reference, report.figures
     unfinished = dict(zip(own.conditions, (1.0 - own.completed.mean(axis=1)).tolist(), strict=True))
     rows = []
-    corrected = told(list(report.comparisons.values()))
+    corrected = corrected_ps(list(report.comparisons.values()))
     for ((*pair, metric), found), p in zip(report.comparisons.items(), corrected, strict=True):
         shares = " / ".join(share_cell(unfinished[name]) for name in pair)
         row = [TITLES[metric], " / ".join(pair), shares, _number(found.ratio), _interval(found.ci95), p_cell(p)]

@@ -17,7 +17,7 @@ from selector.documents.reading import as_yaml
 from selector.knowledge import knowledge_from
 from selforg.arrays import Floats
 from train.analysis.flips import ALPHA
-from train.analysis.intervals import Ratio, told
+from train.analysis.intervals import Ratio, corrected_ps
 from train.analysis.statistics import Summary, summarise
 from train.evaluation.pipeline import mission_score
 from train.memory import StoreRequest
@@ -64,7 +64,7 @@ class Conclusion:
         """Labels of the yardsticks that the result did not beat, after a correction for their number."""
         rivals = [one.label for one in self.yardsticks if one.label in TO_BEAT]
         ratios = [self.result.ratio_to(one) for one in self.yardsticks if one.label in TO_BEAT]
-        found = zip(rivals, ratios, told(ratios), strict=True)
+        found = zip(rivals, ratios, corrected_ps(ratios), strict=True)
         return [label for label, ratio, p in found if p is None or p >= ALPHA or ratio.sign > 0.0]
 
     @property

@@ -8,7 +8,7 @@ import pytest
 
 from docs.comparison.equal_strategies import COUNTS, JAMS, OWN, equal_table, share_told, told_apart
 from train.analysis.flips import ALPHA, Flips, fewest, holm
-from train.analysis.intervals import Ratio, told
+from train.analysis.intervals import Ratio, corrected_ps
 from train.analysis.verdict import Ranking, most_left
 
 HIGHEST = 0.065
@@ -57,7 +57,7 @@ def test_missions_that_one_of_both_leaves_unfinished_count_by_their_share_alone(
     assert [test.sign for test in whole.tests] == [-1.0, 1.0]
     assert len(whole.tests[0].differences) == 18
     assert whole.p == 2 / 2**12  # who jams costs more in the mean, so that the shares tell it
-    assert told([whole] * 15)[0] > whole.p
+    assert corrected_ps([whole] * 15)[0] > whole.p
 
 
 def test_worlds_of_a_scenario_count_once_and_trainings_by_their_spread():
