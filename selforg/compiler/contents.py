@@ -137,7 +137,7 @@ def word_for(value: Any) -> str:  # noqa: ANN401
     """Return the word for a part of a package whose version is known; "" for anything else."""
     place = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None)
     place = place or type(value).__module__
-    word = getattr(value, "__qualname__", "") or repr(value)
+    word = getattr(value, "__qualname__", "") or ("" if isinstance(value, ModuleType) else repr(value))
     ours = isinstance(value, type) and place.startswith("selforg.compiler.")  # `MADE_BY` has their sources
     of_process = word.endswith(">") and " at 0x" in word
     versioned = ours or place.partition(".")[0] in VERSIONED
