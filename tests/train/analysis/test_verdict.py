@@ -14,6 +14,7 @@ def costs(rng, scenarios, **means):
     return {label: mean * common * rng.gamma(9.0, 1 / 9, size=scenarios) for label, mean in means.items()}
 
 
+@pytest.mark.long
 def test_the_number_of_scenarios_that_would_tell_does_tell_four_times_in_five():
     rng, repeats = np.random.default_rng(3), 200
     ranking = Ranking.of(costs(rng, 20_000, a=1.0, b=1.2, c=2.0))
@@ -24,7 +25,7 @@ def test_the_number_of_scenarios_that_would_tell_does_tell_four_times_in_five():
     assert np.mean(fewer) < 0.5
 
 
-@pytest.mark.parametrize("labels", ["ab", "abcdefgh"])
+@pytest.mark.parametrize("labels", ["ab", pytest.param("abcdefgh", marks=pytest.mark.long)])
 def test_equal_strategies_cannot_be_told_apart(labels):
     rng, repeats = np.random.default_rng(5), 200
     wrong = ["cannot be told apart" not in Ranking.of(costs(rng, 30, **dict.fromkeys(labels, 1.0))).sentences()[0]
@@ -49,7 +50,7 @@ def test_the_best_is_named_with_its_yardstick_and_who_is_no_better_than_chance()
         first,
     )
     assert second.startswith("policy:x cannot be told from chance (60 scenarios")
-    small = Ranking.of(costs(rng, 3000, a=1.0, b=1.25)).sentences()
+    small = Ranking.of(costs(rng, 600, a=1.0, b=1.25)).sentences()
     assert re.search(r"2\d% less than b|1\d% less than b", small[0])
 
 
