@@ -121,8 +121,7 @@ def test_a_screening_drops_who_is_clearly_worse_and_only_the_training_of_the_bes
     assert judged["one"].shape[:2] == (1, 2)
     assert runs.claimed_training(manifest, tmp_path) == tmp_path / "one-2" / "policy"
     tables = Results(manifest, tmp_path).tables()
-    assert f"{screened['worse'].mean() / screened['fixed:ORCA'].mean():.3f}" in tables["learners"]
-    assert " ¹ |" in tables["learners"]
+    assert "| `one` / `worse` |  |  | - |" in tables["learners"]  # a screening chooses, and judges nobody
     assert "| `random` | 37.5 | 37.5 | 25.0 | 50.0 |" in tables["trainings"]
 
 
