@@ -77,7 +77,7 @@ class AllRobots(BaseParallelWrapper[str, Observations, AgentAction]):
 class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], AgentAction]):
     """Observations are dictionaries: the observation, and `action_mask`, the options that can serve next (1 or 0).
 
-    Where an action is more than one option, the key is `option_mask`: libraries sample by what is called `action_mask`.
+    Where an action is more than one option, the key is `option_mask`: libraries sample whole actions by `action_mask`.
 
     Args:
         env: a parallel environment with options as actions, wrapped or not.

@@ -27,7 +27,7 @@ InfoColumns = dict[str, list[Any]]
 
 MASK, OPTION_MASK = "action_mask", "option_mask"
 """Keys of the options that can serve in the coming period, 1 or 0: where these are the action, and where they are a
-part of it. Libraries sample whole actions by what is called `action_mask`."""
+part of it. Libraries use `action_mask` to sample whole actions."""
 OWN = {
     "own_picked": "Items that the robot picked in the period and nobody had picked before.",
     "own_recycled": "Items that the robot recycled in the period.",

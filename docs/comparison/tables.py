@@ -106,12 +106,12 @@ class Results:
         return dict(zip(found, corrected_ps(list(found.values())), strict=True))
 
     def _told(self, family: str, label: str, against: str = BEST) -> float:
-        """Return 1 or -1 if the first is told to be dearer or cheaper than the second, else 0."""
+        """Return 1 or -1 if the first is shown to be dearer or cheaper than the second, else 0."""
         p, ratio = self._ps.get((family, label, against)), self.ratio(family, label, against)
         return ratio.sign if ratio is not None and p is not None and p < ALPHA else 0.0
 
     def _judged_cell(self, family: str, label: str, against: str = BEST) -> str:
-        """Return a ratio with its interval, bold where the first is told to be cheaper."""
+        """Return a ratio with its interval, bold where the first is shown to be cheaper."""
         return _cell(self.ratio(family, label, against), bold=self._told(family, label, against) < 0.0)
 
     def tables(self) -> dict[str, str]:

@@ -230,11 +230,7 @@ def excesses_of(runs: FamilyRuns) -> dict[str, Floats]:
 def excess_ratios(runs: FamilyRuns, against: Mapping[str, str]) -> dict[str, Ratio]:
     """Return label -> ratio of the mean excess to that of what it is compared with; nothing for the latter."""
     excesses, left = excesses_of(runs), censored(runs)
-    return {
-        label: Ratio.of(excesses[label], excesses[other], (left[label], left[other]) if left else None)
-        for label, other in against.items()
-        if label != other
-    }
+    return {label: Ratio.between(label, other, excesses, left) for label, other in against.items() if label != other}
 
 
 def priced_excess(mission: MissionConfig, result: MissionResult, price: float) -> float:

@@ -130,7 +130,7 @@ def holm(ps: Sequence[float], least: Sequence[float] = ()) -> list[float]:
 
 
 def fewest(tests: int) -> int:
-    """Return the number of scenarios from which on one of so many comparisons can be told.
+    """Return the least number of scenarios with which one of so many comparisons can be significant.
 
     >>> fewest(1), fewest(15)  # two strategies, six strategies
     (6, 10)

@@ -12,7 +12,7 @@ Shapes: S trainings of a strategy, K scenarios, V worlds of each.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -118,6 +118,11 @@ class Ratio:
         spread = MeanError.of(own / above - other.mean(axis=0) / below, other / below)
         return cls(ratio, spread, count, tests, sign)
 
+    @classmethod
+    def between(cls, label: str, to: str, values: Mapping[str, Floats], left: Mapping[str, Floats] | None) -> Ratio:
+        """Return the ratio of the means of two labels of a table; `left` likewise, or nothing; see `of`."""
+        return cls.of(values[label], values[to], (left[label], left[to]) if left else None)
+
     def interval(self, tail: float = TAIL) -> Interval | None:
         """Return the interval both of whose tails have the probability `tail`; None if it is unknown."""
         if self.ratio is None or self.spread is None:
@@ -183,7 +188,7 @@ def corrected_ps(ratios: Sequence[Ratio]) -> list[float | None]:
 
 
 def too_few(scenarios: int, tests: int) -> tuple[str, ...]:
-    """Return the line that so many scenarios tell nothing in a table of so many comparisons; none if they may.
+    """Return the line for a table of so many comparisons and too few scenarios for a statement; none if they do.
 
     >>> too_few(2, 1)
     ('2 scenarios: no statement; 6 or more are needed',)

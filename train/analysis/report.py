@@ -176,10 +176,11 @@ def report_of(
     }
     left = _left(figures, experiment.mission)
     comparisons = {
-        (a, b, metric): Ratio.of(
-            figures.values[metric][conditions.index(a)],
-            figures.values[metric][conditions.index(b)],
-            (left[a], left[b]) if left and metric == "duration_s" else None,
+        (a, b, metric): Ratio.between(
+            a,
+            b,
+            dict(zip(conditions, figures.values[metric], strict=True)),
+            left if metric == "duration_s" else None,
         )
         for a, b in itertools.combinations(conditions, 2)
         for metric in compared

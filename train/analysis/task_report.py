@@ -30,7 +30,7 @@ class MeasuredStrategy:
     flips: Flips | None = None
     """The test of these differences; None for a measure that need not be better."""
     beats: bool | None = None
-    """Whether the strategy is told to be better than the baseline; None where there are too few scenarios."""
+    """Whether the strategy is shown to be better than the baseline; None where there are too few scenarios."""
 
     @property
     def met(self) -> bool:
@@ -83,7 +83,7 @@ def measured_strategies(
 
 
 def _beats(one: MeasuredStrategy, p: float, tests: int) -> bool | None:
-    """Return whether a measure of a table of so many tests is told to be better; `p` is corrected for their number."""
+    """Return whether a measure of a table of so many tests is shown to be better; `p` is corrected for their number."""
     if one.flips is None or len(one.flips.differences) < fewest(tests):
         return None
     return p < ALPHA and (one.flips.sign < 0.0) == (one.measure.better == "lower")

@@ -99,8 +99,7 @@ class Ranking:
 
     def ratio(self, label: str, to: str) -> Ratio:
         """Return the ratio of the means of two."""
-        left = (self.left[label], self.left[to]) if self.left else None
-        return Ratio.of(self.missions[label], self.missions[to], left)
+        return Ratio.between(label, to, self.missions, self.left)
 
     def interval(self, label: str, to: str) -> Interval | None:
         """Return the interval of the ratio of two, which holds together with those of all pairs."""

@@ -79,13 +79,11 @@ def claims_of(
         left: family -> label -> 1 where a mission was not completed (S, K, V); nothing where that means nothing.
 
     """
-    ratios = {}
-    for family, excesses in families.items():
-        other = against[family]
-        lost = (left or {}).get(family)
-        for label in strategies:
-            both = (lost[label], lost[other]) if lost else None
-            ratios[family, label] = Ratio.of(excesses[label], excesses[other], both)
+    ratios = {
+        (family, label): Ratio.between(label, against[family], excesses, (left or {}).get(family))
+        for family, excesses in families.items()
+        for label in strategies
+    }
     ps, tail = corrected_ps(list(ratios.values())), TAIL / max(len(ratios), 1)
     return [
         Claim(family, label, against[family], one, one.interval(tail) or ANY_RATIO, p)

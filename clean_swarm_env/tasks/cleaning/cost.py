@@ -71,13 +71,7 @@ def mission_cost(mission: MissionConfig, duration: float, events: int, samples: 
     cost = duration + collision_price(terms.event * events + terms.sample * samples, terms.limit)
     if mission.items.keep_coming:
         return cost / max(done, NO_ITEM)
-    return cost + left_cost(mission, done)
-
-
-def left_cost(mission: MissionConfig, done: int) -> float:
-    """Return the part of the cost for items that were not `done` [s]; 0 where garbage keeps coming."""
-    terms = cost_terms(mission)
-    return terms.left * max(terms.items - done, 0.0)
+    return cost + terms.left * max(terms.items - done, 0.0)
 
 
 def unavoidable_cost(mission: MissionConfig, came: int) -> float:
