@@ -3,13 +3,13 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, shown, validated
-from selector.documents.fields import Closed, Label, Name, NonNegative, Number, checked_name
+from selector.documents.fields import Closed, DocumentName, Label, Name, NonNegative, Number, checked_name
 from selector.documents.find import find_file
 from selector.documents.plain import short
 from selector.documents.reading import read_mapping
@@ -60,6 +60,9 @@ class _KnowledgeFile(Closed):
 
     description: str = ""
     """What the knowledge is for."""
+    robot: DocumentName | Literal[""] = ""
+    """Document of robots that coordinate these goals, which missions with this knowledge take; their own unless
+    given."""
     goals: dict[Name, Annotated[tuple[Option, ...], Field(min_length=1)]]
     """Options by goal."""
     learned: LearnedScores = Field(default={})
@@ -83,12 +86,14 @@ class Knowledge:
         table: options by goal, each goal with at least one.
         source: the file that the knowledge was read from, for error messages.
         learned: rewards of some options.
+        robot: document of the robots that coordinate the goals; empty: that of the mission.
 
     """
 
     table: Mapping[str, tuple[Option, ...]]
     source: str = "knowledge"
     learned: LearnedScores = field(default_factory=dict)
+    robot: str = ""
 
     @property
     def goals(self) -> tuple[str, ...]:
@@ -180,7 +185,7 @@ def believed(scores: Floats, rewards: Floats) -> Floats:
 def knowledge_from(content: object, source: str = "knowledge") -> Knowledge:
     """Return the knowledge in a mapping that has the form of a knowledge file."""
     file = validated(_KnowledgeFile, content, source)
-    return Knowledge(file.goals, source).with_learned(file.learned)
+    return Knowledge(file.goals, source, robot=file.robot).with_learned(file.learned)
 
 
 def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:

@@ -9,12 +9,14 @@ import re
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.events import Event, Join
+from clean_swarm_env.config.known import knowing
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
 from clean_swarm_env.config.tasks import TaskSettings, find_task
@@ -173,10 +175,12 @@ class FamilyConfig(Closed):
             own = _of_split(np.random.SeedSequence([own, world]), split)
         return Scenario(scenario_name(split, index, world), own, mission, start)
 
-    def with_knowledge(self, name: str | None, terms: Sequence[str] = ()) -> Self:
+    def with_knowledge(self, name: str | None, directories: Sequence[Path] = (), terms: Sequence[str] = ()) -> Self:
         """Return the family with the expert knowledge of a name, None: its own, and with further terms."""
-        changes = {"knowledge": name or self.mission.knowledge, "terms": (*self.mission.terms, *terms)}
-        return self.model_copy(update={"mission": self.mission.model_copy(update=changes)})
+        mission = knowing(self.mission, name, directories)
+        return self.model_copy(
+            update={"mission": mission.model_copy(update={"terms": (*mission.terms, *terms)})}
+        )
 
     @property
     def largest(self) -> MissionConfig:

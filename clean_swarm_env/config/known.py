@@ -5,6 +5,7 @@ from pathlib import Path
 
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import within
+from selector.documents.find import find_file, is_path
 from selector.knowledge import Knowledge, load_knowledge
 from selector.store import KnowledgeStore
 
@@ -22,6 +23,23 @@ def knowledge_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> Kn
         return known
     held = KnowledgeStore(mission.store, create=False).contents()
     return known.with_learned(held.scores(known, mission_context(mission.name)))
+
+
+def knowing(mission: MissionConfig, name: str | None, directories: Sequence[Path] = ()) -> MissionConfig:
+    """Return the mission with the expert knowledge of a name, and with the robots that it is for; None: with its own.
+
+    Raises:
+        DocumentError: there is no such knowledge.
+
+    """
+    if name is None:
+        return mission
+    with within("knowledge"):
+        robot = load_knowledge(name, directories).robot
+        if is_path("knowledge", name):
+            name = str(find_file("knowledge", name).resolve())
+    network = mission.network.model_copy(update={"robot": robot}) if robot else mission.network
+    return mission.model_copy(update={"knowledge": name, "network": network})
 
 
 def mission_context(name: str) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
+from clean_swarm_env.config.known import knowing
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.task_names import task_names
@@ -193,13 +194,13 @@ def episodes_of(mission: GivenMission | None = None, settings: EnvSettings | Non
             if chosen.get(name) is not None:
                 raise ValueError(f"{name}: expected with a family only, got {chosen.get(name)!r}")
         given = mission_from("table1" if mission is None else mission, directories)
-        return Episodes(_changed(given, chosen))
+        return Episodes(_changed(given, chosen, directories))
     if mission is not None:
         raise ValueError("family: expected a mission or a family, got both")
     drawn = family_from(family, directories)
     size = None if size is None else (size[0], size[1])
     _check_size(drawn, size)
-    known = drawn.model_copy(update={"mission": _changed(drawn.mission, chosen)})
+    known = drawn.model_copy(update={"mission": _changed(drawn.mission, chosen, directories)})
     return Episodes(known, chosen.get("split", "train"), size)
 
 
@@ -217,9 +218,10 @@ def _check_size(family: FamilyConfig, size: Size | None) -> None:
         raise ValueError(f"size: expected one of those of family {family.name!r}, {known}, got {size}")
 
 
-def _changed(mission: MissionConfig, chosen: EnvSettings) -> MissionConfig:
+def _changed(mission: MissionConfig, chosen: EnvSettings, directories: tuple[Path, ...]) -> MissionConfig:
     """Return the mission with the knowledge and the time limit that were chosen in place of its own."""
     knowledge, limit = chosen.get("knowledge"), chosen.get("time_limit")
-    changes = {"knowledge": knowledge and os.fspath(knowledge), "time_limit": limit}
-    given = {name: value for name, value in changes.items() if value is not None}
-    return checked(mission.model_copy(update=given), "mission") if given else mission
+    if knowledge is None and limit is None:
+        return mission
+    known = knowing(mission, knowledge and os.fspath(knowledge), directories)
+    return checked(known.model_copy(update={"time_limit": mission.time_limit if limit is None else limit}), "mission")

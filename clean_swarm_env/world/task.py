@@ -201,6 +201,11 @@ class Task(ShownTask, ABC, Generic[S, T]):
         return (cls.goal or cls.name,)
 
     @classmethod
+    def opened(cls, mission: MissionConfig) -> MissionConfig:
+        """Return the mission whose robots coordinate all goals that they could."""
+        return mission
+
+    @classmethod
     def robot(
         cls, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
     ) -> RobotNetwork:

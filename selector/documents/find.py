@@ -70,6 +70,8 @@ def find_file(kind: str, name: str, directories: Sequence[Path] = (), where: str
     """
     given = _path(kind, name)
     if given is not None:
+        inside = given / f"{kind}{KINDS[kind].ending}"  # as a folder of advice has it
+        given = inside if given.is_dir() and _is_file(inside) else given
         if not _is_file(given):
             raise DocumentError(f"{where}{name}: no such file")
         return given

@@ -19,7 +19,7 @@ from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
 from selforg.plugins import PluginError, import_named
-from train.cli import evaluate, knowledge, listing, look, play, repeat, study, train, warm
+from train.cli import advise, evaluate, knowledge, listing, look, play, repeat, study, train, warm
 from train.cli.options import error_console, print_error
 from train.running.commands import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -75,6 +75,7 @@ def _group(summary: str) -> typer.Typer:
 app = typer.Typer(cls=_Grouped, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     "run": {
+        "advise": (advise.advise_command, "which coordination a mission needs, and whether a selector pays (10 min)"),
         "run": (evaluate.run_command, "a task beside its baseline, by its measures (seconds)"),
         "evaluate": (evaluate.evaluate_command, "an experiment, or strategies on a family (1 to 60 min)"),
         "list": (listing.list_command, "what there is: kinds, and the names of one kind (seconds)"),

@@ -164,6 +164,9 @@ class Evaluation(ABC):
     def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> Job:
         """Return the task of one run in which `options` serve the goals; goal -> option."""
 
+    def conclude(self, records: Sequence[RunRecord]) -> None:
+        """Write what the results are used with; nothing unless a subclass does."""
+
     @abstractmethod
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return the report on the finished runs; all runs of this evaluation are among them."""

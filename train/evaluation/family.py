@@ -62,7 +62,9 @@ class FamilyEvaluation(Evaluation):
         **settings: object,
     ) -> None:
         super().__init__(request)
-        self.family = family or load_family(request.name, request.directories).with_knowledge(request.knowledge, terms)
+        self.family = family or load_family(request.name, request.directories).with_knowledge(
+            request.knowledge, request.directories, terms
+        )
         with within(request.name):
             missions = (request.scenarios or self.family.scenarios) * request.worlds * max(len(request.strategies), 1)
             check_needs(self.family.largest, missions, request.machine, min(TASK_SCENARIOS, missions))

@@ -85,6 +85,7 @@ def _publish(evaluation: Evaluation, results: Results, console: Console) -> None
         title = f"known at the beginning in the context {evaluation.context!r}"
         grids = (*publication.grids, learned_scores(known, title, evaluation.mission))
         publication = replace(publication, grids=grids)
+    evaluation.conclude(results.records)
     publish(publication, folder, console, request)
     if memory is not None and memory.learns:
         _give_scores(evaluation, memory, results.records)

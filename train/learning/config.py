@@ -39,7 +39,7 @@ class TaskConfig(Closed):
 
     def load(self, directories: Sequence[Path] = ()) -> FamilyConfig:
         """Return the family with the knowledge of the task."""
-        return load_family(self.family, directories).with_knowledge(self.knowledge)
+        return load_family(self.family, directories).with_knowledge(self.knowledge, directories)
 
 
 class ValidationConfig(Closed):

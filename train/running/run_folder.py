@@ -134,9 +134,9 @@ class RunFolder:
         return held
 
 
-def default_directory(stem: str, *, resume: bool) -> Path:
-    """Return the first of results/<stem>, <stem>-2, <stem>-3, ... that is free; to resume, the last that exists."""
-    root, stem = Path("results"), stem[:MOST_STEM]
+def default_directory(stem: str, *, resume: bool, root: Path = Path("results")) -> Path:
+    """Return the first of root/<stem>, <stem>-2, <stem>-3, ... that is free; to resume, the last that exists."""
+    stem = stem[:MOST_STEM]
     taken, number = None, 1
     while (candidate := root / (stem if number == 1 else f"{stem}-{number}")).exists():
         taken, number = candidate, number + 1

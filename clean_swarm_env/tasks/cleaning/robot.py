@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig, NetworkConfig
+from clean_swarm_env.tasks.cleaning.settings import settings_of
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import coordinated_goals, load_network
 from selector.coordination.robot_network import RobotNetwork, merged_networks
@@ -48,6 +49,8 @@ OWN_SENSORS = (
 
 BEHAVIOURS = ("MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump")
 """Behaviours that the world carries out; a document may add others, and may coordinate `Patrol`."""
+CLEANERS = ("cleaning", "cleaning-patrol", "cleaning-transport")
+"""Documents of the shipped cleaning robot; each coordinates one goal more than the one before."""
 WHERE = "mission.network.robot: "
 """Where a mission names the document of robots whose group names none."""
 PATROL = "Patrol"
@@ -90,6 +93,18 @@ def goals_of(mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, 
             expected = f"a robot that coordinates {', '.join(first)} as {mission.network.robot} does"
             raise DocumentError(f"{named[name].where}{name}: expected {expected}, got {', '.join(goals)}")
     return first
+
+
+def opened(mission: MissionConfig) -> MissionConfig:
+    """Return a mission whose robots also choose how they explore, and with several stations of a kind how they carry.
+
+    Documents that are not those of the shipped cleaning robot stay.
+    """
+    named, several = mission.network.robot, len(settings_of(mission).stations.places) > 2
+    if named not in CLEANERS or any(model.document for model in mission.robots.models):
+        return mission
+    wider = CLEANERS[max(CLEANERS.index(named), 2 if several else 1)]
+    return mission.model_copy(update={"network": mission.network.model_copy(update={"robot": wider})})
 
 
 def network_of_robots(

@@ -1,0 +1,268 @@
+"""The evaluation that gives advice for a mission: a search for its best options, and a last round that judges them.
+
+All missions are in one journal. Which of them come next follows from those that are done; see `train.advising.search`.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from clean_swarm_env.config.families import FamilyConfig, scenario_name
+from clean_swarm_env.config.load import load_family
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.world.mission import MissionResult
+from clean_swarm_env.world.task import task_class
+from selector.documents.errors import DocumentError, within
+from selector.documents.fields import JOINT
+from selector.documents.find import files_of
+from selector.documents.writing import write_whole
+from selector.knowledge import Knowledge, Option
+from selforg.plugins import PluginError
+from train.advising.opening import Opened, arms_hold, document_of, opened, variants_of, without
+from train.advising.search import CPU, JAMMED, Found, Lacking, Search, arm_of, needed
+from train.analysis.verdict import RANDOM
+from train.deciders.named import FIXED, MACHINE, POLICY, decider_named
+from train.evaluation.base import Choosers, Done, Evaluation
+from train.evaluation.entrants import Entrant, check_fit
+from train.evaluation.pipeline import mission_score
+from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named
+from train.reports.text_table import Publication
+from train.request import Request
+from train.running.needs import check_needs, needs_of
+from train.running.runs import RunRecord
+
+OPTIONS, NUMBERS = "options.yaml", "numbers.yaml"
+"""Files with all options that race, and with the variants of the best ones, too; there the best have the highest score,
+so that a rule for one goal leaves them in place for the others."""
+NO_RULES = ("random-held",)
+"""Machines that ship as chance."""
+OFF = "Off"
+"""The option that never avoids."""
+BROKE = "broke: "
+"""Begins the count of missions that a plug-in broke off, before its error."""
+USUAL_SHARE = 0.05
+"""Share of its time limit that a mission lasts, coarsely, before one has run."""
+LEAST_MISSIONS = 120
+"""Missions without which nothing can be said."""
+
+
+@dataclass(frozen=True)
+class AdviceTask(TrialTask):
+    """Starts under one arm; missions that a plug-in breaks off cost more than any other."""
+
+    def each(self) -> Iterator[RunRecord]:
+        """Run the missions."""
+        done, before = set(), time.process_time()
+        try:
+            for record in super().each():
+                done.add(record.key)
+                before, began = time.process_time(), before
+                yield replace(record, counts={CPU: round(1000.0 * (before - began))})
+        except PluginError as error:
+            for scenario in self.scenarios:
+                if (scenario.id, self.condition) not in done:
+                    mission, none = scenario.mission, (0.0,) * len(scenario.mission.collision_distances)
+                    measures = {measure.name: 0.0 for measure in task_class(mission).measures}
+                    lost = (0, mission.robots.count, 0, 0.0, 100.0 * mission.time_limit, 0.0, measures)
+                    result = MissionResult(False, mission.time_limit, none, none, *lost)
+                    yield self.finished(scenario, result, 0.0, counts={f"{BROKE}{error}": 1})
+
+
+class AdviceEvaluation(Evaluation):
+    """Advice for a mission, a family or a task.
+
+    Args:
+        request: the request, with the directory of the results.
+        minutes: time of processors for all missions [min].
+
+    """
+
+    def __init__(self, request: Request, minutes: float) -> None:
+        super().__init__(request)
+        assert request.output is not None
+        self.folder, self._budget = request.output, 60.0 * minutes
+        with within(request.name):
+            family = load_family(request.name, self.directories).with_knowledge(request.knowledge, self.directories)
+            self._check_time(family, minutes)
+            check_needs(family.largest, TASK_SCENARIOS, request.machine, TASK_SCENARIOS)
+            self.opened, self.choosers_that_fit = self._opened(opened(family, self.directories))
+        self.family, self.mission = self.opened.family, self.opened.family.mission
+        self.goal = JOINT.join(self.opened.goals)
+        self.stem, self.scenarios, self.context = self.family.name, [], ""
+        self._varied: dict[str, list[Option]] = {}
+        options = {goal: [one.model_dump(mode="json") for one in own] for goal, own in self.opened.known.table.items()}
+        asked = {"minutes": minutes, "options": options, "learned": bool(self.opened.known.learned)}
+        family_content = self.family.model_dump(mode="json")
+        self.identify({"family": family_content, "seed": request.seed, "goal": self.goal, "advice": asked})
+
+    @property
+    def measured(self) -> bool:
+        """Whether the task has measures with targets."""
+        return bool(task_class(self.mission).measures)
+
+    @property
+    def nothing_to_choose(self) -> bool:
+        """Whether each goal has one option only."""
+        return self.opened.combinations == 1
+
+    def tasks(self, done: Done) -> list[TrialTask]:
+        """Return the missions that the search needs next; once it is over, those of the last round."""
+        write_whole(self.folder / OPTIONS, document_of(self.opened.known.table).encode())
+        search = self.search(done)
+        try:
+            self.judged(search.run(), done)
+        except Lacking as lacking:
+            return [task for arm, own in lacking.missing.items() for task in self._tasks_of(arm, own)]
+        return []
+
+    def search(self, done: Done) -> Search:
+        """Return the search over missions that are done."""
+        return Search(
+            self.opened,
+            self.choosers_that_fit,
+            self._vary,
+            done,
+            self._budget,
+            lambda record: mission_score(self.mission, record.result.cost_s),
+            counts=not self.mission.items.keep_coming,
+            entrants=lambda winner, finalists, choosers: (
+                len(self.entrants(winner, finalists, choosers)) + (len(finalists) if len(finalists) > 1 else 0)
+            ),
+        )
+
+    def entrants(self, winner: str, finalists: Sequence[str], choosers: Sequence[str]) -> list[str]:
+        """Return the arms of the last round: the best, what it must beat, and what changes options on the way."""
+        held = arms_hold(self.opened, winner)
+        off = [arm_of({**held, goal: OFF}) for goal in self.opened.goals if OFF in self.opened.names(goal)]
+        chance = [] if self.nothing_to_choose else [RANDOM]
+        return list(dict.fromkeys([winner, *finalists, arm_of(self.opened.experts), *off, *chance, *choosers]))
+
+    def judged(self, found: Found, done: Done) -> tuple[dict[str, int], dict[str, int]]:
+        """Return the arms of the last round that did all starts, with the worlds of each; and lost starts of the rest.
+
+        Lacking says which missions are missing, of the first starts only while those are not done.
+        """
+        arms = self.entrants(found.winner, found.finalists, found.choosers)
+        first = {arm: [(scenario_name("test", k), arm) for k in range(min(found.starts, JAMMED))] for arm in arms}
+        runs = needed(first, done)
+        stopped = {}
+        if not self.mission.items.keep_coming:
+            lost = {arm: sum(not one.result.completed for one in own) for arm, own in runs.items()}
+            stopped = {arm: many for arm, many in lost.items() if 2 * many >= JAMMED and arm != found.winner}
+        twice = found.finalists if len(found.finalists) > 1 else ()
+        worlds = {arm: 1 + (arm in twice) for arm in arms if arm not in stopped}
+        every = {
+            arm: [(scenario_name("test", k, w), arm) for k in range(found.starts) for w in range(own)]
+            for arm, own in worlds.items()
+        }
+        needed(every, done)
+        return worlds, stopped
+
+    def mistake(self, record: RunRecord) -> str:
+        """Return why a run is not one of this advice."""
+        return record.mistake(self.family.name, self.request.seed, self.family.largest)
+
+    def choosers(self) -> Mapping[str, Choosers]:
+        """Return nothing: missions do not learn in turn."""
+        return {}
+
+    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> TrialTask:
+        """Return the task of a run in which options serve the goals."""
+        return replace(self._tasks_of(condition, [scenario])[0], goal=self.goal).serving(options)
+
+    def publication(self, records: Sequence[RunRecord]) -> Publication:
+        """Return the advice."""
+        from train.advising.report import Advice  # waits: the runs need no tables
+
+        return Advice.of(self, {record.key: record for record in records}).publication
+
+    def conclude(self, records: Sequence[RunRecord]) -> None:
+        """Write what the advice is used with: knowledge, a family that has it, and a page with the two best."""
+        from train.advising.shipping import ship
+
+        ship(self, {record.key: record for record in records})
+
+    def task(self, arm: str, scenario: str) -> TrialTask:
+        """Return the task of one run of an arm."""
+        return self._tasks_of(arm, [scenario])[0]
+
+    def _opened(self, wide: Opened) -> tuple[Opened, list[str]]:
+        """Return an opened mission without the options that no robot can have, and the rules and policies that fit."""
+        with TemporaryDirectory() as folder:
+            file = Path(folder) / OPTIONS
+
+            def batch(known: Knowledge) -> Batch:
+                write_whole(file, document_of(known.table).encode())
+                scenario = wide.with_knowledge(file).scenario(0, 0, "test")
+                return Batch(scenario.mission, directories=self.directories)
+
+            try:
+                built = batch(wide.known)
+            except (DocumentError, PluginError):
+                wide = without(wide, batch)
+                built = batch(wide.known)
+            return wide, [] if wide.combinations == 1 else self._fitting(wide, built)
+
+    def _fitting(self, wide: Opened, batch: Batch) -> list[str]:
+        """Return the rules and policies that decide a goal of the mission and fit it."""
+        names = [f"{MACHINE}:{name}" for name in files_of("machines", self.directories) if name not in NO_RULES]
+        names += [f"{POLICY}:{name}" for name in files_of("policies", self.directories)]
+        several, found = {goal for goal in wide.goals if len(wide.names(goal)) > 1}, []
+        for name in names:
+            try:
+                meant = decider_named(name, self.directories).meant_for or ()
+                own = meant.split(JOINT) if isinstance(meant, str) else meant
+                if several & set(own):
+                    check_fit([Entrant(name, (name,))], batch, JOINT.join(wide.goals), self.directories)
+                    found.append(name)
+            except (DocumentError, ValueError):
+                continue
+        return found
+
+    def _check_time(self, family: FamilyConfig, minutes: float) -> None:
+        """Raise DocumentError if the fewest missions of which anything can be said take longer than there is time."""
+        needed = USUAL_SHARE * needs_of(family.largest).time * LEAST_MISSIONS / 60.0
+        if needed > minutes and not self.request.machine.forced:
+            expected = f"expected at least {math.ceil(needed)} for a mission of {family.largest.rows} robots"
+            raise DocumentError(f"--minutes: {expected}, by a coarse estimate, got {minutes:g}; --force begins anyway")
+
+    def _vary(self, held: Mapping[str, str]) -> Mapping[str, Sequence[Option]]:
+        """Return the variants of options, and write them to their file; goal -> option."""
+        by_name = {goal: {one.name: one for one in own} for goal, own in self.opened.known.table.items()}
+        chosen = {goal: by_name[goal][name] for goal, name in held.items()}
+        self._varied = variants_of(chosen, self.directories)
+        write_whole(self.folder / NUMBERS, document_of(self.table_with(held)).encode())
+        return self._varied
+
+    def table_with(self, held: Mapping[str, str]) -> dict[str, list[Option]]:
+        """Return goal -> its options and variants; those in `held` have the highest score."""
+        found = {}
+        for goal, own in self.opened.known.table.items():
+            options = [*own, *self._varied.get(goal, ())]
+            most = max(one.score for one in options) + 1.0
+            better = [one.model_copy(update={"score": most}) if one.name == held[goal] else one for one in options]
+            found[goal] = better
+        return found
+
+    def file_of(self, arm: str) -> Path:
+        """Return the file with the knowledge of an arm."""
+        names = {option.name for own in self._varied.values() for option in own}
+        kind, _, options = arm.partition(":")
+        varied = kind == FIXED and names & set(options.split(JOINT))
+        return self.folder.resolve() / (NUMBERS if varied or kind in (MACHINE, POLICY) else OPTIONS)
+
+    def _tasks_of(self, arm: str, names: Sequence[str]) -> list[TrialTask]:
+        """Return the tasks of scenarios of an arm."""
+        family = self.opened.with_knowledge(self.file_of(arm))
+        drawn = [scenario_named(family, self.request.seed, name) for name in names]
+        named: tuple[Any, ...] = (family.name, self.request.seed)
+        return [
+            AdviceTask(*named, tuple(drawn[k : k + TASK_SCENARIOS]), arm, arm, self.goal, directories=self.directories)
+            for k in range(0, len(drawn), TASK_SCENARIOS)
+        ]

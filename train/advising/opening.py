@@ -1,0 +1,181 @@
+"""Missions opened: robots coordinate all goals that they could, by all options that the library has for them.
+
+What the mission itself says stays: its own options with their scores, what robots hold, the documents of its groups.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, product, zip_longest
+from pathlib import Path
+
+import numpy as np
+
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.known import knowledge_of
+from clean_swarm_env.world.task import task_class
+from selector.configurations.library import library_of
+from selector.documents.fields import JOINT
+from selector.documents.parameters import Content
+from selector.documents.reading import as_yaml
+from selector.knowledge import Knowledge, Option
+from selector.strategies.problem import Problem
+
+FACTORS = (0.7, 1.4)
+"""What a number of an option is multiplied by in its variants."""
+VARIED = (1e-6, 1e6)
+"""Least and largest number that is varied: beyond them stand those that switch something off."""
+MOST_VARIANTS = 12
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A family whose robots coordinate all goals that they could."""
+
+    family: FamilyConfig
+    known: Knowledge
+    """The options of each goal: the mission's own, then those of the library."""
+    experts: Mapping[str, str]
+    """Goal -> the option of the highest score."""
+    dropped: Mapping[str, str]
+    """Option that cannot be built -> why."""
+
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """The goals that are coordinated."""
+        return self.known.goals
+
+    def names(self, goal: str) -> list[str]:
+        """Return the names of the options of a goal."""
+        return [option.name for option in self.known.options(goal)]
+
+    @property
+    def combinations(self) -> int:
+        """Number of ways to hold an option of each goal."""
+        return int(np.prod([len(self.names(goal)) for goal in self.goals]))
+
+    def with_knowledge(self, file: Path) -> FamilyConfig:
+        """Return the family with the options in a file."""
+        changes = {"knowledge": str(file), "store": "", "learned": {}}
+        return self.family.model_copy(update={"mission": self.family.mission.model_copy(update=changes)})
+
+
+def opened(family: FamilyConfig, directories: tuple[Path, ...]) -> Opened:
+    """Return a family opened; DocumentError if its mission has a mistake."""
+    own, kind = knowledge_of(family.mission, directories), task_class(family.mission)
+    mission, library = kind.opened(family.mission), library_of(directories)
+    table: dict[str, tuple[Option, ...]] = {}
+    dropped: dict[str, str] = {}
+    for goal in kind.goals(mission, directories):
+        mine, found = own.table.get(goal, ()), list[Option]()
+        least = min((0.0, *(option.score for option in mine)))
+        for option in (*mine, *library_options(goal, directories)):
+            if option.name in dropped or any(_same(option, other) for other in found):
+                continue
+            try:
+                library.of_option(option)
+            except ValueError as error:  # of a file, or of a plug-in
+                dropped[option.name] = str(error)
+                continue
+            found.append(option if option in mine or not mine else option.model_copy(update={"score": least}))
+        table[goal] = tuple(found)
+    learned = {goal: scores for goal, scores in own.learned.items() if goal in table}
+    known = Knowledge(table, own.source, learned)
+    experts = {goal: one.options[int(one.scores.argmax())] for goal in table for one in [Problem.of(known, goal)]}
+    changed = family.model_copy(update={"mission": mission})
+    return Opened(changed, known, experts, dropped)
+
+
+def without(wide: Opened, build: Callable[[Knowledge], object]) -> Opened:
+    """Return an opened mission without those options of the library with which `build` fails.
+
+    Raises:
+        ValueError: what the mission itself says cannot be built.
+
+    """
+    known = replace(wide.known, table={goal: own[:1] for goal, own in wide.known.table.items()})
+    build(known)
+    dropped = dict(wide.dropped)
+    for goal, own in wide.known.table.items():
+        for option in own[1:]:
+            more = replace(known, table={**known.table, goal: (*known.table[goal], option)})
+            try:
+                build(more)
+            except ValueError as error:  # of a document, or of a plug-in
+                dropped[option.name] = str(error)
+            else:
+                known = more
+    return replace(wide, known=known, dropped=dropped)
+
+
+def arms_hold(wide: Opened, arm: str) -> dict[str, str]:
+    """Return goal -> the option that an arm of fixed options holds."""
+    return dict(zip(wide.goals, arm.partition(":")[2].split(JOINT), strict=True))
+
+
+def _same(option: Option, other: Option) -> bool:
+    """Return whether two options are one: the same name, or the same numbers."""
+    return option.name == other.name or (option.configuration, option.parameters) == (
+        other.configuration,
+        other.parameters,
+    )
+
+
+def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> dict[str, list[Option]]:
+    """Return goal -> variants of the option that serves it, each with another value of one number.
+
+    Values that the library refuses are left out.
+    """
+    library = library_of(directories)
+    tried = []
+    for goal, option in held.items():
+        numbers = {**library.parameters(option.configuration), **option.parameters}
+        own = []
+        for (name, value), factor in product(numbers.items(), FACTORS):
+            if isinstance(value, bool) or not isinstance(value, int | float) or not VARIED[0] <= abs(value) <= VARIED[1]:
+                continue
+            changed = round(value * factor) if isinstance(value, int) else float(f"{value * factor:.2g}")
+            called = f"{option.name}-{name}{changed:g}".replace("_", "")
+            variant = Option(
+                name=called,
+                configuration=option.configuration,
+                score=option.score,
+                parameters={**option.parameters, name: changed},
+            )
+            try:
+                library.of_option(variant)
+            except ValueError:
+                continue
+            if changed != value:
+                own.append((goal, variant))
+        tried.append(own)
+    found: dict[str, list[Option]] = {goal: [] for goal in held}
+    for goal, variant in [one for one in chain(*zip_longest(*tried)) if one is not None][:MOST_VARIANTS]:
+        found[goal].append(variant)
+    return found
+
+
+def document_of(table: Mapping[str, Sequence[Option]], **more: Content) -> str:
+    """Return the knowledge file of options; `more`: further keys."""
+    goals = {goal: [option.model_dump(mode="json") for option in options] for goal, options in table.items()}
+    return as_yaml({**more, "goals": goals})
+
+
+def joined(held: Mapping[str, str]) -> str:
+    """Return the name of the combination of options; goal -> option."""
+    return JOINT.join(held.values())
+
+
+def library_options(goal: str, directories: tuple[Path, ...]) -> list[Option]:
+    from selector.documents.find import files_of
+    from selector.knowledge import load_knowledge
+
+    found: list[Option] = []
+    for name in ("avoidance", "exploring", "transport", *files_of("knowledge", directories)):
+        for option in load_knowledge(name, directories).table.get(goal, ()):
+            twin = any((option.configuration, option.parameters) == (o.configuration, o.parameters) for o in found)
+            if not twin:
+                taken = any(option.name == o.name for o in found)
+                found.append(option.model_copy(update={"name": f"{option.name}-{name}"}) if taken else option)
+    return found

@@ -1,0 +1,329 @@
+"""Advice in words: what to hold, what it saves beside what one would do else, and whether changing it on the way pays.
+
+Only the last round makes claims, on starts that chose nothing. Its ratios are of mean excess costs; whether choosers
+beat the best combination is told by sign flips, corrected by Holm (`train.analysis`).
+
+Shapes: K starts of the last round, V worlds of each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.config.families import scenario_name
+from selector.documents.fields import JOINT
+from selector.knowledge import LearnedScore, LearnedScores, Option
+from selforg.arrays import Floats
+from train.advising.advice import BROKE, OFF, AdviceEvaluation
+from train.advising.opening import arms_hold
+from train.advising.search import CPU, JAMMED, Found, Round, Search, arm_of
+from train.analysis.family_report import FamilyRuns, family_report_of
+from train.analysis.flips import ALPHA
+from train.analysis.intervals import TOLD, Interval, Ratio, about_number, corrected_ps
+from train.analysis.strategy_comparison import Estimate, cross_fitted
+from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left
+from train.deciders.named import FIXED, MACHINE
+from train.evaluation.base import Done
+from train.reports.family_tables import family_tables
+from train.reports.figures import draw_family
+from train.reports.text_table import EMPTY_CELL, Grid, Publication
+
+WORTH = 0.05
+"""Gain of the best combination of each start, in hindsight, from which on training a selector may be worth it [-]."""
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What was found for a mission.
+
+    Attributes:
+        evaluation, search, found: what was asked, what was done, what came out.
+        runs: the last round, of the arms that did all starts.
+        stopped: arm that was stopped in the last round -> missions that it left unfinished.
+
+    """
+
+    evaluation: AdviceEvaluation
+    search: Search
+    found: Found
+    runs: FamilyRuns
+    stopped: Mapping[str, int]
+    done: Done
+
+    @classmethod
+    def of(cls, evaluation: AdviceEvaluation, done: Done) -> Advice:
+        """Return the advice of an evaluation whose missions are all done."""
+        search = evaluation.search(done)
+        found = search.run()
+        worlds, stopped = evaluation.judged(found, done)
+        runs = FamilyRuns(
+            family=evaluation.family,
+            goal=evaluation.goal,
+            seed=evaluation.request.seed,
+            scenarios=found.starts,
+            worlds=1,
+            conditions={arm: (arm,) for arm in worlds},
+            fixed=tuple(arm for arm in worlds if arm.startswith(f"{FIXED}:")),
+            records=list(done.values()),
+        )
+        return cls(evaluation, search, found, runs, stopped, done)
+
+    @property
+    def held(self) -> dict[str, str]:
+        """Goal -> the option to hold."""
+        return arms_hold(self.evaluation.opened, self.found.winner)
+
+    @cached_property
+    def costs(self) -> dict[str, Floats]:
+        """Arm -> excess (1, K, 1) of its missions [s]."""
+        return self.runs.table(lambda _, result: result.excess_s)
+
+    @cached_property
+    def left(self) -> dict[str, Floats]:
+        """Arm -> whether missions (1, K, 1) were left unfinished; nothing where that means nothing."""
+        if self.evaluation.mission.items.keep_coming:
+            return {}
+        return self.runs.table(lambda _, result: float(not result.completed))
+
+    def ratio(self, arm: str) -> Ratio:
+        """Return the ratio of an arm's mean excess to that of the best."""
+        return Ratio.between(arm, self.found.winner, self.costs, self.left)
+
+    @cached_property
+    def hindsight(self) -> Ratio | None:
+        """The ratio of the best combination of each start, chosen in one world and judged in another, to the best."""
+        finalists = [arm for arm in self.found.finalists if arm in self.costs]
+        if len(finalists) < 2:
+            return None
+        starts = range(self.found.starts)
+        at = self.done
+        both = np.array(
+            [
+                [[at[scenario_name("test", k, w), arm].result.excess_s for w in range(2)] for k in starts]
+                for arm in finalists
+            ]
+        )
+        return Ratio.of(cross_fitted(both)[None, :, None], both[:1].mean(axis=2, keepdims=True))
+
+    @cached_property
+    def better(self) -> list[str]:
+        """Rules and policies that are shown to beat the best combination, the best first."""
+        names = [arm for arm in self.found.choosers if arm in self.costs]
+        ratios = [self.ratio(arm) for arm in names]
+        told = zip(names, ratios, corrected_ps(ratios) if ratios else [], strict=True)
+        found = [(one.ratio or 0.0, arm) for arm, one, p in told if p is not None and p < ALPHA and one.sign < 0.0]
+        return [arm for _, arm in sorted(found)]
+
+    @property
+    def gains(self) -> bool:
+        """Whether the best combination of each start is shown to gain something worth while."""
+        ratio = self.hindsight
+        told = ratio is not None and ratio.p is not None and ratio.p < ALPHA and ratio.sign < 0.0
+        return told and ratio is not None and (ratio.ratio or 1.0) <= 1.0 - WORTH
+
+    @property
+    def sentences(self) -> list[str]:
+        """The advice in a few sentences."""
+        evaluation = self.evaluation
+        if evaluation.nothing_to_choose:
+            return [f"{evaluation.family.name}: there is nothing to choose: {self._words(self.found.winner)} is all."]
+        return [*filter(None, (self._hold, self._beside, self._on_the_way, self._worth, *self._remarks))]
+
+    @property
+    def _hold(self) -> str:
+        evaluation, found, opened = self.evaluation, self.found, self.evaluation.opened
+        mean = Estimate.of(self.costs[found.winner].mean(axis=2))
+        sizes = {1: "options", 2: "pairs"}
+        of = f"{opened.combinations} {sizes.get(len(opened.goals), 'combinations')}"
+        variants = f" and {found.variants} variants of their numbers" if found.variants else ""
+        cost = f"{amount(mean.value)} s a mission{interval_words(mean.ci95, amount)} on {found.starts} fresh starts"
+        begin = f"{evaluation.family.name}: hold {self._words(found.winner)}: {cost}, the best of {of}{variants}."
+        if not self.left:
+            return begin
+        lost, most = int(self.left[found.winner].sum()), most_left(self.left[found.winner])
+        word = "ended short of a target" if evaluation.measured else "left unfinished"
+        many = f"{lost or 'No'} mission{'s' * (lost > 1)} of {found.starts} {'were' if lost > 1 else 'was'} {word}"
+        return f"{begin} {many} (up to {most:.0%} may be)."
+
+    @property
+    def _beside(self) -> str:
+        opened, winner, parts, lost = self.evaluation.opened, self.found.winner, list[str](), list[str]()
+        off = {arm_of({**self.held, goal: OFF}): "never avoiding" for goal in opened.goals if OFF in opened.names(goal)}
+        said = {**off, arm_of(opened.experts): "the experts' scores", RANDOM: "a random choice"}
+        for arm, name in said.items():
+            if arm in self.stopped:
+                lost.append(f"{name} left {self.stopped[arm]} of {JAMMED} unfinished")
+            elif arm in self.costs and arm != winner:
+                costs = "costs " if not parts else ""
+                parts.append(f"{name} {costs}{times(self.ratio(arm), 'times as much' if not parts else '')}")
+        same = "the experts' scores choose the same" if arm_of(opened.experts) == winner else ""
+        return sentence("; ".join(filter(None, (", ".join(parts), *lost, same))))
+
+    @property
+    def _on_the_way(self) -> str:
+        names = {arm: f"the rule {arm[4:]}" if arm.startswith(f"{MACHINE}:") else arm for arm in self.found.choosers}
+        parts = [f"{name} {times(self.ratio(arm))}" for arm, name in names.items() if arm in self.costs]
+        parts += [f"{names[arm]} left {self.stopped[arm]} of {JAMMED} unfinished" for arm in names if arm in self.stopped]
+        begin = "No rule or policy that ships fits this mission."
+        if parts:
+            begin = f"To change the choice during the mission: {', '.join(parts)}."
+        ratio = self.hindsight
+        if ratio is None or ratio.ratio is None:
+            return begin
+        ends = ratio.ci95 and tuple(100.0 - 100.0 * end for end in reversed(ratio.ci95))
+        gain = f"{1.0 - ratio.ratio:.0%}{interval_words(ends, '{:.0f}'.format)}"
+        what = {1: "option", 2: "pair"}.get(len(self.evaluation.opened.goals), "combination")
+        return f"{begin} The best {what} of each start in hindsight gains {gain}."
+
+    @property
+    def _worth(self) -> str:
+        learn = "`--learn` trains one for this mission and judges it the same way"
+        if self.better:
+            return f"So a selector is worth it here: {self.better[0]} is shown to be better than the best that is held."
+        if self.gains:
+            return f"So a selector may be worth it here, though none that ships is shown to be; {learn}."
+        ratios = [*(self.ratio(arm) for arm in self.found.choosers if arm in self.costs), self.hindsight]
+        counts = [one.tests[0].needed(TOLD) for one in ratios if one is not None and one.tests[0].spread > 0.0]
+        count = max((count for count in counts if count is not None), default=0.0)
+        more = f"; about {about_number(count)} starts would tell a tenth" if count > self.found.starts else ""
+        return f"So a learned selector is not shown to be worth it here{more}. {learn}."
+
+    @property
+    def _remarks(self) -> list[str]:
+        dropped = dict(self.evaluation.opened.dropped)
+        for record in self.done.values():
+            dropped |= {record.condition: name.removeprefix(BROKE) for name in record.counts if name.startswith(BROKE)}
+        told = [f"{self._words(arm)} dropped out: {why}." for arm, why in dropped.items()]
+        if self.search.left_out:
+            told.append(f"{self.search.left_out} options were not tried for lack of time: --minutes.")
+        return told
+
+    def _words(self, arm: str) -> str:
+        """Return what an arm is called in a sentence."""
+        return listed(arm.partition(":")[2].split(JOINT)) if arm.startswith(f"{FIXED}:") else arm
+
+    @property
+    def learned(self) -> LearnedScores:
+        """Goal -> option -> the rewards of its missions.
+
+        The mean of an option is that of the best, and by how much its own differed from it on the same starts in the
+        last round in which both took part: rounds have other starts, and later ones better partners.
+        """
+        found: LearnedScores = {}
+        rewards = [self.search.reward(self.done[scenario_name("test", k), self.found.winner]) for k in self._starts]
+        bases = arms_hold(self.evaluation.opened, self.found.leader)
+        for column, (goal, best) in enumerate(self.held.items()):
+            known = {one.name for one in self.table[goal]}
+            own = {best: LearnedScore(count=len(rewards), mean=float(np.mean(rewards)), variance=float(np.var(rewards)))}
+            for reference in dict.fromkeys((best, bases[goal])):  # rounds before that of the numbers lack a variant
+                beside = dict(chain.from_iterable(_beside(one, column, reference) for one in self.search.rounds))
+                own = {
+                    name: LearnedScore(count=count, mean=own[reference].mean + less, variance=variance)
+                    for name, (count, less, variance) in beside.items()
+                    if name in known
+                } | own
+            found[goal] = own
+        return found
+
+    @property
+    def _starts(self) -> Sequence[int]:
+        return range(self.found.starts)
+
+    @property
+    def table(self) -> dict[str, list[Option]]:
+        """Goal -> the options of the knowledge: those of the mission and of the library, and what is to be held."""
+        table = self.evaluation.table_with(self.held)
+        known = {goal: set(self.evaluation.opened.names(goal)) for goal in self.held}
+        scored = {(goal, one.name): one.score for goal, own in self.evaluation.opened.known.table.items() for one in own}
+        return {
+            goal: [
+                one.model_copy(update={"score": scored.get((goal, one.name), 0.0)})
+                for one in own
+                if one.name in known[goal] or one.name == self.held[goal]
+            ]
+            for goal, own in table.items()
+        }
+
+    @property
+    def publication(self) -> Publication:
+        """The report."""
+        report = family_report_of(self.runs)
+        evaluation = self.evaluation
+        about = f"{evaluation.family.description}\nOptions of {', '.join(evaluation.opened.goals)}."
+        grids = [*family_tables(report), *self._races]
+        return Publication(evaluation.family.name, about, self.sentences, grids, self.content, draw_family(report))
+
+    @property
+    def content(self) -> dict[str, Any]:
+        """Content of `summary.json`."""
+        ratios = {arm: self.ratio(arm).content for arm in self.costs if arm != self.found.winner}
+        return {
+            "mission": self.evaluation.family.name,
+            "held": self.held,
+            "starts": self.found.starts,
+            "excess_s": {arm: float(own.mean()) for arm, own in self.costs.items()},
+            "ratios": ratios,
+            "hindsight": None if self.hindsight is None else self.hindsight.content,
+            "stopped": dict(self.stopped),
+            "better": self.better,
+            "worth_it": bool(self.better or self.gains),
+            "missions": len(self.done),
+            "cpu_s": round(sum(record.counts.get(CPU, 0) for record in self.done.values()) / 1000.0, 1),
+        }
+
+    @property
+    def _races(self) -> list[Grid]:
+        """One table for each round of the search."""
+        found = []
+        for done in self.search.rounds:
+            means = dict(zip(done.arms, done.means.tolist(), strict=True))
+            rows = [(arm, f"{means[arm]:.1f}", self._stopped(arm)) for arm in done.order]
+            count = done.costs.shape[1]
+            found.append(Grid(f"search, {done.title}: {count} starts", ("arm", "excess s", "stopped"), rows))
+        return found
+
+    def _stopped(self, arm: str) -> str:
+        return f"{self.search.stopped[arm]} of {JAMMED} unfinished" if arm in self.search.stopped else EMPTY_CELL
+
+
+def _beside(done: Round, column: int, best: str) -> list[tuple[str, tuple[int, float, float]]]:
+    """Return options, each with starts, by how much its mean reward differs from that of `best`, and the variance of its own.
+
+    Of several arms with an option the cheapest counts.
+    """
+    places: dict[str, int] = {}
+    for place in done.means.argsort(kind="stable").tolist():
+        kind, _, options = done.arms[place].partition(":")
+        if kind == FIXED:
+            places.setdefault(options.split(JOINT)[column], place)
+    if best not in places or done.title == "choosers":
+        return []
+    reference = done.rewards[places[best]]
+    return [
+        (name, (len(reference), float((done.rewards[place] - reference).mean()), float(done.rewards[place].var())))
+        for name, place in places.items()
+        if name != best
+    ]
+
+
+def times(ratio: Ratio, words: str = "") -> str:
+    """Return a ratio and its interval in words."""
+    if ratio.ratio is None:
+        return "no ratio"
+    digits = "{:.2f}".format if ratio.ratio < 10.0 else "{:.0f}".format
+    return f"{digits(ratio.ratio)}{' ' * bool(words)}{words}{interval_words(_within(ratio.ci95), digits)}"
+
+
+def _within(ends: Interval | None) -> Interval | None:
+    return None if ends is None or ends[1] > 1000.0 else ends
+
+
+def sentence(text: str) -> str:
+    """Return a text as a sentence; nothing for nothing."""
+    return f"{text[0].upper()}{text[1:]}." if text else ""

@@ -1,0 +1,284 @@
+"""The search for the best options of a mission: rounds in which arms do the same fresh starts, and the worse half goes.
+
+An arm is a strategy that robots follow: a combination of options, a rule, or a policy. A round makes no claim and has no
+test: the ranks of its mean excess say who stays, with twice as many starts for the next one (Karnin et al. 2013, Almost
+optimal exploration in multi-armed bandits). First each goal races alone, then the best of each together, then variants
+of the numbers of the best, then rules and policies. The experts' choice is never dropped.
+
+What is done next follows from the runs that are done: a search that goes on comes to the same end, in any number of
+processes.
+
+Shapes: A arms, n starts of a round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+
+from clean_swarm_env.config.families import scenario_name
+from selector.knowledge import ENOUGH, Knowledge, Option
+from selforg.arrays import Flags, Floats
+from train.advising.opening import Opened, arms_hold, joined
+from train.deciders.named import FIXED
+from train.running.runs import RunKey, RunRecord
+
+CPU = "cpu_ms"
+"""Count of a mission: the time of its processor [ms]."""
+LOOK = 8
+"""Starts of the first look, which tells how long missions take."""
+CHECKED = 3
+"""Starts on which scores that are known already are checked."""
+TRUSTED = 0.5
+"""Rank correlation of known scores and this check from which on the scores are trusted [-]."""
+LEFT = 3
+"""Arms with which a race ends."""
+JAMMED = 10
+"""Starts after which an arm stops that left half of them unfinished, if another one did not."""
+SHARES = {"goals": 0.3, "together": 0.15, "numbers": 0.15, "choosers": 0.08}
+"""Part of the budget for each part of the search; the last round gets the rest."""
+FEWEST_STARTS, MOST_STARTS = 3, 32
+"""Bounds of the starts of a round."""
+LAST_FEWEST, LAST_MOST = 8, 100
+"""Bounds of the starts of the last round."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """What a round measured."""
+
+    title: str
+    arms: tuple[str, ...]
+    costs: Floats
+    """(A, n) excess costs [s]; what a stopped arm did not do is its mean."""
+    rewards: Floats
+    """(A, n) rewards, likewise."""
+
+    @property
+    def means(self) -> Floats:
+        """Mean excess (A,) [s]."""
+        return self.costs.mean(axis=1)
+
+    @property
+    def order(self) -> list[str]:
+        """The arms, the cheapest first."""
+        return [self.arms[place] for place in self.means.argsort(kind="stable")]
+
+
+class Lacking(Exception):
+    """Missions are not done: arm -> names of scenarios."""
+
+    def __init__(self, missing: Mapping[str, Sequence[str]]) -> None:
+        super().__init__("missions are not done")
+        self.missing = missing
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search found."""
+
+    winner: str
+    """The arm of the lowest excess."""
+    leader: str
+    """The best arm before its numbers were varied."""
+    finalists: tuple[str, ...]
+    """The winner, and the arms that would best be chosen from beside it, start by start."""
+    choosers: tuple[str, ...]
+    """The best rule and the best policy, where some fit."""
+    variants: int
+    """Number of variants that were tried."""
+    starts: int
+    """Starts of the last round."""
+
+
+@dataclass
+class Search:
+    """A search over the arms of an opened mission.
+
+    Raises Lacking where it needs missions that are not done.
+    """
+
+    opened: Opened
+    choosers: Sequence[str]
+    """Rules and policies that fit."""
+    varied: Callable[[Mapping[str, str]], Mapping[str, Sequence[Option]]]
+    """Returns the variants of options; goal -> option."""
+    done: Mapping[RunKey, RunRecord]
+    budget: float
+    """Time of processors for all missions [s]."""
+    reward: Callable[[RunRecord], float]
+    counts: bool
+    """Whether unfinished missions mean something."""
+    entrants: Callable[[str, Sequence[str], Sequence[str]], int]
+    """Returns the number of missions of each start in the last round."""
+    rounds: list[Round] = field(default_factory=list)
+    stopped: dict[str, int] = field(default_factory=dict)
+    """Arm that was stopped -> starts that it did not finish."""
+    left_out: int = 0
+    """Options that were not tried for lack of time."""
+    _next: int = 0
+    _spent: float = 0.0
+    _missions: int = 0
+
+    def run(self) -> Found:
+        """Return what the search finds."""
+        held = dict(self.opened.experts)
+        self._round("first look", [arm_of(held)], LOOK)
+        best = self._goals_alone(held)
+        arms = [arm_of(dict(zip(best, names, strict=True))) for names in product(*best.values())]
+        experts = arm_of(self.opened.experts)
+        if len(best) > 1:
+            arms = self._race("together", [*dict.fromkeys((*arms, experts))], self._starts(SHARES["together"], 2 * len(arms)))
+        together = next((one for one in self.rounds if one.title == "together"), self.rounds[-1])
+        leader, variants = arms[0], 0
+        if more := self._variants(leader):
+            count = self._starts(SHARES["numbers"], 2 * len(more))
+            arms = self._race("numbers", [*arms[:2], *more, *([] if experts in arms[:2] else [experts])], count)
+            variants = len(more)
+        choosers = self._choosers()
+        finalists = (arms[0], *(arm for arm in _portfolio(together, arms[0]) if arm != arms[0]))[:LEFT]
+        left = (self.budget - self._spent) / (self._price * self.entrants(arms[0], finalists, choosers))
+        starts = int(np.clip(left, LAST_FEWEST, LAST_MOST))
+        return Found(arms[0], leader, finalists, choosers, variants, starts)
+
+    @property
+    def _price(self) -> float:
+        """Mean time of a mission so far [s]."""
+        return max(self._spent, 1e-6) / self._missions
+
+    def _starts(self, part: float, arms: int) -> int:
+        """Return the starts of the first round, of rounds that have so many arms in all, for a part of the budget."""
+        wanted = part * self.budget / (self._price * max(arms, 1))
+        return int(np.clip(wanted, FEWEST_STARTS, MOST_STARTS))
+
+    def _goals_alone(self, held: dict[str, str]) -> dict[str, list[str]]:
+        """Race the options of each goal, with what won before for the others; return the best few of each goal.
+
+        Of three goals or more two are left of each, or else too many combinations would have to race.
+        """
+        options = {goal: self.opened.names(goal) for goal in self.opened.goals}
+        rounds = {goal: len(own) * max(np.ceil(np.log2(len(own) / LEFT)), 1.0) for goal, own in options.items()}
+        best: dict[str, list[str]] = {}
+        for goal, names in options.items():
+            part = SHARES["goals"] * rounds[goal] / sum(rounds.values())
+            count = self._starts(part, int(rounds[goal]))
+            able = part * self.budget / (self._price * rounds[goal] * FEWEST_STARTS)
+            tried = self._trusted(goal, names, held)
+            if able < 1.0:
+                keep = max(int(len(names) * able), LEFT)
+                known = dict(zip(names, self.opened.known.scores(goal).tolist(), strict=True))
+                tried = sorted(tried, key=lambda name: (name != held[goal], -known[name]))[:keep]
+            self.left_out += len(names) - len(tried) if able < 1.0 else 0
+            arms = {arm_of({**held, goal: name}): name for name in tried}
+            order = self._race(goal, list(arms), count) if len(arms) > 1 else list(arms)
+            best[goal] = [arms[arm] for arm in order][: LEFT if len(options) < 3 else LEFT - 1]
+            held[goal] = best[goal][0]
+        return best
+
+    def _trusted(self, goal: str, names: list[str], held: Mapping[str, str]) -> list[str]:
+        """Return the best third of options whose scores are known from missions, if a check agrees; else all."""
+        count, mean = self.opened.known.rewards(goal)[:2]
+        if len(names) <= LEFT or count.min() < ENOUGH:
+            return names
+        checked = self._round(f"{goal}, check", [arm_of({**held, goal: name}) for name in names], CHECKED)
+        agree = np.corrcoef(_ranks(-mean), _ranks(checked.means))[0, 1]
+        if not agree >= TRUSTED:
+            return names
+        kept = {names[place] for place in (-mean).argsort(kind="stable")[: max(len(names) // 3, LEFT)]}
+        return [name for name in names if name in kept or name == held[goal]]
+
+    def _race(self, title: str, arms: Sequence[str], count: int) -> list[str]:
+        """Return the arms that are left in the end, the cheapest first."""
+        experts = self.opened.experts
+        while True:
+            done = self._round(title, arms, count)
+            if len(arms) <= LEFT:
+                return done.order
+            half = done.order[: max(len(arms) // 2, LEFT)]
+            half += [arm for arm in _portfolio(done, half[0])[:2] if arm not in half]
+            half += [arm for arm in arms if arm == arm_of(experts) and arm not in half]
+            if len(half) == len(arms):
+                return done.order
+            arms, count = half, min(2 * count, MOST_STARTS)
+
+    def _variants(self, leader: str) -> list[str]:
+        """Return the arms with another number of one of the leader's options."""
+        held = arms_hold(self.opened, leader)
+        more = self.varied(held)
+        return [arm_of({**held, goal: variant.name}) for goal, own in more.items() for variant in own]
+
+    def _choosers(self) -> tuple[str, ...]:
+        """Return the best rule and the best policy of those that fit."""
+        kinds: dict[str, list[str]] = {}
+        for name in self.choosers:
+            kinds.setdefault(name.partition(":")[0], []).append(name)
+        if all(len(own) == 1 for own in kinds.values()):
+            return tuple(self.choosers)
+        order = self._round("choosers", self.choosers, self._starts(SHARES["choosers"], len(self.choosers))).order
+        return tuple(next(name for name in order if name in own) for own in kinds.values())
+
+    def _round(self, title: str, arms: Sequence[str], count: int) -> Round:
+        """Return what arms bring on the next fresh starts; those that jam stop after some of them."""
+        numbers = range(self._next, self._next + count)
+        found = self._runs(arms, numbers[:JAMMED])
+        going: Flags = np.ones(len(arms), dtype=np.bool_)
+        if self.counts and count >= JAMMED:
+            lost = np.array([sum(not record.result.completed for record in found[arm]) for arm in arms])
+            going = (2 * lost < JAMMED) if (2 * lost < JAMMED).any() else going
+            self.stopped |= {arm: int(many) for arm, goes, many in zip(arms, going, lost, strict=True) if not goes}
+        further = self._runs([arm for arm, goes in zip(arms, going, strict=True) if goes], numbers[JAMMED:])
+        self._next += count
+        runs = [[*found[arm], *further.get(arm, ())] for arm in arms]
+        self._spent += sum(record.counts.get(CPU, 0) for own in runs for record in own) / 1000.0
+        self._missions += sum(map(len, runs))
+        costs, rewards = (
+            np.array([_filled([value(record) for record in own], count) for own in runs])
+            for value in (lambda record: record.result.excess_s, self.reward)
+        )
+        self.rounds.append(Round(title, tuple(arms), costs, rewards))
+        return self.rounds[-1]
+
+    def _runs(self, arms: Sequence[str], numbers: range) -> dict[str, list[RunRecord]]:
+        """Return arm -> the runs on starts; Lacking if some are not done."""
+        keys = {arm: [(scenario_name("train", number), arm) for number in numbers] for arm in arms}
+        return needed(keys, self.done)
+
+
+def needed(keys: Mapping[str, Sequence[RunKey]], done: Mapping[RunKey, RunRecord]) -> dict[str, list[RunRecord]]:
+    """Return arm -> its runs; Lacking if some are not done."""
+    missing = {arm: [scenario for scenario, name in own if (scenario, name) not in done] for arm, own in keys.items()}
+    if any(missing.values()):
+        raise Lacking({arm: own for arm, own in missing.items() if own})
+    return {arm: [done[key] for key in own] for arm, own in keys.items()}
+
+
+def arm_of(held: Mapping[str, str]) -> str:
+    """Return the arm that holds options; goal -> option."""
+    return f"{FIXED}:{joined(held)}"
+
+
+def _portfolio(done: Round, first: str) -> list[str]:
+    """Return arms in the order in which each adds most to the earlier ones, if the best of them is taken at a start."""
+    left = [place for place, arm in enumerate(done.arms) if arm != first]
+    best = done.costs[done.arms.index(first)] if first in done.arms else np.full(done.costs.shape[1], np.inf)
+    order = [first] if first in done.arms else []
+    while left:
+        place = min(left, key=lambda one: float(np.minimum(best, done.costs[one]).mean()))
+        best = np.minimum(best, done.costs[place])
+        left.remove(place)
+        order.append(done.arms[place])
+    return order
+
+
+def _filled(values: Sequence[float], count: int) -> list[float]:
+    """Return values, and their mean for each that is missing of `count`."""
+    return [*values, *[float(np.mean(values))] * (count - len(values))]
+
+
+def _ranks(values: Floats) -> Floats:
+    """Return the ranks of values; equal ones share the mean of theirs."""
+    order = values[:, None] > values
+    return order.sum(axis=1) + 0.5 * (values[:, None] == values).sum(axis=1)

@@ -1,0 +1,38 @@
+"""What an advice leaves in its folder: knowledge with the scores of all options, a family that has it, and a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from clean_swarm_env.config.families import scenario_name
+from clean_swarm_env.recording.reader import RecordedMission
+from selector.documents.reading import as_yaml
+from selector.documents.writing import write_whole
+from train.advising.advice import AdviceEvaluation
+from train.advising.opening import document_of
+from train.advising.report import Advice
+from train.evaluation.base import Done
+from train.evaluation.repeat import record_run
+from train.replay.page_file import write_page
+
+KNOWLEDGE, FAMILY, REPLAY = "knowledge.yaml", "families.yaml", "replay.html"
+
+
+def ship(evaluation: AdviceEvaluation, done: Done) -> None:
+    """Write what an advice is used with."""
+    advice, folder = Advice.of(evaluation, done), evaluation.folder
+    learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in advice.learned.items()}
+    robot = evaluation.mission.network.robot
+    text = document_of(advice.table, description=advice.sentences[0], robot=robot, learned=learned)
+    write_whole(folder / KNOWLEDGE, text.encode())
+    known = evaluation.opened.with_knowledge((folder / KNOWLEDGE).resolve())
+    write_whole(folder / FAMILY, as_yaml(known.model_dump(mode="json")).encode())
+    order = sorted(advice.costs, key=lambda arm: float(advice.costs[arm].mean()))
+    other = next((arm for arm in order if arm != advice.found.winner), None)
+    recordings = []
+    with TemporaryDirectory() as place:
+        for number, arm in enumerate(filter(None, (advice.found.winner, other))):
+            task = evaluation.task(arm, scenario_name("test", 0))
+            recordings.append(RecordedMission(record_run(task, Path(place) / f"{number}.swarm"), ()))
+        write_page(recordings, folder / REPLAY)

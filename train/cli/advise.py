@@ -1,0 +1,38 @@
+"""`clean-swarm advise`: which coordination a mission needs, and whether a learned selector is worth it."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from selector.documents.plain import DocumentError as ConfigurationError
+from train.cli.listing import check_named
+from train.cli.options import REPORTING, GivenOptions, asking, wide_console
+
+MOST_MINUTES = 1e5
+ADVICE = Path("advice")
+"""Where advice is written unless another directory is named."""
+
+
+@asking("seed", "knowledge", *REPORTING)
+def advise_command(
+    mission: Annotated[
+        str,
+        typer.Argument(help="Name of a mission, a family or a task, or path to its YAML file.", metavar="MISSION"),
+    ],
+    minutes: Annotated[float, typer.Option(help="Time of processors for all missions [min].")] = 10.0,
+    *,
+    given: GivenOptions,
+) -> None:
+    """Say which options the robots of a mission should hold, how sure that is, and whether changing them pays."""
+    if not 0.0 < minutes <= MOST_MINUTES:
+        raise ConfigurationError(f"--minutes: expected a positive number up to {MOST_MINUTES:g}, got {minutes:g}")
+    check_named(given.directories, families=mission, knowledge=given.values["knowledge"])
+    from train.advising.advice import AdviceEvaluation  # these import SciPy and Numba
+    from train.evaluation import pipeline
+    from train.running.run_folder import default_directory
+
+    resume = given.values["resume"]
+    output = given.values["output"] or default_directory(Path(mission).stem, resume=resume, root=ADVICE)
+    evaluation = AdviceEvaluation(given.request(mission, output=output), minutes)
+    raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
