@@ -23,7 +23,7 @@ from selforg.arrays import Floats
 from train.analysis.intervals import Ratio
 from train.analysis.statistics import summarise
 
-OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")
+OPTIONS = ("RepulsionFernandez-view2.0", "RepulsionFernandez-view1.5", "RepulsionGradient-view1.5")
 TERMS = ("situation", "goal", "conflictor", "predecessor", "successor", "plan")
 ALL, OFF = "all terms", "planner off"
 TIME_LIMIT = 6000.0  # [s], twice that of the missions, so that slow variants are measured and not cut off

@@ -19,7 +19,7 @@ from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import run_mission
 
 REQUIRED = 800.0  # simulated seconds for a CPU second
-OPTIONS = ("RepulsionFernandez", "RepulsionGradient")
+OPTIONS = ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")
 SCENARIOS = 2
 BATCH = 64  # worlds
 WARM_UP, TICKS = 100, 100

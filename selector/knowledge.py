@@ -8,10 +8,10 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.errors import DocumentError, impossible, shown, validated
 from selector.documents.fields import Closed, DocumentName, Label, Name, NonNegative, Number, checked_name
-from selector.documents.find import find_file
-from selector.documents.plain import short
+from selector.documents.find import all_files, find_file
+from selector.documents.plain import plain, short
 from selector.documents.reading import read_mapping
 from selforg.arrays import Floats
 from selforg.registry import unknown
@@ -20,15 +20,29 @@ ENOUGH = 5
 """Rewards from which their mean takes the place of the expert's score."""
 
 
-class Option(Closed):
-    """One way to serve a goal: a configuration, and values for its parameters."""
+class Definition(Closed):
+    """What the name of an option stands for: a configuration, and values for its parameters."""
 
     configuration: Label
     """Key of the configuration in the library."""
-    score: Number
-    """How well the option serves the goal, by the expert [-]; the option of the highest score is taken."""
     parameters: dict[Label, Any] = Field(default_factory=dict)
     """Values that override the parameters of the configuration."""
+
+    @property
+    def meaning(self) -> str:
+        """Both in a line."""
+        return plain(f"{self.configuration} {dict(sorted(self.parameters.items()))}")
+
+    def same(self, other: "Definition") -> bool:
+        """Return whether two options are one thing, whatever their scores."""
+        return (self.configuration, self.parameters) == (other.configuration, other.parameters)
+
+
+class Option(Definition):
+    """One way to serve a goal."""
+
+    score: Number
+    """How well the option serves the goal, by the expert [-]; the option of the highest score is taken."""
     name: Label = ""
     """Name, unique among the options of a goal; the key of the configuration unless given."""
 
@@ -38,6 +52,34 @@ class Option(Closed):
         if isinstance(given, Mapping) and "name" not in given and "configuration" in given:
             return {**given, "name": given["configuration"]}
         return given
+
+
+class _ListedOption(Option):
+    """An option in a knowledge file: one of the library by its name, or one of the file's own by its configuration."""
+
+    configuration: Label = ""
+    """Key of the configuration; empty for an option of the library."""
+
+    @model_validator(mode="after")
+    def _defined_once(self) -> Self:
+        if not self.name:
+            raise impossible("name", "the name of an option of the library, or a configuration", "neither")
+        if self.parameters and not self.configuration:
+            raise impossible("parameters", "a configuration beside them", "none")
+        return self
+
+    def defined(self, library: Mapping[str, Option], where: str) -> Option:
+        """Return the option with what it stands for; DocumentError if the library has none, or another of its name."""
+        known = library.get(self.name)
+        if known is None and not self.configuration:
+            own = "one of your own needs a configuration"
+            raise DocumentError(f"{where}: {unknown('option', self.name, tuple(library))}; {own}")
+        if known is None:
+            return Option(**self.model_dump())
+        if self.configuration and not self.same(known):
+            expected = f"expected {known.meaning}, as in the library, got {self.meaning}"
+            raise DocumentError(f"{where}: option {self.name!r}: {expected}; give it another name")
+        return known.model_copy(update={"score": self.score})
 
 
 class LearnedScore(Closed):
@@ -63,7 +105,7 @@ class _KnowledgeFile(Closed):
     robot: DocumentName | Literal[""] = ""
     """Document of robots that coordinate these goals, which missions with this knowledge take; their own unless
     given."""
-    goals: dict[Name, Annotated[tuple[Option, ...], Field(min_length=1)]]
+    goals: dict[Name, Annotated[tuple[_ListedOption, ...], Field(min_length=1)]]
     """Options by goal."""
     learned: LearnedScores = Field(default={})
     """Rewards of options, as `clean-swarm learn knowledge export --context` writes them."""
@@ -182,10 +224,40 @@ def believed(scores: Floats, rewards: Floats) -> Floats:
     return np.where(count >= ENOUGH, mean, np.where(count > 0, np.minimum(mean, scores), scores))
 
 
-def knowledge_from(content: object, source: str = "knowledge") -> Knowledge:
-    """Return the knowledge in a mapping that has the form of a knowledge file."""
-    file = validated(_KnowledgeFile, content, source)
-    return Knowledge(file.goals, source, robot=file.robot).with_learned(file.learned)
+def library_options(goal: str, directories: Sequence[Path] = ()) -> tuple[Option, ...]:
+    """Return the options that the library has for a goal, with scores of 0: those of all files `options/GOAL.yaml`.
+
+    Raises:
+        DocumentError: a file has a mistake, or another option under a name of an earlier file.
+
+    """
+    found: dict[str, Option] = {}
+    for path in all_files("options", goal, directories):
+        for option in options_in(path):
+            known = found.setdefault(option.name, option)
+            if not option.same(known):
+                expected = f"expected {known.meaning}, as in another file, got {option.meaning}"
+                raise DocumentError(f"{shown(path)}: {option.name}: {expected}")
+    return tuple(found.values())
+
+
+def options_in(path: Path) -> tuple[Option, ...]:
+    """Return the options of one file of the library, with scores of 0; DocumentError if it has a mistake."""
+    where, content = shown(path), read_mapping(path)
+    read = {checked_name(name, where): validated(Definition, one, f"{where}: {name}") for name, one in content.items()}
+    return tuple(Option(name=name, score=0.0, **one.model_dump()) for name, one in read.items())
+
+
+def knowledge_from(content: object, source: str = "knowledge", directories: Sequence[Path] = ()) -> Knowledge:
+    """Return the knowledge in a mapping that has the form of a knowledge file.
+
+    Its options are those of the library, which `directories` add to, and its own.
+    """
+    file, table = validated(_KnowledgeFile, content, source), {}
+    for goal, options in file.goals.items():
+        library = {option.name: option for option in library_options(goal, directories)}
+        table[goal] = tuple(option.defined(library, f"{source}: goals.{goal}") for option in options)
+    return Knowledge(table, source, robot=file.robot).with_learned(file.learned)
 
 
 def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:
@@ -196,4 +268,4 @@ def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:
 
     """
     path = find_file("knowledge", name, directories)
-    return knowledge_from(read_mapping(path), shown(path))
+    return knowledge_from(read_mapping(path), shown(path), directories)

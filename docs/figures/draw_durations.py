@@ -19,9 +19,9 @@ import numpy as np
 from clean_swarm_env.tasks.cleaning.starts_file import load_starts
 
 CONDITIONS = {
-    "RepulsionFernandez": ("RepulsionFernandez, view 2.0", "#D55E00"),
+    "RepulsionFernandez-view2.0": ("RepulsionFernandez, view 2.0", "#D55E00"),
     "RepulsionFernandez-view1.5": ("RepulsionFernandez, view 1.5", "#E69F00"),
-    "RepulsionGradient": ("RepulsionGradient, view 1.5", "#0072B2"),
+    "RepulsionGradient-view1.5": ("RepulsionGradient, view 1.5", "#0072B2"),
 }
 """What a condition is called where it was measured, and its colour."""
 

@@ -39,7 +39,8 @@ from train.running.run_folder import RECORDINGS
 DOCS = Path(__file__).parents[1]
 FAMILY, GOAL = "crowded-exploring", "ExplorationPatrol"
 CONDITIONS = ("fixed:Patrol", "policy:exploring-ppo")
-MISSIONS = {"scouts": "fixed:ORCA", "silent-zone": "fixed:RepulsionGradient", "three-rooms": "fixed:RepulsionGradient"}
+GRADIENT = "fixed:RepulsionGradient-view1.5"
+MISSIONS = {"scouts": "fixed:ORCA", "silent-zone": GRADIENT, "three-rooms": GRADIENT}
 MOMENT = "#t=64&robot=7&run=1"
 SIZE = (1500, 900)
 FAST, PLAYED = 10.0, 10.4

@@ -22,7 +22,7 @@ from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.knowledge import load_knowledge
 
-MISSION, OPTION, SECONDS, SEED = "table1", "RepulsionGradient", 90.0, 14
+MISSION, OPTION, SECONDS, SEED = "table1", "RepulsionGradient-view1.5", 90.0, 14
 CARGO = {SEARCHING: "#8a8a8a", GARBAGE: "#7B4B94", LEFTOVERS: "#E69F00"}
 """Grey without cargo, purple with an item for the recycling station, orange with leftovers for the dump."""
 ITEM = {"ls": "none", "marker": "D", "ms": 8, "color": "#009E73", "markeredgecolor": LOOK.ink}

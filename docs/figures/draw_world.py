@@ -21,7 +21,7 @@ from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 
 PICTURES, MISSION, SECONDS, SEED = Path(__file__).parents[1] / "pictures", "table1", 60.0, 14
-OPTION = "RepulsionGradient"
+OPTION = "RepulsionGradient-view1.5"
 
 
 def world_after(seconds: float, seed: int, name: str = MISSION) -> Worlds:

@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from docs.figures.printed import NUMBER, Figure, parsed, shown
+from selector.documents.reading import as_yaml
+from selector.knowledge import load_knowledge
 
 ROOT = Path(__file__).parents[2]
 STORE = "docs/figures.json"
@@ -134,7 +136,7 @@ def fingerprint(inputs: Iterable[str], root: Path = ROOT) -> str:
     """Return a digest of the files that patterns name, and of those that these name; empty if there are none."""
     digest, files = hashlib.sha256(), input_files(inputs, root)
     for path in files:
-        content = path.read_bytes()
+        content = content_of(path, root)
         digest.update(f"{path.relative_to(root).as_posix()} {len(content)}\n".encode() + content)
     return digest.hexdigest()[:16] if files else ""
 
@@ -155,10 +157,18 @@ def input_files(inputs: Iterable[str], root: Path) -> list[Path]:
         if path in known:
             continue
         known.add(path)
-        named = set(NAMED.findall(path.read_text(encoding="utf-8"))) if path.suffix == ".yaml" else set()
+        named = set(NAMED.findall(content_of(path, root).decode())) if path.suffix == ".yaml" else set()
         places = (place.format(name) for key, name in named for place in PLACES[key])
         waiting += [file for file in (root / "configs" / place for place in places) if file.is_file()]
     return sorted(known)
+
+
+def content_of(path: Path, root: Path) -> bytes:
+    """Return what a file decides: all of it, but of expert knowledge the options with what the library says of them."""
+    if path.parent != root / "configs" / "knowledge":
+        return path.read_bytes()
+    known = load_knowledge(str(path), [root / "configs"])
+    return as_yaml({goal: [one.model_dump() for one in known.options(goal)] for goal in known.goals}).encode()
 
 
 def head_commit(root: Path = ROOT) -> str:

@@ -38,8 +38,8 @@ def evaluate(*words: str) -> tuple[str, dict[str, Any]]:
 
 def of_many(summary: dict[str, Any]) -> str:
     """Return completion and ratios of an evaluation of many scenarios as Markdown."""
-    lines = ["| | RepulsionFernandez | RepulsionGradient | ratio |", "|---|---|---|---|"]
-    conditions = [summary["conditions"][name] for name in ("RepulsionFernandez", "RepulsionGradient")]
+    lines = ["| | RepulsionFernandez-view2.0 | RepulsionGradient-view1.5 | ratio |", "|---|---|---|---|"]
+    conditions = [summary["conditions"][name] for name in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")]
     lines.append("| completed | " + " | ".join(f"{c['completed']} of {c['n']}" for c in conditions) + " | |")
     for metric, name in (
         ("duration_s", "duration [s]"),
@@ -60,7 +60,7 @@ def of_reference(summary: dict[str, Any]) -> str:
         compared = f"{row['ours']:.3g} / {row['measured']:.3g} = {interval(row)}"
         rows[row["condition"]][row["metric"]] = compared
     for row in summary["reference_ratios"]:
-        if row["b"] == "RepulsionGradient":
+        if row["b"] == "RepulsionGradient-view1.5":
             ratios = rows.setdefault(f"{row['a'].removeprefix('Repulsion')} / Gradient", {})
             ratios[row["metric"]] = f"{interval(row['ours'])} / {interval(row['measured'])}"
     for name, cells in rows.items():

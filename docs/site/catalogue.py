@@ -11,7 +11,7 @@ from docs.site.spaces import started, worlds
 from docs.site.stage import ORPHAN, ROOT, Stage
 from docs.site.texts import cell, code, described, table
 from selector.documents.find import KINDS, files_of
-from selector.documents.reading import read_mapping
+from selector.knowledge import Option, load_knowledge
 from train.cli.listing import LINES, names_of
 from train.evaluation.task_run import tasks_to_run
 
@@ -21,6 +21,7 @@ CALLED = {
     "families": ("Families", "family"),
     "experiments": ("Experiments", "experiment"),
     "knowledge": ("Expert knowledge", "expert knowledge"),
+    "options": ("Options", "set of options"),
     "mechanisms": ("Configurations of mechanisms", "configuration of a mechanism"),
     "mechanism-classes": ("Mechanisms in code", "mechanism in code"),
     "strategy-classes": ("Strategies in code", "strategy in code"),
@@ -126,8 +127,8 @@ def by_options(_stage: Stage, kind: str, name: str, line: str) -> Iterator[str]:
     yield from by_file(_stage, kind, name, line)
     yield "## Goals and their options"
     rows = [
-        (goal, f"`{option['name']}`", configuration_of(option), str(option["score"]))
-        for goal, option in options_of(files_of("knowledge")[name])
+        (f"[{goal}](../options/{goal}.md)", f"`{option.name}`", configuration_of(option), str(option.score))
+        for goal, option in options_of(name)
     ]
     yield table(("goal", "option", "configuration", "score"), rows)
 
@@ -136,26 +137,25 @@ def by_configuration(_stage: Stage, kind: str, name: str, line: str) -> Iterator
     """Yield what a configuration is, and which goals it serves where."""
     yield from by_file(_stage, kind, name, line)
     rows = [
-        (goal, f"[{knowledge}](../knowledge/{knowledge}.md)", f"`{option['name']}`", str(option["score"]))
-        for knowledge, path in files_of("knowledge").items()
-        for goal, option in options_of(path)
-        if option["configuration"] == name
+        (goal, f"[{knowledge}](../knowledge/{knowledge}.md)", f"`{option.name}`", str(option.score))
+        for knowledge in files_of("knowledge")
+        for goal, option in options_of(knowledge)
+        if option.configuration == name
     ]
     if rows:
         yield "## Goals that it serves"
         yield table(("goal", "in the knowledge", "as the option", "score"), rows)
 
 
-def options_of(path: Path) -> Iterator[tuple[str, dict[str, object]]]:
+def options_of(knowledge: str) -> Iterator[tuple[str, Option]]:
     """Yield each goal of expert knowledge with each of its options."""
-    for goal, options in read_mapping(path)["goals"].items():
-        for option in options:
-            yield goal, {"name": option.get("configuration"), "score": "", **option}
+    known = load_knowledge(knowledge)
+    return ((goal, option) for goal in known.goals for option in known.options(goal))
 
 
-def configuration_of(option: dict[str, object]) -> str:
+def configuration_of(option: Option) -> str:
     """Return the configuration of an option, with a link where it is one that ships."""
-    name = option.get("configuration")
+    name = option.configuration
     return f"[{name}](../mechanisms/{name}.md)" if name in files_of("mechanisms") else f"`{name}`"
 
 

@@ -2,7 +2,7 @@
 
 A directory of configurations holds one folder for each kind of file, `KINDS`. The given directories are searched in
 order, the shipped one and the folders of plug-ins last: a file in an earlier directory hides one of the same name in a
-later one. No file of a plug-in has the name of one that ships.
+later one. No file of a plug-in has the name of one that ships. Files of a kind that `adds_up` hide nothing.
 """
 
 import os
@@ -30,11 +30,13 @@ class FileKind:
     Attributes:
         called: how errors call a file of this kind.
         ending: text that follows the name of each file.
+        adds_up: whether files of one name in several directories count together.
 
     """
 
     called: str
     ending: str = ".yaml"
+    adds_up: bool = False
 
 
 KINDS = {
@@ -44,6 +46,7 @@ KINDS = {
     "machines": FileKind("machine"),
     "mechanisms": FileKind("configuration"),
     "missions": FileKind("mission"),
+    "options": FileKind("set of options", adds_up=True),
     "policies": FileKind("policy", "/policy.json"),
     "robots": FileKind("robot"),
     "starts": FileKind("set of start configurations"),
@@ -91,13 +94,19 @@ def files_of(kind: str, directories: Sequence[Path] = ()) -> dict[str, Path]:
     found = _files_in(SHIPPED, kind)
     for folder, origin in folders().items():
         own = _files_in(folder, kind)
-        for name in found.keys() & own.keys():
+        for name in () if KINDS[kind].adds_up else found.keys() & own.keys():
             taken = f"the {KINDS[kind].called} {name!r} exists already: {found[name]}"
             raise DocumentError(f"{origin}: {own[name]}: {taken}")
         found |= own
     for root in reversed(directories):
         found |= _files_in(root, kind)
     return dict(sorted(found.items()))
+
+
+def all_files(kind: str, name: str, directories: Sequence[Path] = ()) -> list[Path]:
+    """Return the files of a kind and a name in all directories: the shipped one, those of plug-ins, the user's."""
+    roots = (SHIPPED, *folders(), *reversed(directories))
+    return [path for root in roots if (path := root / kind / (name + KINDS[kind].ending)).is_file()]
 
 
 def plugin_names() -> dict[str, dict[str, str]]:

@@ -12,7 +12,7 @@ from pydantic import AwareDatetime, Field, StringConstraints, model_validator
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Context, Label, Number
 from selector.documents.reading import as_yaml, read_json, read_mapping
-from selector.knowledge import Knowledge, LearnedScore, LearnedScores, Option, believed, knowledge_from
+from selector.knowledge import Definition, Knowledge, LearnedScore, LearnedScores, Option, believed, knowledge_from
 from selector.store.exact_sums import NO_REWARDS, Moments
 from selforg.registry import unknown
 
@@ -36,22 +36,13 @@ class Key(NamedTuple):
     source: str = ""
 
 
-class Expert(Closed):
+class Expert(Definition):
     """What an expert says of an option."""
 
     position: Annotated[int, Field(strict=True, ge=0, lt=2**31)]
     """Place among the options of its goal; the first of equals is taken."""
-    configuration: Label
-    """Key of the configuration in the library."""
     score: Number
     """How well the option serves the goal [-]."""
-    parameters: dict[Label, Any] = Field(default_factory=dict)
-    """Values that override the parameters of the configuration."""
-
-    @property
-    def meaning(self) -> str:
-        """What the name of the option stands for."""
-        return f"{self.configuration} {json.dumps(self.parameters, sort_keys=True)}"
 
     @model_validator(mode="after")
     def _kept_as_json(self) -> Self:
@@ -165,7 +156,7 @@ class StoredKnowledge:
         """
         for key, given in other.entries.items():
             held, name = self.entries.get(key, given), f"{where}goals.{key.goal}.{key.option}"
-            if held.expert and given.expert and held.expert.meaning != given.expert.meaning:
+            if held.expert and given.expert and not held.expert.same(given.expert):
                 means = f"means {held.expert.meaning} here and {given.expert.meaning} there"
                 raise StoreError(f"{name}: {means}; give one of them another name")
             if held.moments != given.moments:

@@ -17,7 +17,7 @@ from selector.documents.errors import DocumentError, validated, within
 from selector.documents.find import load_file
 from selector.documents.parameters import check_parameters_used, resolved
 from selector.documents.reading import read_mapping
-from selector.knowledge import load_knowledge
+from selector.knowledge import load_knowledge, options_in
 from selector.store import contents
 from selector.strategies.machine_file import load_machine
 from train.learning.config import load_training
@@ -48,6 +48,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "machines": lambda path: load_machine(str(path)),
     "mechanisms": read_configuration,
     "missions": lambda path: load_mission(str(path)),
+    "options": options_in,
     "robots": read_robot,
     "studies": lambda path: load_file("studies", str(path), StudyConfig),
     "training": lambda path: load_training(str(path), "bandit"),

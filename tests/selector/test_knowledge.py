@@ -4,9 +4,11 @@ import pytest
 
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
-from selector.knowledge import Option, knowledge_from, learned_from, load_knowledge
+from selector.documents.find import files_of
+from selector.knowledge import Option, knowledge_from, learned_from, library_options, load_knowledge
 from tests.selector.refusing import refusal
 
+GOAL = "AvoidCollision"
 OPTIONS = [
     {"configuration": "A", "score": 1},
     {"configuration": "A", "name": "A-far", "score": 0.5, "parameters": {"view_distance": 9.0}},
@@ -56,6 +58,16 @@ def test_scores_for_what_does_not_exist_are_refused(scores, message):
         ({"goals": {"G": [{"configuration": "A", "score": 1.0, "scroe": 2.0}]}}, r"goals\.G\.0\.scroe: unknown key"),
         ({"goals": {"G": [OPTIONS[0], OPTIONS[0]]}}, r"k\.yaml: goals\.G: option 'A' is given twice"),
         ({}, "goals: missing key"),
+        ({"goals": {"G": [{"score": 1.0}]}}, r"G\.0\.name: expected the name of an option of the library, or a "),
+        (
+            {"goals": {"G": [{"name": "A", "score": 1.0, "parameters": {"x": 1}}]}},
+            r"parameters: expected a configuration",
+        ),
+        ({"goals": {GOAL: [{"name": "ORCAS", "score": 1.0}]}}, r"unknown option 'ORCAS' .*'ORCA'\?\); one of your own"),
+        (
+            {"goals": {GOAL: [{"configuration": "ORCA", "score": 1.0, "parameters": {"distance": 0.7}}]}},
+            r"option 'ORCA': expected ORCA {}, as in the library, got ORCA {'distance': 0.7}; give it another name$",
+        ),
     ],
 )
 def test_mistakes_name_file_and_key_in_one_line(content, message):
@@ -66,14 +78,24 @@ def test_cleaning_knowledge_holds_the_papers_options():
     knowledge = load_knowledge("cleaning")
     Library().check(knowledge)
     assert knowledge.options("AvoidCollision") == (
-        Option(configuration="RepulsionFernandez", score=1.0, parameters={"view_distance": 2.0}),
+        Option(
+            configuration="RepulsionFernandez",
+            name="RepulsionFernandez-view2.0",
+            score=1.0,
+            parameters={"view_distance": 2.0},
+        ),
         Option(
             configuration="RepulsionFernandez",
             name="RepulsionFernandez-view1.5",
             score=0.0,
             parameters={"view_distance": 1.5},
         ),
-        Option(configuration="RepulsionGradient", score=0.5, parameters={"view_distance": 1.5}),
+        Option(
+            configuration="RepulsionGradient",
+            name="RepulsionGradient-view1.5",
+            score=0.5,
+            parameters={"view_distance": 1.5},
+        ),
     )
 
 
@@ -87,3 +109,37 @@ def test_knowledge_that_the_library_cannot_build_names_goal_and_option():
 def test_what_was_learned_is_a_mapping_of_options_by_goal(content):
     with pytest.raises(DocumentError, match=r"^learned: expected a mapping of options by goal, got "):
         learned_from(content, "learned")
+
+
+def test_a_name_of_the_library_stands_for_one_configuration_with_one_set_of_numbers():
+    known, unused = dict[str, Option](), set()
+    for goal in files_of("options"):
+        options = library_options(goal)
+        assert all(option.same(known.setdefault(option.name, option)) for option in options)
+        assert not any(one.same(other) for one in options for other in options if one is not other)
+        unused |= {(goal, option.name) for option in options}
+    for name in files_of("knowledge"):
+        shipped = load_knowledge(name)
+        unused -= {(goal, option.name) for goal in shipped.goals for option in shipped.options(goal)}
+    assert unused == set()
+    assert [len(library_options(goal)) for goal in (GOAL, "ExplorationPatrol")] == [11, 8]
+    assert library_options("Nothing") == ()
+
+
+def test_files_of_options_add_up_and_a_name_has_the_same_numbers_in_all(tmp_path, monkeypatch):
+    for folder, view in (("plugin", 7.0), ("mine", 8.0)):
+        (tmp_path / folder / "options").mkdir(parents=True)
+        (tmp_path / folder / "options" / f"{GOAL}.yaml").write_text(
+            f"{folder}: {{configuration: ORCA, parameters: {{view_distance: {view}}}}}\nORCA: {{configuration: ORCA}}\n"
+        )
+    monkeypatch.setattr("selector.documents.find.folders", lambda: {tmp_path / "plugin": "a plug-in"})
+    shipped = library_options(GOAL)
+    content = {"goals": {GOAL: [{"name": name, "score": 1.0} for name in ("mine", "plugin", "ORCA")]}}
+    options = knowledge_from(content, "k.yaml", [tmp_path / "mine"]).options(GOAL)
+    assert [(option.parameters, option.score) for option in options] == [
+        ({"view_distance": 8.0}, 1.0), ({"view_distance": 7.0}, 1.0), ({}, 1.0)
+    ]  # fmt: skip
+    assert library_options(GOAL, [tmp_path / "mine"]) == (*shipped, options[0].model_copy(update={"score": 0.0}))
+    (tmp_path / "mine" / "options" / f"{GOAL}.yaml").write_text("plugin: {configuration: ORCA}")
+    message = rf"mine/options/{GOAL}.yaml: plugin: expected ORCA {{'view_distance': 7.0}}, as in .*, got ORCA {{}}"
+    assert re.search(message, refusal(library_options, GOAL, [tmp_path / "mine"]))

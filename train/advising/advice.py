@@ -113,7 +113,7 @@ class AdviceEvaluation(Evaluation):
 
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the missions that the search needs next; once it is over, those of the last round."""
-        write_whole(self.folder / OPTIONS, document_of(self.opened.known.table).encode())
+        write_whole(self.folder / OPTIONS, document_of(self.opened.known.table, self.directories).encode())
         search = self.search(done)
         try:
             self.judged(search.run(), done)
@@ -198,7 +198,7 @@ class AdviceEvaluation(Evaluation):
             file = Path(folder) / OPTIONS
 
             def batch(known: Knowledge) -> Batch:
-                write_whole(file, document_of(known.table).encode())
+                write_whole(file, document_of(known.table, self.directories).encode())
                 scenario = wide.with_knowledge(file).scenario(0, 0, "test")
                 return Batch(scenario.mission, directories=self.directories)
 
@@ -237,7 +237,7 @@ class AdviceEvaluation(Evaluation):
         by_name = {goal: {one.name: one for one in own} for goal, own in self.opened.known.table.items()}
         chosen = {goal: by_name[goal][name] for goal, name in held.items()}
         self._varied = variants_of(chosen, self.directories)
-        write_whole(self.folder / NUMBERS, document_of(self.table_with(held)).encode())
+        write_whole(self.folder / NUMBERS, document_of(self.table_with(held), self.directories).encode())
         return self._varied
 
     def table_with(self, held: Mapping[str, str]) -> dict[str, list[Option]]:

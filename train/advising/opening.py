@@ -19,7 +19,7 @@ from selector.configurations.library import library_of
 from selector.documents.fields import JOINT
 from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
-from selector.knowledge import Knowledge, Option
+from selector.knowledge import Knowledge, Option, library_options
 from selector.strategies.problem import Problem
 
 FACTORS = (0.7, 1.4)
@@ -71,7 +71,7 @@ def opened(family: FamilyConfig, directories: tuple[Path, ...]) -> Opened:
         mine, found = own.table.get(goal, ()), list[Option]()
         least = min((0.0, *(option.score for option in mine)))
         for option in (*mine, *library_options(goal, directories)):
-            if option.name in dropped or any(_same(option, other) for other in found):
+            if option.name in dropped or any(option.same(other) for other in found):
                 continue
             try:
                 library.of_option(option)
@@ -114,14 +114,6 @@ def arms_hold(wide: Opened, arm: str) -> dict[str, str]:
     return dict(zip(wide.goals, arm.partition(":")[2].split(JOINT), strict=True))
 
 
-def _same(option: Option, other: Option) -> bool:
-    """Return whether two options are one: the same name, or the same numbers."""
-    return option.name == other.name or (option.configuration, option.parameters) == (
-        other.configuration,
-        other.parameters,
-    )
-
-
 def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> dict[str, list[Option]]:
     """Return goal -> variants of the option that serves it, each with another value of one number.
 
@@ -156,26 +148,16 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
     return found
 
 
-def document_of(table: Mapping[str, Sequence[Option]], **more: Content) -> str:
-    """Return the knowledge file of options; `more`: further keys."""
-    goals = {goal: [option.model_dump(mode="json") for option in options] for goal, options in table.items()}
+def document_of(table: Mapping[str, Sequence[Option]], directories: tuple[Path, ...], **more: Content) -> str:
+    """Return the knowledge file of options, those of the library by name; `more`: further keys."""
+    goals: dict[str, list[Content]] = {}
+    for goal, options in table.items():
+        library = {option.name for option in library_options(goal, directories)}
+        short = {"name", "score"}
+        goals[goal] = [one.model_dump(mode="json", include=short if one.name in library else None) for one in options]
     return as_yaml({**more, "goals": goals})
 
 
 def joined(held: Mapping[str, str]) -> str:
     """Return the name of the combination of options; goal -> option."""
     return JOINT.join(held.values())
-
-
-def library_options(goal: str, directories: tuple[Path, ...]) -> list[Option]:
-    from selector.documents.find import files_of
-    from selector.knowledge import load_knowledge
-
-    found: list[Option] = []
-    for name in ("avoidance", "exploring", "transport", *files_of("knowledge", directories)):
-        for option in load_knowledge(name, directories).table.get(goal, ()):
-            twin = any((option.configuration, option.parameters) == (o.configuration, o.parameters) for o in found)
-            if not twin:
-                taken = any(option.name == o.name for o in found)
-                found.append(option.model_copy(update={"name": f"{option.name}-{name}"}) if taken else option)
-    return found

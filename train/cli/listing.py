@@ -67,6 +67,7 @@ LINES = {
     "mechanism-classes": "mechanisms in code: `type:` of a configuration",
     "mechanisms": "configurations of mechanisms: look draw NAME",
     "missions": "one world with its robots and its task: play NAME",
+    "options": "the options that a goal may be served by, each under one name: knowledge documents choose of them",
     "policies": "trained networks that choose or drive: --strategy policy:NAME",
     "reward-terms": "what robots can be paid for: keys of a reward",
     "robots": "sensors, behaviours and goals of a robot: look draw NAME",

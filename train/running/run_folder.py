@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env import __version__
-from selector.documents.find import files_of
+from selector.documents.find import KINDS, all_files, files_of
 from selector.documents.plain import DocumentError, short
 from selector.documents.reading import read_json
 from selector.documents.writing import remove_parts, write_whole
@@ -44,7 +44,7 @@ REMEDY = "give another --output, or remove the directory if nobody needs them"
 """What to do where a directory has the results of another command."""
 FILES = "files"
 """Key of the identity for the fingerprints of files."""
-FINGERPRINTED = ("knowledge", "mechanisms", "robots")
+FINGERPRINTED = ("knowledge", "mechanisms", "options", "robots")
 """Kinds of files on which a run depends, besides its configuration."""
 
 Json = dict[str, Any]
@@ -199,11 +199,14 @@ def versions(more: Sequence[str] = (), needed_by: str = "results need", extra: s
 
 
 def fingerprints(directories: Sequence[Path] = ()) -> dict[str, str]:
-    """Return kind/name -> SHA-256 of the fingerprinted files: for each name that of the file that is found by it."""
+    """Return kind/name -> SHA-256 of the fingerprinted files: for each name of what is found by it."""
     found = {
-        f"{kind}/{name}.yaml": path for kind in FINGERPRINTED for name, path in files_of(kind, directories).items()
+        f"{kind}/{name}.yaml": all_files(kind, name, directories) if KINDS[kind].adds_up else [path]
+        for kind in FINGERPRINTED
+        for name, path in files_of(kind, directories).items()
     }
-    return {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in found.items()}
+    digests = {name: hashlib.sha256(b"".join(path.read_bytes() for path in paths)) for name, paths in found.items()}
+    return {name: digest.hexdigest() for name, digest in digests.items()}
 
 
 def held_files(held: object, now: Mapping[str, str]) -> dict[str, str]:

@@ -137,7 +137,8 @@ class StudySpace:
 
     def _all_goals(self, varied: Mapping[str, list[Content]]) -> dict[str, list[Content]]:
         return {
-            goal: varied.get(goal) or [option.model_dump() for option in self._knowledge.options(goal)]
+            goal: [_named_apart(content, self._knowledge.options(goal)) for content in varied.get(goal, ())]
+            or [option.model_dump() for option in self._knowledge.options(goal)]
             for goal in self._knowledge.goals
         }
 
@@ -156,6 +157,13 @@ class StudySpace:
                 with within(f"{where}.{'.'.join(dimension.path)}: {value}"):
                     if why := self.mistake(self.goals_with([*middle[:k], value, *middle[k + 1 :]])):
                         raise DocumentError(why)
+
+
+def _named_apart(content: Content, known: Sequence[Option]) -> Content:
+    """Return an option, under another name where its own name stands for other numbers in the knowledge."""
+    given = content.get("configuration"), content.get("parameters")
+    varied = any(one.name == content["name"] and (one.configuration, one.parameters) != given for one in known)
+    return {**content, "name": f"{content['name']}-varied"} if varied else content
 
 
 def _split(given: Content, path: tuple[str, ...]) -> tuple[Content, list[Dimension]]:

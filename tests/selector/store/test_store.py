@@ -72,7 +72,7 @@ def test_contents_come_back_as_they_went_in(store, contents):
 
 def test_expert_knowledge_is_kept_as_it_was_read(store):
     knowledge = load_knowledge("cleaning")
-    changed = knowledge.with_scores({"AvoidCollision": {"RepulsionGradient": 7.0}})
+    changed = knowledge.with_scores({"AvoidCollision": {"RepulsionGradient-view1.5": 7.0}})
     store.introduce(knowledge)
     assert store.contents().knowledge("").table == knowledge.table
     store.introduce(changed)

@@ -19,7 +19,7 @@ def configs(tmp_path_factory):
             goals:
               AvoidCollision:
                 - {name: Near, configuration: RepulsionFernandez, score: 0.5, parameters: {view_distance: 0.5}}
-                - {name: "Off", configuration: RepulsionFernandez, score: 0.0, parameters: {presence_threshold: 1.0e+9}}
+                - {name: Off, score: 0.0}
         """,
         "families/small.yaml": """
             name: small

@@ -38,7 +38,7 @@ def test_values_stand_at_their_paths_and_nothing_else_changes(configs):
     goals = space.goals_with([0.5, 1.0, 0.75])
     near, other = goals["AvoidCollision"]
     assert near == {
-        "name": "Near",
+        "name": "Near-varied",
         "configuration": "RepulsionFernandez",
         "score": 0.5,
         "parameters": {"view_distance": 1.0, "presence_threshold": 0.1},
