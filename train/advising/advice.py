@@ -118,6 +118,7 @@ class AdviceEvaluation(Evaluation):
         try:
             self.judged(search.run(), done)
         except Lacking as lacking:
+            self.so_far = f"; {search.leads}" if search.rounds else ""
             return [task for arm, own in lacking.missing.items() for task in self._tasks_of(arm, own)]
         return []
 
@@ -181,6 +182,10 @@ class AdviceEvaluation(Evaluation):
         from train.advising.report import Advice  # waits: the runs need no tables
 
         return Advice.of(self, {record.key: record for record in records}).publication
+
+    def leading(self, costs: Mapping[str, Sequence[float]]) -> str:
+        """Return who leads, in words."""
+        return self.so_far.removeprefix("; ")
 
     def conclude(self, records: Sequence[RunRecord]) -> None:
         """Write what the advice is used with: knowledge, a family that has it, and a page with the two best."""

@@ -145,6 +145,12 @@ class Search:
         return Found(arms[0], leader, finalists, choosers, variants, starts)
 
     @property
+    def leads(self) -> str:
+        """Who led in the last round, in words."""
+        last = self.rounds[-1]
+        return f"in the search {last.order[0].removeprefix(f'{FIXED}:')} leads at {last.means.min():,.0f} s ({last.title})"
+
+    @property
     def _price(self) -> float:
         """Mean time of a mission so far [s]."""
         return max(self._spent, 1e-6) / self._missions

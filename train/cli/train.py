@@ -26,7 +26,7 @@ ALONE = ("seed", "output", "resume", "figure", "force", "configs")
 
 
 @app.command()
-@asking(*ALONE, "threads")
+@asking(*ALONE, "threads", "store", "learn")
 def ppo(config: Config = "exploring-ppo", *, given: GivenOptions) -> None:
     """Train a policy by PPO and export it."""
     check_named(given.directories, training=config)

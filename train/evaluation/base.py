@@ -8,6 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from statistics import fmean
 from types import MappingProxyType
 from typing import Annotated, Any, Self
 
@@ -109,6 +110,8 @@ class Evaluation(ABC):
         mission: the mission; before the runs begin it gets what was learned of its options.
         scenarios: names of the scenarios, in the order in which missions learn.
         context: under which a store keeps rewards of such missions.
+        so_far: what is known before all runs are done, which follows how many are kept.
+        expected: number of runs, as far as it is known before the first ones.
         scored: condition -> goal -> option, where runs of fixed options are scored for the store.
 
     """
@@ -120,6 +123,8 @@ class Evaluation(ABC):
     mission: MissionConfig
     scenarios: list[str]
     context: str
+    so_far = ""
+    expected = 0
     scored: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 
     def __init__(self, request: Request) -> None:
@@ -163,6 +168,11 @@ class Evaluation(ABC):
     @abstractmethod
     def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> Job:
         """Return the task of one run in which `options` serve the goals; goal -> option."""
+
+    def leading(self, costs: Mapping[str, Sequence[float]]) -> str:
+        """Return who leads, in words; `costs`: condition -> costs of its runs up to now [s]."""
+        best = min(costs, key=lambda name: fmean(costs[name]))
+        return f"lowest mean cost {fmean(costs[best]):,.0f} s: {best}"
 
     def conclude(self, records: Sequence[RunRecord]) -> None:
         """Write what the results are used with; nothing unless a subclass does."""

@@ -9,7 +9,6 @@ from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from statistics import fmean
 
 import numpy as np
 from rich.console import Console
@@ -64,12 +63,12 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
     folder, request = results.folder, evaluation.request
     if folder.learned:
         evaluation.mission = evaluation.mission.beginning_with(folder.learned)
-    total = _count(evaluation.tasks({}))  # known before the first run
+    total = max(_count(evaluation.tasks({})), evaluation.expected)  # known before the first run
     try:
         _run_missing(evaluation, results, total)
         _publish(evaluation, results, console)
     except (KeyboardInterrupt, WorkerLost) as end:
-        kept = f": {len(results.runs)} of {max(total, len(results.runs))} runs are kept"
+        kept = f": {len(results.runs)} of {max(total, len(results.runs))} runs are kept{evaluation.so_far}"
         return request.ended(end, folder.path, kept)
     finally:
         results.close()
@@ -114,8 +113,7 @@ def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
                 for record in runs:
                     results.add(record)
                     costs.setdefault(record.condition, []).append(record.result.cost_s)
-                    best = min(costs, key=lambda name: fmean(costs[name]))
-                    update(advance=1, more=f"lowest mean cost {fmean(costs[best]):,.0f} s: {best}")
+                    update(advance=1, more=evaluation.leading(costs))
             done, tasks, in_turn = done + left, evaluation.tasks(results.runs), False
             left = _count(tasks)
 

@@ -8,17 +8,18 @@ Shapes: R rows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from clean_swarm_env.learning.joined import Joined
+from selector.store import RewardSums
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Flags, Floats, Ints
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import columns_of
-from train.learning.config import TrainingConfig
+from train.learning.config import CreditConfig, TrainingConfig
 from train.learning.curriculum import Curriculum
 
 
@@ -123,3 +124,34 @@ class Credit:
             contexts=self._contexts[places, rows],
             chances=self._chances[places, rows],
         )
+
+
+class Ledger:
+    """What the options of several goals brought, for a knowledge store: each choice is credited as a bandit's is.
+
+    Args:
+        options: goal -> names of its options.
+        rows: R.
+        period: time between two decisions [s].
+
+    """
+
+    def __init__(self, options: Mapping[str, Sequence[str]], rows: int, period: float) -> None:
+        self._options, credit = options, CreditConfig()
+        periods = max(round(credit.horizon / period), 1)
+        self._credits = [Credit(rows, periods, 0, credit.discount**period) for _ in options]
+        self._sums = [RewardSums(goal, names) for goal, names in options.items()]
+
+    def note(self, options: Ints, chosen: Flags, rewards: Floats, over: Flags) -> None:
+        """Note a period: `options` (R, G), which of them were `chosen` (R, G) anew, and what came of it (R,)."""
+        for column, (credit, sums) in enumerate(zip(self._credits, self._sums, strict=True)):
+            rows = np.flatnonzero(chosen[:, column])
+            credit.decide(rows, options[rows, column], np.zeros((len(rows), 0)), np.ones(len(rows)))
+            paid = credit.pay(rewards, over)
+            sums.record(paid.options, paid.rewards)
+
+    def taken(self) -> list[RewardSums]:
+        """Return the sums since the last call, of goals that have some."""
+        found = [sums for sums in self._sums if sums.count]
+        self._sums = [RewardSums(goal, names) for goal, names in self._options.items()]
+        return found

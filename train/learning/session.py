@@ -15,6 +15,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
+from selector.strategies.problem import Problem
 from train.learning.config import LEARNERS, TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.learning.yardstick import beside_yardstick
@@ -90,6 +91,8 @@ def run_training(
             raise
         except (KeyboardInterrupt, WorkerLost) as end:
             return request.ended(end, folder.path)
+    for line in changed_scores(memory) if memory is not None and memory.learns else ():
+        console.print(line, soft_wrap=True, highlight=False, markup=False)
     ended(training)
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
     return FINISHED
@@ -98,11 +101,22 @@ def run_training(
 def _memory(request: Request, config: TrainingConfig) -> Memory | None:
     """Return the memory of a training; StoreError if the store holds already what it would learn."""
     mission = config.tasks[0].load(request.directories).mission
-    source = f"training {config.name}, seed {request.seed}"
+    source = f"training {config.name} by {config.learner}, seed {request.seed}"
     memory = request.store.memory(expert_knowledge(mission, request.directories), f"training {config.name}", source)
     if memory is not None and not request.resume:
         memory.check_new()
     return memory
+
+
+def changed_scores(memory: Memory) -> list[str]:
+    """Return a line for each goal whose options brought rewards: their scores before and now, and what is taken."""
+    lines, known = [], memory.now()
+    for goal in known.learned:
+        before, now = Problem.of(memory.knowledge, goal), Problem.of(known, goal)
+        scores = [f"{name} {old:.3g} -> {new:.3g}" for name, old, new in zip(now.options, before.scores, now.scores, strict=True)]
+        first, then = (one.options[int(one.scores.argmax())] for one in (before, now))
+        lines.append(f"{goal}: MaxScore takes {then} (before: {first}); scores {', '.join(scores)}")
+    return lines
 
 
 def check_installed(learner: str) -> dict[str, str]:

@@ -11,6 +11,7 @@ from clean_swarm_env.config.load import load_family
 from selector.documents.arrays import load_arrays
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore, RewardSums
+from selector.strategies.problem import Problem
 from tests.train.commands import command, done, refused
 from tests.train.learning.trainings import unvalidated, written
 
@@ -60,7 +61,7 @@ def test_the_same_training_is_not_learned_again_and_missions_do_not_mix_in(tmp_p
     done(*TRAIN, "--store", "s.sqlite", "--learn", "--output", "a")
     before = held()
     line = refused(*TRAIN, "--store", "s.sqlite", "--learn", "--output", "b")
-    assert "s.sqlite: holds what 'training tiny, seed 0' learned already" in line
+    assert "s.sqlite: holds what 'training tiny by bandit, seed 0' learned already" in line
     assert held() == before
     options = [option.name for option in load_knowledge("avoidance").options("AvoidCollision")]
     sums = RewardSums("AvoidCollision", options)
@@ -80,3 +81,26 @@ def test_a_family_that_names_a_store_is_refused(tmp_path):
     code, _, err = command(*TRAIN, "--output", "a")
     assert code == 2
     assert "family random: mission.store: expected none in a training, see --store" in err
+
+
+@pytest.mark.extra
+def test_a_bandit_and_ppo_update_the_same_scores_from_rewards_and_max_score_reads_both(tmp_path):
+    pytest.importorskip("stable_baselines3")
+    written(tmp_path, "ppo", checkpoints=1, validation={"scenarios": 1}, decisions=400)
+    expert = Problem.of(load_knowledge("avoidance"), "AvoidCollision")
+    taken, counted = [expert.scores], []
+    for learner in ("bandit", "ppo"):
+        words = ("train", learner, "--config", f"{learner}.yaml", "--store", "s.sqlite", "--learn", "--output", learner)
+        _, out, _ = command(*words)
+        contents = KnowledgeStore("s.sqlite", create=False).contents()
+        known = contents.knowledge("s.sqlite")
+        problem = Problem.of(known.with_learned(contents.scores(known, "training tiny")), "AvoidCollision")
+        best = problem.options[int(problem.scores.argmax())]
+        assert f"AvoidCollision: MaxScore takes {best} (before: " in out
+        moved = [f"{a:.3g} -> {b:.3g}" for a, b in zip(taken[-1], problem.scores, strict=True)]
+        assert all(f"{name} {one}" in out for name, one in zip(problem.options, moved, strict=True))
+        taken.append(problem.scores)
+        counted.append(sum(one.count for one in contents.scores(known, "training tiny")["AvoidCollision"].values()))
+    assert counted[1] > counted[0] > 0
+    assert not np.array_equal(taken[1], taken[0])
+    assert not np.array_equal(taken[2], taken[1])

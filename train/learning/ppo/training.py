@@ -32,6 +32,7 @@ from selforg.registry import unknown
 from train.deciders.decided_goal import named_goal
 from train.deciders.decider import DeciderMaker
 from train.deciders.strategies import PolicyDecider
+from train.learning.lessons import Ledger
 from train.learning.ppo.networks import RobotPolicy, exported
 from train.learning.ppo.rollouts import MomentsOfRobots, RobotPPO, RobotRollouts
 from train.learning.ppo.worlds import SelectorEnv, TeamEnv
@@ -84,6 +85,9 @@ class PpoTraining(Training):
             self.model = self._model()
         self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
+        memory, period = job.memory, self.curriculum.batches[0].decision_period
+        learns = memory is not None and memory.learns
+        self._ledger = Ledger(self.envs.options, robots.num_envs, period) if learns else None
         if self.checkpoint_file.is_file():
             try:
                 self._load(torch.load(self.checkpoint_file, weights_only=True))
@@ -143,9 +147,20 @@ class PpoTraining(Training):
     def _note(self) -> bool:
         """Note the excess of missions that have ended; PPO calls this after each step and continues if it is True."""
         self.model.num_timesteps -= int((~self.model.rollout_buffer.deciding).sum())
+        if self._ledger is not None:
+            working = self.model.rollout_buffer.deciding[:, None]
+            rewards = self.normal.get_original_reward().astype(np.float64)
+            self._ledger.note(self.envs.taken, self.envs.anew & working, rewards, self._over())
         self._costs += [end.result.excess_s for batch in self.curriculum.batches for end in batch.finished]
         self.job.update(completed=self.model.num_timesteps)
         return True
+
+    def _over(self) -> Flags:
+        """Return the rows (R,) of worlds whose missions ended in the last period."""
+        found = [np.zeros((batch.count, batch.robots), dtype=np.bool_) for batch in self.curriculum.batches]
+        for batch, over in zip(self.curriculum.batches, found, strict=True):
+            over[[end.world for end in batch.finished]] = True
+        return np.concatenate([over.ravel() for over in found])
 
     def _working(self) -> Flags:
         """Return which rows (R,) have a robot at work."""
@@ -235,6 +250,8 @@ class PpoTraining(Training):
         stream = io.BytesIO()
         torch.save(content, stream)
         self.job.folder.write(self.CHECKPOINT, stream.getvalue())
+        if self._ledger is not None and self.job.memory is not None:
+            self.job.memory.give_sums(*self._ledger.taken())
 
     def _load(self, content: dict[str, Any]) -> None:
         for name, weights in content["policy"].items():

@@ -39,6 +39,7 @@ class SelectorEnv(VecEnvWrapper):
     Attributes:
         options: decided goal -> names of its options.
         chosen: (R, G) where an option was chosen in the last period among several.
+        taken, anew: (R, G) the options of the last period, and where they were not kept from the one before.
 
     """
 
@@ -53,7 +54,8 @@ class SelectorEnv(VecEnvWrapper):
         self._defaults = robots.default_options() if self.options else np.zeros((robots.num_envs, 0), dtype=np.int64)
         self._left = np.zeros((robots.num_envs, len(self.counts)), dtype=np.int64)
         self._masks = np.zeros((robots.num_envs, len(self._places)), dtype=np.bool_)
-        self.chosen = self._left > 0
+        self.chosen = self.anew = self._left > 0
+        self.taken = self._left
         highest = np.array([*(count - 1.0 for count in self.counts), 1.0, 1.0], dtype=np.float32)
         lowest = np.array([*(0.0 for _ in self.counts), -1.0, -1.0], dtype=np.float32)
         seen = envs.observation_space
@@ -76,10 +78,11 @@ class SelectorEnv(VecEnvWrapper):
         if self._mode == "velocity":
             self.venv.step_async(actions)
             return
-        self._options = actions[:, : len(self.counts)].astype(np.int64)
+        self.taken = actions[:, : len(self.counts)].astype(np.int64)
+        self.anew = self._left == 0
         self._left = np.where(self._left == 0, self._holds, self._left) - 1
         whole = self._defaults.copy()
-        whole[:, self._columns] = self._options
+        whole[:, self._columns] = self.taken
         self.venv.step_async(np.hstack([whole, actions[:, len(self.counts) :]]) if self._mode == "both" else whole)
 
     def step_wait(self) -> VecEnvStepReturn:
@@ -101,7 +104,7 @@ class SelectorEnv(VecEnvWrapper):
             return seen
         self._masks = self._robots.action_masks()[:, self._places]
         if self._left.any():
-            keep_only(self._masks, self.counts, self._options, self._left > 0)
+            keep_only(self._masks, self.counts, self.taken, self._left > 0)
         return np.hstack([seen, self._masks.astype(np.float32)])
 
 

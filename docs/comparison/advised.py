@@ -1,0 +1,100 @@
+"""Advice beside an exhaustive search: does `advise` name a pair that is as good as the best of all pairs?
+
+    python -m docs.comparison.advised all table1 random-bumpers scouts     # every pair on 100 starts; some 30 CPU minutes
+    python -m docs.comparison.advised repeat table1 --minutes 1 --seeds 20 # advice with other seeds, judged on these starts
+
+Pairs that cost more than twice the best after 20 starts stop there. Results are kept in docs/comparison/advised.json.
+"""
+
+import argparse
+import json
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from clean_swarm_env.config.families import scenario_name
+from clean_swarm_env.config.load import load_family
+from selector.documents.fields import JOINT
+from train.advising.advice import AdviceEvaluation
+from train.advising.opening import Opened, document_of, opened
+from train.deciders.named import FIXED
+from train.evaluation import pipeline
+from train.evaluation.trial_task import TrialTask, scenario_named
+from train.request import Request
+
+RESULTS = Path(__file__).with_name("advised.json")
+SEED = 424_242
+"""Seed of the starts on which everything is judged; no advice has it."""
+STARTS, FIRST, TIMES = 100, 20, 2.0
+
+
+def excesses(wide: Opened, arm: str, file: Path, starts: range) -> list[float]:
+    """Return the excess of an arm on starts [s]."""
+    family = wide.with_knowledge(file)
+    drawn = tuple(scenario_named(family, SEED, scenario_name("test", k)) for k in starts)
+    records = TrialTask(family.name, SEED, drawn, arm, arm, JOINT.join(wide.goals)).run()
+    return [round(record.result.excess_s, 3) for record in records]
+
+
+def exhaustive(mission: str) -> dict[str, Any]:
+    """Return the excess of every pair on the starts, of those far behind on the first ones only."""
+    wide = opened(load_family(mission), ())
+    names = [f"{FIXED}:{first}" for first in wide.names(wide.goals[0])]
+    for goal in wide.goals[1:]:
+        names = [f"{name}{JOINT}{option}" for name in names for option in wide.names(goal)]
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "options.yaml"
+        file.write_text(document_of(wide.known.table, ()), encoding="utf-8")
+        found = {name: excesses(wide, name, file, range(FIRST)) for name in names}
+        best = min(float(np.mean(own)) for own in found.values())
+        for name, own in found.items():
+            if np.mean(own) <= TIMES * best:
+                own += excesses(wide, name, file, range(FIRST, STARTS))
+    return {"excess_s": found, "experts": f"{FIXED}:{JOINT.join(wide.experts.values())}"}
+
+
+def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return what advice named with each seed, and what that costs on the starts of the exhaustive search."""
+    found = []
+    for seed in seeds:
+        with TemporaryDirectory() as place:
+            folder = Path(place) / "advice"
+            evaluation = AdviceEvaluation(Request(mission, seed=seed, output=folder), minutes)
+            with Path(place, "log").open("w", encoding="utf-8") as log:
+                assert pipeline.evaluate(evaluation, Console(file=log)) == 0
+            said = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+            arm = f"{FIXED}:{JOINT.join(said['held'].values())}"
+            own = known["excess_s"].get(arm, [])
+            if len(own) < STARTS:
+                own = excesses(evaluation.opened, arm, evaluation.file_of(arm), range(STARTS))
+        told = {"seed": seed, "arm": arm, "excess_s": round(float(np.mean(own)), 3), "missions": said["missions"]}
+        found.append({**told, "cpu_s": said["cpu_s"], "better": said["better"], "hindsight": said["hindsight"]})
+        print(mission, found[-1], flush=True)
+    return found
+
+
+def main() -> None:
+    """Do what the command line says."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("what", choices=("all", "repeat"))
+    parser.add_argument("missions", nargs="+")
+    parser.add_argument("--minutes", type=float, default=1.0)
+    parser.add_argument("--seeds", type=int, default=20)
+    given = parser.parse_args()
+    for mission in given.missions:
+        kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
+        own = kept.get(mission, {})
+        if given.what == "all":
+            new = exhaustive(mission)
+        else:
+            new = {"minutes": given.minutes, "advice": repeated(mission, given.minutes, range(1, given.seeds + 1), own)}
+        kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
+        kept[mission] = {**own, **new}
+        RESULTS.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
