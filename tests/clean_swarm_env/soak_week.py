@@ -49,7 +49,7 @@ def mission_of(days: int) -> MissionConfig:
 def made(mission: MissionConfig) -> Worlds:
     """Return worlds for the mission, whose robots avoid each other by Balch's repulsion."""
     worlds = Worlds(mission, avoidance(), 1)
-    worlds.hold(np.full(worlds.rows, OPTIONS.index("RepulsionGradient")))
+    worlds.hold(np.full(worlds.rows, OPTIONS.index("RepulsionGradient-view1.5")))
     return worlds
 
 

@@ -10,7 +10,7 @@ from tests.clean_swarm_env.borders.test_changing_agents import EVENTS
 from tests.clean_swarm_env.courses import begun, mission
 
 CHANGING = mission(events=EVENTS, time_limit=20.0)
-SERVES = {"serves": {"RepulsionFernandez": ["patrol", "approach"]}}
+SERVES = {"serves": {"RepulsionFernandez-view2.0": ["patrol", "approach"]}}
 
 
 def test_every_robot_is_there_in_every_step_with_a_flag_of_its_life():

@@ -53,7 +53,7 @@ APART = {"docs/play.md", "docs/recordings.md"}
 SMALL = {"worlds=24": "worlds=2", "1_000_000": "2_000"}
 """What takes long in code -> what runs in its place."""
 PRINTS = {
-    "README.md": r"\d+ s, return -?\d+\.\d, options \{'AvoidCollision': \('RepulsionFernandez', .*\)\}\n",
+    "README.md": r"\d+ s, return -?\d+\.\d, options \{'AvoidCollision': \('RepulsionFernandez-view2.0', .*\)\}\n",
     "docs/cost.md": "1662 s for all items, 1800 s for all but one\n",
     "docs/exploring.md": "(30 items, spots: .*\n){3}",
     "docs/transport.md": re.escape("6 stations, kinds: (0, 1, 0, 0, 1, 1)\n"),
@@ -380,5 +380,5 @@ def test_a_page_runs_with_fewer_missions(page, tmp_path):
     if page == "docs/scores.md":
         choices = map(json.loads, (tmp_path / "first" / "choices.jsonl").read_text().splitlines())
         taken = [one["options"]["AvoidCollision"] for one in choices]
-        assert taken == ["RepulsionFernandez", "RepulsionGradient"]
+        assert taken == ["RepulsionFernandez-view2.0", "RepulsionGradient-view1.5"]
         assert "known at the beginning in the context 'mission rooms'" in (tmp_path / "later" / "table.md").read_text()

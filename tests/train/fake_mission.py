@@ -20,7 +20,7 @@ def run_mission(mission, start, seed, scores, *_):
     options = scores.get("AvoidCollision", {})
     best = max(options, key=options.__getitem__, default="")
     rng = np.random.default_rng([seed, zlib.crc32(best.encode())])
-    duration = float(rng.lognormal(6.0 if best == "RepulsionFernandez" else 5.3, 0.4))
+    duration = float(rng.lognormal(6.0 if best == "RepulsionFernandez-view2.0" else 5.3, 0.4))
     completed = duration < mission.time_limit
     rates = tuple(float(d * rng.gamma(4.0, 0.5)) for d in mission.collision_distances)
     return MissionResult(

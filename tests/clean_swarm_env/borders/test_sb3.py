@@ -94,7 +94,7 @@ def test_options_of_a_reset_count_once():
 
 
 def test_attributes_and_methods_of_rows():
-    envs = RobotVecEnv(2, mission=SHORT, action=ActionConfig(serves={"RepulsionFernandez": ("patrol",)}))
+    envs = RobotVecEnv(2, mission=SHORT, action=ActionConfig(serves={"RepulsionFernandez-view2.0": ("patrol",)}))
     envs.seed(1)
     envs.reset()
     assert envs.get_attr("world") == [0] * 5 + [1] * 5

@@ -17,7 +17,7 @@ from clean_swarm_env.tasks.cleaning.robot import GOAL
 from tests.clean_swarm_env.courses import begun, long_course, mission
 
 SHORT = mission(garbage={"count": 2}, time_limit=50.0)
-SERVES = ActionConfig(serves={"RepulsionFernandez": ("patrol", "approach")})
+SERVES = ActionConfig(serves={"RepulsionFernandez-view2.0": ("patrol", "approach")})
 
 
 @long_course

@@ -53,8 +53,8 @@ def test_the_published_table_has_the_published_means():
     reference = load_experiment("table1").reference
     assert reference is not None
     durations = {name: figures["duration_s"] for name, figures in reference.figures.items()}
-    assert sum(durations["RepulsionFernandez"]) / 5 == pytest.approx(846.72, abs=0.01)
-    assert sum(durations["RepulsionGradient"]) / 5 == pytest.approx(266.43, abs=0.01)
+    assert sum(durations["RepulsionFernandez-view2.0"]) / 5 == pytest.approx(846.72, abs=0.01)
+    assert sum(durations["RepulsionGradient-view1.5"]) / 5 == pytest.approx(266.43, abs=0.01)
 
 
 def _written(tmp_path: Path, mission: str = "", rest: str = "") -> str:

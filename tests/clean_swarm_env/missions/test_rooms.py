@@ -42,7 +42,7 @@ def test_no_robot_leaves_the_field_or_crosses_a_wall_but_for_the_doors():
     assert crossed > 5
 
 
-@pytest.mark.parametrize("option", ["ORCA", "PredictiveSteering", "RepulsionGradient"])
+@pytest.mark.parametrize("option", ["ORCA", "PredictiveSteering", "RepulsionGradient-view0.5"])
 def test_a_robot_that_knows_the_way_goes_round_a_long_wall_another_one_does_not(option):
     wall, world = {"corners": [[8.0, 0.0], [8.0, 10.5]]}, {"width": 16.0, "ground": "walled"}
     config = mission("three-rooms", world={**world, "walls": [wall]}, robots={"count": 1}, garbage={"count": 1},

@@ -135,7 +135,7 @@ def test_who_queues_waits_before_a_station_and_goes_on_when_it_is_free():
 
 def test_transport_steers_no_robot_that_avoids_another():
     """Where the repulsion takes its turn, its vector is commanded, and not the way to a station."""
-    worlds = carrying("LeastBusy", ((5.9, 10.0, 3.0), (5.0, 10.2, 0.0)), avoidance="RepulsionFernandez")
+    worlds = carrying("LeastBusy", ((5.9, 10.0, 3.0), (5.0, 10.2, 0.0)), avoidance="RepulsionFernandez-view0.5")
     network, seen = worlds.network, []
     index = network.model.behaviour_index
     for _ in range(30):

@@ -96,7 +96,7 @@ def test_messages_of_a_model_reach_as_far_as_it_says():
 
 
 def test_a_model_holds_its_option_whatever_is_given_and_masks_say_so():
-    held = {"AvoidCollision": "RepulsionGradient"}
+    held = {"AvoidCollision": "RepulsionGradient-view1.5"}
     config = team({"model": "free", "count": 2}, {"model": "bound", "count": 1, "holds": held}, terms=("model",))
     env = clean_swarm_v0.parallel_env(config)
     observations, infos = env.reset(seed=0)

@@ -31,7 +31,7 @@ def test_whole_missions_complete_by_the_option_of_the_highest_score(name, option
 @pytest.mark.parametrize("robots", [1, 2, 12])
 def test_few_and_many_robots_clean_up(robots):
     config = mission(robots={"count": robots})
-    result = run_mission(config, random_start(config, 4, 0), 4, _forced("RepulsionGradient"))
+    result = run_mission(config, random_start(config, 4, 0), 4, _forced("RepulsionGradient-view1.5"))
     assert result.completed
 
 

@@ -63,7 +63,7 @@ def test_arrivals_make_a_part_of_the_cost_unavoidable():
     assert result.cost_s > 10.0
     coming = mission(garbage={"count": 2, "respawn": 30.0, "capacity": 5}, time_limit=120.0)
     same = [run_mission(coming, random_start(coming, 1, 0), 5, {"AvoidCollision": {o: 9.0}}) for o in
-            ("RepulsionFernandez", "RepulsionGradient")]  # fmt: skip
+            ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")]  # fmt: skip
     assert same[0].unavoidable_s == same[1].unavoidable_s == pytest.approx(2.0, rel=0.4)
     assert same[0] != same[1]
     assert all(result.unavoidable_s < result.cost_s for result in same)

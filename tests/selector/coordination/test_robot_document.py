@@ -98,7 +98,7 @@ def test_conditions_that_exclude_each_other_may_be_optional_or_count_a_little(co
         (behaviour("Rest", during=["Dump"]), "expected a goal for a coordinator only"),
         (
             behaviour(GOAL, type="Coordinator", goal=GOAL, during=["Dump"]),
-            "behaviours.AvoidCollision.during: expected options that only steer, got RepulsionFernandez",
+            "behaviours.AvoidCollision.during: expected options that only steer, got RepulsionFernandez-view2.0",
         ),
         (
             behaviour(GOAL, type="Coordinator", goal=GOAL, during=["Dance"]),

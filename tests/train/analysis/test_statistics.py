@@ -15,10 +15,10 @@ def test_the_summary_of_the_papers_figures_is_the_papers_summary():
     reference = load_experiment("table1").reference
     assert reference is not None
     expected = {
-        ("RepulsionFernandez", "duration_s"): (846.72, 952.40, 465.39),
-        ("RepulsionFernandez", "collision_samples_per_s"): (1.70, 1.60, 0.38),
-        ("RepulsionGradient", "duration_s"): (266.43, 267.02, 130.32),
-        ("RepulsionGradient", "collision_samples_per_s"): (2.16, 2.08, 0.64),
+        ("RepulsionFernandez-view2.0", "duration_s"): (846.72, 952.40, 465.39),
+        ("RepulsionFernandez-view2.0", "collision_samples_per_s"): (1.70, 1.60, 0.38),
+        ("RepulsionGradient-view1.5", "duration_s"): (266.43, 267.02, 130.32),
+        ("RepulsionGradient-view1.5", "collision_samples_per_s"): (2.16, 2.08, 0.64),
     }
     for (condition, metric), figures in expected.items():
         summary = summarise(np.array(reference.figures[condition][metric]))

@@ -45,7 +45,7 @@ def test_the_default_is_table_1_on_its_five_start_configurations_in_a_new_direct
     assert str(directory.relative_to(tmp_path)) in out
     found = runs(directory)
     assert [(r["scenario"], r["condition"]) for r in found] == [
-        (str(k), c) for k in range(1, 6) for c in ("RepulsionFernandez", "RepulsionGradient")
+        (str(k), c) for k in range(1, 6) for c in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")
     ]
     assert {r["experiment"] for r in found} == {"table1"}
     assert "846.7" in out
@@ -56,10 +56,10 @@ def test_the_default_is_table_1_on_its_five_start_configurations_in_a_new_direct
     assert {"python", "numpy", "numba", "pymunk", "clean-swarm"} <= set(manifest["versions"])
     assert len(_configuration(directory)["starts"]) == 5
     assert "knowledge/cleaning.yaml" in manifest["identity"]["files"]
-    done("evaluate", "--condition", "RepulsionGradient", "--workers", 1)
+    done("evaluate", "--condition", "RepulsionGradient-view1.5", "--workers", 1)
     assert {path.name for path in (tmp_path / "results").iterdir()} == {"table1-seed0", "table1-seed0-2"}
     alone = tmp_path / "results" / "table1-seed0-2"
-    assert {r["condition"] for r in runs(alone)} == {"RepulsionGradient"}
+    assert {r["condition"] for r in runs(alone)} == {"RepulsionGradient-view1.5"}
     assert json.loads((alone / "summary.json").read_text())["comparisons"] == []
 
 
@@ -98,10 +98,10 @@ def test_a_file_of_starts_is_run_and_compared_with_what_was_measured(tmp_path):
     summary = json.loads((tmp_path / "r" / "summary.json").read_text())
     assert {(m["condition"], m["metric"], m["measured"]) for m in summary["reference"]} == {
         (condition, metric, figure)
-        for condition in ("RepulsionFernandez", "RepulsionGradient")
+        for condition in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")
         for metric, figure in (("duration_s", 300.0), ("samples_per_s_at_0.5m", 1.0))
     }
-    assert {(r["a"], r["b"]) for r in summary["reference_ratios"]} == {("RepulsionFernandez", "RepulsionGradient")}
+    assert {(r["a"], r["b"]) for r in summary["reference_ratios"]} == {("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")}
     for text in (out, (tmp_path / "r" / "table.md").read_text()):
         assert "ours beside measured" in text
     assert _configuration(tmp_path / "r")["mission"]["world"]["width"] == 12.0
@@ -120,7 +120,7 @@ def _experiment(path: Path, **changes: object) -> Path:
         (["none.yaml"], "none.yaml: no such file"),
         (
             ["--condition", "Gradient"],
-            "table1: unknown condition 'Gradient' (known: RepulsionFernandez, RepulsionGradient",
+            "table1: unknown condition 'Gradient' (known: RepulsionFernandez-view2.0, RepulsionGradient-view1.5",
         ),
         (["--scenarios", "0"], "--scenarios: expected a whole number of at least 1, got 0"),
         (["--workers", "-1"], "--workers: expected"),
@@ -134,7 +134,7 @@ def _experiment(path: Path, **changes: object) -> Path:
         (["--output", "taken"], "taken: has other files"),
         (["misspelt.yaml"], "misspelt.yaml: mission.world.widht: unknown key 'widht'"),
         (["crowded.yaml"], "crowded.yaml: mission.robots.count: expected at most 277 solid robots"),
-        (["scores.yaml"], "unknown option 'Repulsion' (known: RepulsionFernandez"),
+        (["scores.yaml"], "unknown option 'Repulsion' (known: RepulsionFernandez-view2.0"),
         (["goals.yaml"], "unknown goal 'Avoid' (known: AvoidCollision"),
         (["planned.yaml"], "planned.yaml: mission.network.planner: "),  # with unified-planning: unknown engine 'ares'
         (["knowledge.yaml"], "unknown expert knowledge 'nothing' (known: avoidance, cleaning"),

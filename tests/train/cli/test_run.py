@@ -35,9 +35,9 @@ def test_json_holds_the_same_figures_for_equal_seeds():
 
 
 def test_options_of_the_command_reach_the_mission():
-    options = ("--robots", "4", "--seconds", "2", "--arena", "open", "--option", "RepulsionGradient", "--runs", "1")
+    options = ("--robots", "4", "--seconds", "2", "--arena", "open", "--option", "RepulsionGradient-view1.5", "--runs", "1")
     out = done("run", "AgentCollisionAvoidance", *options)
-    assert "by RepulsionGradient: 4 robots, 2 s, open, 1 run of seed 0" in out
+    assert "by RepulsionGradient-view1.5: 4 robots, 2 s, open, 1 run of seed 0" in out
     assert "targets are stated for 10 robots, 120 s, torus" in out
     given = json.loads(done("run", "AgentCollisionAvoidance", *options, "--json"))
     assert given["measures"][0]["beats_baseline"] is None  # one run has no interval
@@ -113,7 +113,7 @@ def test_the_page_in_the_docs_is_about_the_tasks_as_they_are():
 def test_a_task_runs_by_another_expert_knowledge_beside_its_own_baseline():
     words = ("--knowledge", "original", "--runs", "1", "--seconds", "2")
     out = done("run", "AgentCollisionAvoidance", *words)
-    assert "AgentCollisionAvoidance by RepulsionGradient" in out  # of equal scores the first is taken
+    assert "AgentCollisionAvoidance by RepulsionGradient-view1.5" in out  # of equal scores the first is taken
     done("run", "Foraging", *words)
 
 

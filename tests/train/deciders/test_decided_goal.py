@@ -45,9 +45,9 @@ def test_several_goals_are_decided_as_one(batch):
     assert joint.problem.goal == "AvoidCollision+ExplorationPatrol"
     names = [f"{a}+{e}" for a in batch.options["AvoidCollision"] for e in batch.options["ExplorationPatrol"]]
     assert list(joint.problem.options) == names
-    assert option_named(joint.problem, "RepulsionGradient") == "RepulsionGradient+Patrol"
-    assert option_named(joint.problem, "RandomWalk+RepulsionGradient") == "RepulsionGradient+RandomWalk"
-    assert names[joint.problem.scores.argmax()] == "RepulsionFernandez+Patrol"
+    assert option_named(joint.problem, "RepulsionGradient-view1.5") == "RepulsionGradient-view1.5+Patrol"
+    assert option_named(joint.problem, "RandomWalk+RepulsionGradient-view1.5") == "RepulsionGradient-view1.5+RandomWalk"
+    assert names[joint.problem.scores.argmax()] == "RepulsionFernandez-view2.0+Patrol"
     options = np.arange(batch.rows) % len(names)
     goals = list(batch.options)
     for name, actions in zip(np.array(names)[options], joint.actions(options), strict=True):

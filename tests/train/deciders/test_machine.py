@@ -15,7 +15,7 @@ from train.deciders.named import decider_named
 from train.running.trials import run_trials
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.zeros(3), ("near", "far"))
-ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient}\n"
+ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient-view0.5}\n"
 
 
 def machine(**states):
@@ -25,7 +25,7 @@ def machine(**states):
 def test_a_machine_of_one_state_is_a_fixed_option(tmp_path):
     (tmp_path / "one.yaml").write_text(ONE)
     scenarios = [load_family("random").scenario(1, number, "test") for number in range(2)]
-    members = (f"fsm:{tmp_path / 'one.yaml'}", "fixed:RepulsionGradient")
+    members = (f"fsm:{tmp_path / 'one.yaml'}", "fixed:RepulsionGradient-view0.5")
     machine, fixed = (run_trials(scenarios, decider_named(member).build) for member in members)
     assert machine == fixed
 

@@ -39,7 +39,7 @@ def test_what_is_foretold_happens(tmp_path, strategy, ticks):
         session = Session(play_of(SMALL, strategy), next(paths))
         for tick in range(ticks):
             if tick == 11:
-                session.do({"do": "hold_option", "robots": [4], "option": "RepulsionGradient"})
+                session.do({"do": "hold_option", "robots": [4], "option": "RepulsionGradient-view0.5"})
                 session.do({"do": "set_loss", "loss": 0.3})
             session.tick()
         return session

@@ -16,7 +16,7 @@ from train.evaluation.trial_task import experiment_tasks
 from train.request import Request
 
 pytestmark = pytest.mark.usefixtures("undrawn")
-ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient}\n"
+ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient-view0.5}\n"
 
 
 @pytest.fixture
@@ -38,12 +38,12 @@ def written(folder, *conditions):
     return path
 
 
-FORCED = {"name": "forced", "scores": {"AvoidCollision": {"RepulsionGradient": 1e6}}}
+FORCED = {"name": "forced", "scores": {"AvoidCollision": {"RepulsionGradient-view0.5": 1e6}}}
 MACHINE = {"name": "machine", "strategy": "fsm:one.yaml"}
 
 
 def test_an_option_and_a_machine_of_one_state_have_the_bits_of_the_highest_score(folder):
-    path = written(folder, FORCED, {"name": "option", "strategy": "fixed:RepulsionGradient"}, MACHINE)
+    path = written(folder, FORCED, {"name": "option", "strategy": "fixed:RepulsionGradient-view0.5"}, MACHINE)
     done("evaluate", path, "--workers", 1, "--output", "done")
     rows = [json.loads(line) for line in (folder / "done" / "runs.jsonl").read_text().splitlines()]
     figures = {}
@@ -109,7 +109,7 @@ EXPLAIN = ("--robot", 1, "--time", 2)
 
 
 def test_a_machine_that_has_changed_is_no_longer_the_same_evaluation(folder, machine):
-    (folder / "one.yaml").write_text(ONE.replace("RepulsionGradient", "Off"))
+    (folder / "one.yaml").write_text(ONE.replace("RepulsionGradient-view0.5", "Off"))
     line = refused("explain", "done", *EXPLAIN)
     assert "condition 'machine' has changed since the evaluation" in line
     assert run("evaluate", machine, "--workers", 1, "--output", "done", "--resume") == 2

@@ -17,7 +17,7 @@ from tests.train.commands import changed, command, done, refused
 from train.evaluation.repeat import steps_of, task_of
 
 CONDITIONS = [
-    {"name": name, "scores": {"AvoidCollision": {name: 2.0}}} for name in ("RepulsionFernandez", "RepulsionGradient")
+    {"name": name, "scores": {"AvoidCollision": {name: 2.0}}} for name in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")
 ]
 
 
@@ -55,7 +55,7 @@ def narrow(monkeypatch):
 
 
 def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
-    for condition in ("RepulsionFernandez", "RepulsionGradient"):
+    for condition in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5"):
         task = task_of(evaluated, "2", condition)
         plain = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "2"), task.scores))
         for explained in steps_of(task):
@@ -123,8 +123,8 @@ def test_robots_that_are_not_at_work_are_said_to_be(changing):
 def test_a_step_is_a_table_and_a_tree_of_80_columns(evaluated):
     lines = done("explain", evaluated, "--robot", 3, "--time", 4.1).splitlines()
     assert max(map(len, lines)) <= 80
-    assert lines[0] == "short, seed 5, RepulsionFernandez, scenario 1"
-    assert lines[1].startswith("robot 3 at 4 s (step 20); AvoidCollision by RepulsionFernandez")
+    assert lines[0] == "short, seed 5, RepulsionFernandez-view2.0, scenario 1"
+    assert lines[1].startswith("robot 3 at 4 s (step 20); AvoidCollision by RepulsionFernandez-view2.0")
     for name in ("Patrol", "MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"):
         assert sum(line.lstrip("│├└─ *").startswith(f"{name}:") for line in lines) == 1
 
@@ -142,7 +142,7 @@ def test_the_last_step_is_the_one_that_dumps_the_last_item(evaluated):
     ("words", "expected"),
     [
         (["--scenario", "7"], "run: unknown scenario '7' (known: 1, 2; 2 in all)"),
-        (["--condition", "RepulsionGradiant"], "unknown condition 'RepulsionGradiant' (known: RepulsionFernandez, "),
+        (["--condition", "RepulsionGradiant"], "unknown condition 'RepulsionGradiant' (known: RepulsionFernandez-view2.0, "),
         (["--robot", "5"], "--robot: expected a number from 0 to 4, got 5"),
         (["--robot", "-1"], "--robot: expected a number from 0 to 4, got -1"),
         (["--time", "-1"], "--time: expected seconds from 0 on, got -1"),
@@ -232,7 +232,7 @@ def test_a_recording_holds_what_explain_says(evaluated, tmp_path):
         "scenario": "2",
         "seed": run_seed(5, "2"),
         "experiment": "short",
-        "condition": "RepulsionFernandez",
+        "condition": "RepulsionFernandez-view2.0",
     }
     assert out == f"{recording.frames} steps of 5 robots in {path}\n"
     held = next(r for r in map(json.loads, (evaluated / "runs.jsonl").open()) if r["scenario"] == "2")
@@ -272,9 +272,9 @@ def test_a_running_coordinator_is_explained_from_inside(evaluated):
             break
     robot, time = running[0], (worlds.ticks[0] - 1) * 0.2
     words = ("explain", evaluated, "--time", time, "--robot")
-    assert "inside AvoidCollision: RepulsionFernandez" in done(*words, robot)
+    assert "inside AvoidCollision: RepulsionFernandez-view2.0" in done(*words, robot)
     (coordinator,) = json.loads(done(*words, robot, "--json"))["coordinators"]
-    assert (coordinator["goal"], coordinator["option"]) == ("AvoidCollision", "RepulsionFernandez")
+    assert (coordinator["goal"], coordinator["option"]) == ("AvoidCollision", "RepulsionFernandez-view2.0")
     (inside,) = coordinator["inner"]["behaviours"]
     assert (inside["name"], inside["running"], inside["why"]) == ("Avoid", True, "started: ready and active enough")
     idle = next(row for row in range(5) if row not in running)

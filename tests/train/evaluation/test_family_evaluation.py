@@ -87,18 +87,18 @@ def test_a_strategy_that_was_trained_again_is_another_one(words, undrawn, tmp_pa
 
 def test_what_strategies_learned_is_taken_from_their_files(words, undrawn, tmp_path):
     problem = Problem.of(load_knowledge("avoidance"), "AvoidCollision", ("free_far",))
-    scores = np.arange(len(problem.options)) == problem.options.index("RepulsionGradient")
+    scores = np.arange(len(problem.options)) == problem.options.index("RepulsionGradient-view0.5")
     told = replace(problem, scores=np.where(scores, 1.0, 0.0))
     keys = row_keys(np.random.SeedSequence(0), 1)
     strategy = create("LinearThompson", told, keys, {"exploration": 0.0})
     for name in ("a", "b"):
         save_strategy(tmp_path / f"{name}.safetensors", strategy)
     files = f"learned:{tmp_path / 'a.safetensors'}+{tmp_path / 'b.safetensors'}"
-    words += ("--strategy", files, "--strategy", "fixed:RepulsionGradient", "--scenarios", 1)
+    words += ("--strategy", files, "--strategy", "fixed:RepulsionGradient-view0.5", "--scenarios", 1)
     done(*words, "--output", tmp_path / "results")
     found = {row.pop("condition"): row for row in runs(tmp_path / "results")}
-    assert set(found) == {"learned#1", "learned#2", "fixed:RepulsionGradient", "fixed:Off", "Random"}
-    assert found["learned#1"] == found["learned#2"] == found["fixed:RepulsionGradient"]
+    assert set(found) == {"learned#1", "learned#2", "fixed:RepulsionGradient-view0.5", "fixed:Off", "Random"}
+    assert found["learned#1"] == found["learned#2"] == found["fixed:RepulsionGradient-view0.5"]
 
 
 @pytest.mark.parametrize(
@@ -120,7 +120,7 @@ def test_mistakes_are_one_line_and_nothing_is_written(words, tmp_path, more, lin
 def test_claims_over_two_families_are_those_of_their_directories(words, undrawn, tmp_path, family):
     for name in ("small", "other"):
         family.write_text(yaml.safe_dump({**FAMILY, "name": name}))
-        done(*words, "--strategy", "fixed:RepulsionGradient", "--scenarios", 2, "--output", tmp_path / name)
+        done(*words, "--strategy", "fixed:RepulsionGradient-view0.5", "--scenarios", 2, "--output", tmp_path / name)
     claims, shares = claims_over([tmp_path / "small", tmp_path / "other"], ["Random"], "fixed:Off")
     assert [(claim.family, claim.strategy, claim.against) for claim in claims] == [
         ("small", "Random", "fixed:Off"),
@@ -139,7 +139,7 @@ def test_claims_over_two_families_are_those_of_their_directories(words, undrawn,
     best = json.loads((tmp_path / "small" / "summary.json").read_text())["best_fixed"]
     (claim,), shares = claims_over([tmp_path / "small"], ["Random"], "")
     assert claim.against == " / ".join(dict.fromkeys(best))
-    assert set(shares["small"]) == {"Random", "fixed:Off", "fixed:RepulsionGradient", claim.against}
+    assert set(shares["small"]) == {"Random", "fixed:Off", "fixed:RepulsionGradient-view0.5", claim.against}
     cut(tmp_path / "other", tmp_path / "cut", slice(1, None))
     for directories, message in (
         ([tmp_path / "small"] * 2, "expected each family once, got small twice"),

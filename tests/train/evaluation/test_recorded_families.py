@@ -17,7 +17,7 @@ FAMILY = {
     "robots": [3, 4],
     "items": [3, 3],
 }
-STRATEGIES = ("fsm:rule", "policy:general", "Random", "fixed:RepulsionGradient")
+STRATEGIES = ("fsm:rule", "policy:general", "Random", "fixed:RepulsionGradient-view0.5")
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +70,7 @@ def test_what_each_strategy_thinks_of_the_options_is_recorded(results):
     assert np.ptp(opinions["policy:general"]) > 0.1
     for name in ("policy:general", "Random"):
         assert opinions[name].sum(axis=2) == pytest.approx(1.0, abs=0.01)
-    for name in ("fsm:rule", "fixed:RepulsionGradient"):
+    for name in ("fsm:rule", "fixed:RepulsionGradient-view0.5"):
         assert set(np.unique(opinions[name])) == {0.0, 1.0}
 
 

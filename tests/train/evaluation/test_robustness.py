@@ -22,7 +22,7 @@ SMALL = {
     "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0, "task": {"garbage": {"count": 3}}},
     "items": [3, 3],
     "scenarios": 2,
-    "strategies": ["fixed:RepulsionGradient", "fsm:rule"],
+    "strategies": ["fixed:RepulsionGradient-view0.5", "fsm:rule"],
     "disturbances": [
         {"kind": "loss", "level": "all", "mission": {"delivery": {"loss": 1.0}}},
         {"kind": "failing", "level": "1", "mission": {"events": [{"at": 2.0, "do": "fail", "robots": [0]}]}},

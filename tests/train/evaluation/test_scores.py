@@ -14,7 +14,7 @@ from selector.store import KnowledgeStore, RewardSums
 from tests.train.commands import command, done, refused, runs
 
 pytestmark = pytest.mark.usefixtures("undrawn")
-NEAR, GRADIENT, FAR = "RepulsionFernandez-view0.5", "RepulsionGradient", "RepulsionFernandez"
+NEAR, GRADIENT, FAR = "RepulsionFernandez-view0.5", "RepulsionGradient-view1.5", "RepulsionFernandez-view2.0"
 WRONG = {
     "goals": {
         "AvoidCollision": [
@@ -177,9 +177,9 @@ def test_the_same_missions_are_not_learned_again_and_results_that_learned_go_on_
         ),
         (
             "evaluate ROOMS --store other.sqlite --learn",
-            "wrong.yaml: goals.AvoidCollision.RepulsionGradient: means",
+            "wrong.yaml: goals.AvoidCollision.RepulsionGradient-view1.5: means",
         ),
-        ("evaluate ROOMS --store other.sqlite", "wrong.yaml: goals.AvoidCollision.RepulsionGradient: means"),
+        ("evaluate ROOMS --store other.sqlite", "wrong.yaml: goals.AvoidCollision.RepulsionGradient-view1.5: means"),
         ("study score Nothing --store s.sqlite", "error: unknown family, experiment or task 'Nothing' (known: "),
         ("study score chosen --store s.sqlite --knowledge library", "--knowledge: expected a family or a task"),
     ],

@@ -106,7 +106,7 @@ def test_options_strategies_and_losses_are_switched(session, page):
     step(page)
     shows(page, "[data-held]", "RepulsionFernandez-view2.0")
     assert session.worlds.coordinators[0].held[:6].tolist() == [0, 0, 0, 0, 3, 0]
-    page.select_option("#option", "RepulsionGradient")
+    page.select_option("#option", "RepulsionGradient-view0.5")
     page.click("#hold_all")
     step(page)
     assert set(session.worlds.coordinators[0].held.tolist()) == {5}

@@ -19,7 +19,7 @@ FAMILY = {
     "items": [8, 8],
     "changes": {"number": [5, 5], "kinds": ["join", "fail"]},
 }
-CONDITIONS = ("policy:general", "fixed:RepulsionGradient")
+CONDITIONS = ("policy:general", "fixed:RepulsionGradient-view0.5")
 
 
 @pytest.fixture(scope="session")

@@ -104,7 +104,7 @@ def test_what_if_it_goes_on_as_it_did(results, recordings):
         told = json.loads(done("explain", results / "run", *words))["what_if"]
         foretold = {one["option"]: one for one in told}
         course = [[recording[name][t, robot] for name in "xy"] for t in range(frame + 1, frame + 27)]
-        assert np.allclose(foretold["RepulsionGradient"]["path"], course, atol=0.0006)
+        assert np.allclose(foretold["RepulsionGradient-view0.5"]["path"], course, atol=0.0006)
         assert len(foretold) > 5
 
 

@@ -26,7 +26,7 @@ FAMILY = {
     "robots": [4, 4],
     "items": [4, 4],
 }
-CONDITIONS = ("fixed:RepulsionGradient", "Random")
+CONDITIONS = ("fixed:RepulsionGradient-view0.5", "Random")
 HISTORY = [
     {"checkpoint": 1, "decisions": 100, "crowded/excess_s": 50.0, "score": 4.0, "best": True},
     {"checkpoint": 2, "decisions": 200, "crowded/excess_s": 40.5, "score": None, "best": True},

@@ -107,9 +107,9 @@ def test_the_cleaning_robot_shows_all_that_its_document_declares(cleaning):
 def test_a_coordinator_shows_its_options_and_what_comes_with_them(cleaning):
     assert _boxes(cleaning, BoxKind.COORDINATOR) == {
         "AvoidCollision": (
-            "RepulsionFernandez, score 1: view_distance 2.0",
+            "RepulsionFernandez-view2.0, score 1: view_distance 2.0",
             "RepulsionFernandez-view1.5, score 0: view_distance 1.5",
-            "RepulsionGradient, score 0.5: view_distance 1.5",
+            "RepulsionGradient-view1.5, score 0.5: view_distance 1.5",
         )
     }
     sensors = _boxes(cleaning, BoxKind.SENSOR)

@@ -186,7 +186,7 @@ def started(folder: Path, output: str) -> subprocess.Popen[str]:
     """Start an evaluation of the family by two workers."""
     (folder / "uneven.yaml").write_text(yaml.safe_dump(FAMILY))
     words = ["evaluate", "--family", "uneven.yaml", "--scenarios", str(SCENARIOS), "--workers", "2"]
-    words += ["--strategy", "fixed:RepulsionGradient", "--strategy", "Random", "--output", output]
+    words += ["--strategy", "fixed:RepulsionGradient-view0.5", "--strategy", "Random", "--output", output]
     given = {"cwd": folder, "env": {**os.environ, "PYTHONPATH": str(ROOT)}, "stdout": subprocess.DEVNULL}
     command = [sys.executable, "-m", "clean_swarm_env", *words]
     return subprocess.Popen(command, start_new_session=True, stderr=subprocess.PIPE, text=True, **given)

@@ -37,7 +37,7 @@ def task():
     """A mission of the world."""
     mission = MissionConfig()
     one = Scenario("1", 0, mission, random_start(mission, 0, 0))
-    return RunTask("table1", 0, (one,), "RepulsionGradient", {}, BY_SCORE, run_mission)
+    return RunTask("table1", 0, (one,), "RepulsionGradient-view1.5", {}, BY_SCORE, run_mission)
 
 
 @pytest.mark.parametrize(("compiled", "expected"), [(False, [300.0, 3000.0]), (True, [3000.0])])
@@ -48,7 +48,7 @@ def test_an_evaluation_compiles_in_one_process_before_the_workers_start(compiled
         limits.append(mission.time_limit)
         return fake_mission.run_mission(mission, *given)
 
-    words = ("evaluate", "--condition", "RepulsionGradient", "--scenarios", 1, "--workers", 1, "--output", tmp_path)
+    words = ("evaluate", "--condition", "RepulsionGradient-view1.5", "--scenarios", 1, "--workers", 1, "--output", tmp_path)
     with faked_missions(run):
         monkeypatch.setattr(pipeline, "compiled_before", lambda: compiled)
         code, _, err = command(*words)
