@@ -27,7 +27,9 @@ from train.learning.config import TrainingConfig
 from train.report_page.results import results_in
 
 ROWS, STEPS = 12, 10
-PROBLEM = Problem("AvoidCollision", ("Off", "ORCA", "RepulsionGradient-view0.5"), np.array([1.0, 2.0, 1.5]), ("near", "far"))
+PROBLEM = Problem(
+    "AvoidCollision", ("Off", "ORCA", "RepulsionGradient-view0.5"), np.array([1.0, 2.0, 1.5]), ("near", "far")
+)
 """What the strategy in the folder of a release decides."""
 
 

@@ -125,7 +125,11 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
         numbers = {**library.parameters(option.configuration), **option.parameters}
         own = []
         for (name, value), factor in product(numbers.items(), FACTORS):
-            if isinstance(value, bool) or not isinstance(value, int | float) or not VARIED[0] <= abs(value) <= VARIED[1]:
+            if (
+                isinstance(value, bool)
+                or not isinstance(value, int | float)
+                or not VARIED[0] <= abs(value) <= VARIED[1]
+            ):
                 continue
             changed = round(value * factor) if isinstance(value, int) else float(f"{value * factor:.2g}")
             called = f"{option.name}-{name}{changed:g}".replace("_", "")

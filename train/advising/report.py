@@ -169,7 +169,9 @@ class Advice:
     def _on_the_way(self) -> str:
         names = {arm: f"the rule {arm[4:]}" if arm.startswith(f"{MACHINE}:") else arm for arm in self.found.choosers}
         parts = [f"{name} {times(self.ratio(arm))}" for arm, name in names.items() if arm in self.costs]
-        parts += [f"{names[arm]} left {self.stopped[arm]} of {JAMMED} unfinished" for arm in names if arm in self.stopped]
+        parts += [
+            f"{names[arm]} left {self.stopped[arm]} of {JAMMED} unfinished" for arm in names if arm in self.stopped
+        ]
         begin = "No rule or policy that ships fits this mission."
         if parts:
             begin = f"To change the choice during the mission: {', '.join(parts)}."
@@ -220,7 +222,9 @@ class Advice:
         bases = arms_hold(self.evaluation.opened, self.found.leader)
         for column, (goal, best) in enumerate(self.held.items()):
             known = {one.name for one in self.table[goal]}
-            own = {best: LearnedScore(count=len(rewards), mean=float(np.mean(rewards)), variance=float(np.var(rewards)))}
+            own = {
+                best: LearnedScore(count=len(rewards), mean=float(np.mean(rewards)), variance=float(np.var(rewards)))
+            }
             for reference in dict.fromkeys((best, bases[goal])):  # rounds before that of the numbers lack a variant
                 beside = dict(chain.from_iterable(_beside(one, column, reference) for one in self.search.rounds))
                 own = {
@@ -240,7 +244,9 @@ class Advice:
         """Goal -> the options of the knowledge: those of the mission and of the library, and what is to be held."""
         table = self.evaluation.table_with(self.held)
         known = {goal: set(self.evaluation.opened.names(goal)) for goal in self.held}
-        scored = {(goal, one.name): one.score for goal, own in self.evaluation.opened.known.table.items() for one in own}
+        scored = {
+            (goal, one.name): one.score for goal, own in self.evaluation.opened.known.table.items() for one in own
+        }
         return {
             goal: [
                 one.model_copy(update={"score": scored.get((goal, one.name), 0.0)})

@@ -131,7 +131,9 @@ class Search:
         arms = [arm_of(dict(zip(best, names, strict=True))) for names in product(*best.values())]
         experts = arm_of(self.opened.experts)
         if len(best) > 1:
-            arms = self._race("together", [*dict.fromkeys((*arms, experts))], self._starts(SHARES["together"], 2 * len(arms)))
+            arms = self._race(
+                "together", [*dict.fromkeys((*arms, experts))], self._starts(SHARES["together"], 2 * len(arms))
+            )
         together = next((one for one in self.rounds if one.title == "together"), self.rounds[-1])
         leader, variants = arms[0], 0
         if more := self._variants(leader):

@@ -24,7 +24,9 @@ def ship(evaluation: AdviceEvaluation, done: Done) -> None:
     advice, folder = Advice.of(evaluation, done), evaluation.folder
     learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in advice.learned.items()}
     robot = evaluation.mission.network.robot
-    text = document_of(advice.table, evaluation.directories, description=advice.sentences[0], robot=robot, learned=learned)
+    text = document_of(
+        advice.table, evaluation.directories, description=advice.sentences[0], robot=robot, learned=learned
+    )
     write_whole(folder / KNOWLEDGE, text.encode())
     known = evaluation.opened.with_knowledge((folder / KNOWLEDGE).resolve())
     write_whole(folder / FAMILY, as_yaml(known.model_dump(mode="json")).encode())

@@ -13,7 +13,10 @@ from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
 
 SERVES = ActionConfig(
-    serves={"RepulsionFernandez-view2.0": ("patrol", "approach"), "RepulsionGradient-view1.5": ("to_recycling", "to_dump", "patrol")}
+    serves={
+        "RepulsionFernandez-view2.0": ("patrol", "approach"),
+        "RepulsionGradient-view1.5": ("to_recycling", "to_dump", "patrol"),
+    }
 )
 TABLE = {
     "patrol": [True, True, True],

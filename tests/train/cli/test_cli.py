@@ -101,7 +101,9 @@ def test_a_file_of_starts_is_run_and_compared_with_what_was_measured(tmp_path):
         for condition in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")
         for metric, figure in (("duration_s", 300.0), ("samples_per_s_at_0.5m", 1.0))
     }
-    assert {(r["a"], r["b"]) for r in summary["reference_ratios"]} == {("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")}
+    assert {(r["a"], r["b"]) for r in summary["reference_ratios"]} == {
+        ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")
+    }
     for text in (out, (tmp_path / "r" / "table.md").read_text()):
         assert "ours beside measured" in text
     assert _configuration(tmp_path / "r")["mission"]["world"]["width"] == 12.0

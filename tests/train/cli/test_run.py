@@ -35,7 +35,18 @@ def test_json_holds_the_same_figures_for_equal_seeds():
 
 
 def test_options_of_the_command_reach_the_mission():
-    options = ("--robots", "4", "--seconds", "2", "--arena", "open", "--option", "RepulsionGradient-view1.5", "--runs", "1")
+    options = (
+        "--robots",
+        "4",
+        "--seconds",
+        "2",
+        "--arena",
+        "open",
+        "--option",
+        "RepulsionGradient-view1.5",
+        "--runs",
+        "1",
+    )
     out = done("run", "AgentCollisionAvoidance", *options)
     assert "by RepulsionGradient-view1.5: 4 robots, 2 s, open, 1 run of seed 0" in out
     assert "targets are stated for 10 robots, 120 s, torus" in out

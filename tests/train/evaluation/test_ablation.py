@@ -25,7 +25,8 @@ def test_a_planner_without_weight_is_no_planner():
     without = [mission(network=network) for network in ({"weights": {"plan": 0.0}}, {"planner": "off"})]
     start = random_start(without[0], 3, 0)
     one, other = (
-        Course(MissionRun(config, start, 3, {"AvoidCollision": {"RepulsionGradient-view1.5": 2.0}})) for config in without
+        Course(MissionRun(config, start, 3, {"AvoidCollision": {"RepulsionGradient-view1.5": 2.0}}))
+        for config in without
     )
     for _ in range(500):
         assert one.in_progress

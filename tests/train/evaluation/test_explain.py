@@ -17,7 +17,8 @@ from tests.train.commands import changed, command, done, refused
 from train.evaluation.repeat import steps_of, task_of
 
 CONDITIONS = [
-    {"name": name, "scores": {"AvoidCollision": {name: 2.0}}} for name in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")
+    {"name": name, "scores": {"AvoidCollision": {name: 2.0}}}
+    for name in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")
 ]
 
 
@@ -142,7 +143,10 @@ def test_the_last_step_is_the_one_that_dumps_the_last_item(evaluated):
     ("words", "expected"),
     [
         (["--scenario", "7"], "run: unknown scenario '7' (known: 1, 2; 2 in all)"),
-        (["--condition", "RepulsionGradiant"], "unknown condition 'RepulsionGradiant' (known: RepulsionFernandez-view2.0, "),
+        (
+            ["--condition", "RepulsionGradiant"],
+            "unknown condition 'RepulsionGradiant' (known: RepulsionFernandez-view2.0, ",
+        ),
         (["--robot", "5"], "--robot: expected a number from 0 to 4, got 5"),
         (["--robot", "-1"], "--robot: expected a number from 0 to 4, got -1"),
         (["--time", "-1"], "--time: expected seconds from 0 on, got -1"),

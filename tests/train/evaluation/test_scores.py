@@ -9,7 +9,7 @@ import yaml
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.learning.batch import Batch
-from selector.knowledge import ENOUGH, knowledge_from, load_knowledge
+from selector.knowledge import ENOUGH, Knowledge, Option, knowledge_from, load_knowledge
 from selector.store import KnowledgeStore, RewardSums
 from tests.train.commands import command, done, refused, runs
 
@@ -18,9 +18,9 @@ NEAR, GRADIENT, FAR = "RepulsionFernandez-view0.5", "RepulsionGradient-view1.5",
 WRONG = {
     "goals": {
         "AvoidCollision": [
-            {"configuration": FAR, "score": 1.0, "parameters": {"view_distance": 2.0}},
-            {"configuration": GRADIENT, "score": 0.5, "parameters": {"view_distance": 1.5}},
-            {"name": NEAR, "configuration": FAR, "score": 0.0, "parameters": {"view_distance": 0.5}},
+            {"name": FAR, "score": 1.0},
+            {"name": GRADIENT, "score": 0.5},
+            {"name": NEAR, "score": 0.0},
         ]
     }
 }
@@ -186,8 +186,8 @@ def test_the_same_missions_are_not_learned_again_and_results_that_learned_go_on_
 )
 def test_mistakes_are_one_line_and_nothing_is_written(tmp_path, words, line):
     other = KnowledgeStore("other.sqlite")
-    options = {"AvoidCollision": [{"configuration": GRADIENT, "score": 1.0, "parameters": {"view_distance": 9.0}}]}
-    other.introduce(knowledge_from({"goals": options}))
+    far = Option(name=GRADIENT, configuration="RepulsionGradient", score=1.0, parameters={"view_distance": 9.0})
+    other.introduce(Knowledge({"AvoidCollision": (far,)}))
     given = words.replace("ROOMS", "--family rooms --knowledge wrong").split()
     assert line in refused(*given, *OWN, *(("--output", "none") if given[0] == "evaluate" else ()))
     assert not (tmp_path / "none").exists()

@@ -43,7 +43,9 @@ NUMBERS = st.one_of(
     st.sampled_from([1e-12, 1e308, -1e308, 5e-324, 2**53, 2**63, 2**64, -(2**63), 10**400, float("nan"), float("inf")]),
 )
 TEXTS = st.one_of(
-    st.sampled_from(["", "RepulsionGradient-view0.5", "Off", "MaxScore", "Random", "rule", "fixed:Off", "fsm:rule", "small"]),
+    st.sampled_from(
+        ["", "RepulsionGradient-view0.5", "Off", "MaxScore", "Random", "rule", "fixed:Off", "fsm:rule", "small"]
+    ),
     st.sampled_from(["policy:x.zip", "os:system", "a/b.py:X", "\x00", "a\nb", "\ud800", "x" * 5000]),
 )
 ODD = st.one_of(NUMBERS, TEXTS, st.none(), st.booleans(), st.just({}), st.lists(NUMBERS, max_size=3))

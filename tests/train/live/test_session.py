@@ -12,7 +12,10 @@ from train.live.session import Session
 
 BY_HAND = {
     0: [{"do": "set_loss", "loss": 0.3}],
-    7: [{"do": "put_robot", "robot": 1, "x": 9.3, "y": 0.7}, {"do": "hold_option", "option": "RepulsionGradient-view0.5"}],
+    7: [
+        {"do": "put_robot", "robot": 1, "x": 9.3, "y": 0.7},
+        {"do": "hold_option", "option": "RepulsionGradient-view0.5"},
+    ],
     15: [{"do": "add_robot", "x": 5.5, "y": 5.5, "heading": 1.0}, {"do": "add_item", "x": 1.0, "y": 2.0}],
     22: [{"do": "put_item", "item": 3, "x": 6.0, "y": 9.0}, {"do": "follow_strategy", "strategy": "fsm:rule"}],
     31: [
@@ -118,7 +121,10 @@ def small(tmp_path_factory):
         ({"do": "put_robot", "robot": 1, "x": float("nan"), "y": 0.0}, "by hand: .*x"),
         ({"do": "put_robot", "robot": 1, "x": 1.0}, "by hand: .*y"),
         ({"do": "hold_option", "option": "Repulsion"}, "unknown option 'Repulsion' \\(known: "),
-        ({"do": "hold_option", "option": "RepulsionGradient-view0.5", "robots": [99]}, "robot 99: expected a number below"),
+        (
+            {"do": "hold_option", "option": "RepulsionGradient-view0.5", "robots": [99]},
+            "robot 99: expected a number below",
+        ),
         ({"do": "follow_strategy", "strategy": "policy:none"}, "none"),
         ({"do": "set_loss", "loss": 2}, "by hand: .*loss"),
     ],

@@ -48,7 +48,17 @@ def test_an_evaluation_compiles_in_one_process_before_the_workers_start(compiled
         limits.append(mission.time_limit)
         return fake_mission.run_mission(mission, *given)
 
-    words = ("evaluate", "--condition", "RepulsionGradient-view1.5", "--scenarios", 1, "--workers", 1, "--output", tmp_path)
+    words = (
+        "evaluate",
+        "--condition",
+        "RepulsionGradient-view1.5",
+        "--scenarios",
+        1,
+        "--workers",
+        1,
+        "--output",
+        tmp_path,
+    )
     with faked_missions(run):
         monkeypatch.setattr(pipeline, "compiled_before", lambda: compiled)
         code, _, err = command(*words)
