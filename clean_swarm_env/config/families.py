@@ -178,9 +178,7 @@ class FamilyConfig(Closed):
     def with_knowledge(self, name: str | None, directories: Sequence[Path] = (), terms: Sequence[str] = ()) -> Self:
         """Return the family with the expert knowledge of a name, None: its own, and with further terms."""
         mission = knowing(self.mission, name, directories)
-        return self.model_copy(
-            update={"mission": mission.model_copy(update={"terms": (*mission.terms, *terms)})}
-        )
+        return self.model_copy(update={"mission": mission.model_copy(update={"terms": (*mission.terms, *terms)})})
 
     @property
     def largest(self) -> MissionConfig:

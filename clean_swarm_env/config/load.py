@@ -48,9 +48,10 @@ def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> Robu
 def load_family(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> FamilyConfig:
     """Return the family of a name or of a path to a YAML file, its mission and start configurations resolved.
 
-    The name of a mission or of a task is that of its family, too: its random starts.
+    The name of a mission or of a task, or the path of a mission, is that of its family, too: its random starts.
     """
-    if (path := named_file("families", name_or_path, directories)) is None:
+    path = named_file("families", name_or_path, directories)
+    if path is None or not read_mapping(path).keys() & {"mission", "description"}:
         return random_starts(load_mission(name_or_path, directories, trust=trust))
     with reading_files(trust=trust):
         return validated(FamilyConfig, _resolved(path, directories), shown(path))

@@ -223,5 +223,5 @@ def _changed(mission: MissionConfig, chosen: EnvSettings, directories: tuple[Pat
     knowledge, limit = chosen.get("knowledge"), chosen.get("time_limit")
     if knowledge is None and limit is None:
         return mission
-    known = knowing(mission, knowledge and os.fspath(knowledge), directories)
+    known = knowing(mission, None if knowledge is None else os.fspath(knowledge), directories)
     return checked(known.model_copy(update={"time_limit": mission.time_limit if limit is None else limit}), "mission")

@@ -1,7 +1,7 @@
-"""Advice beside an exhaustive search: does `advise` name a pair that is as good as the best of all pairs?
+"""Advice beside an exhaustive search, which tells whether `advise` names a pair that is as good as the best of all.
 
-    python -m docs.comparison.advised all table1 random-bumpers scouts     # every pair on 100 starts; some 30 CPU minutes
-    python -m docs.comparison.advised repeat table1 --minutes 1 --seeds 20 # advice with other seeds, judged on these starts
+    python -m docs.comparison.advised all table1 random-bumpers scouts      # every pair on 100 starts
+    python -m docs.comparison.advised repeat table1 --minutes 1 --seeds 20  # advice with other seeds on these starts
 
 Pairs that cost more than twice the best after 20 starts stop there. Results are kept in docs/comparison/advised.json.
 """

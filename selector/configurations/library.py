@@ -71,11 +71,6 @@ class Library:
         """Return the configuration of an option with the parameters of the option."""
         return self.configuration(option.configuration, option.parameters)
 
-    def parameters(self, key: str) -> dict[str, Any]:
-        """Return the parameters that options can override in a configuration, with their own values."""
-        self.configuration(key)
-        return declared_parameters(self._documents[key])
-
     def check(self, knowledge: Knowledge) -> None:
         """Raise DocumentError, which names file, goal and option, for an option of `knowledge` that cannot be built."""
         for goal in knowledge.goals:

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.load import load_family
@@ -265,9 +264,9 @@ class AdviceEvaluation(Evaluation):
     def _tasks_of(self, arm: str, names: Sequence[str]) -> list[TrialTask]:
         """Return the tasks of scenarios of an arm."""
         family = self.opened.with_knowledge(self.file_of(arm))
-        drawn = [scenario_named(family, self.request.seed, name) for name in names]
-        named: tuple[Any, ...] = (family.name, self.request.seed)
+        seed, own = self.request.seed, self.directories
+        drawn = [scenario_named(family, seed, name) for name in names]
         return [
-            AdviceTask(*named, tuple(drawn[k : k + TASK_SCENARIOS]), arm, arm, self.goal, directories=self.directories)
+            AdviceTask(family.name, seed, tuple(drawn[k : k + TASK_SCENARIOS]), arm, arm, self.goal, directories=own)
             for k in range(0, len(drawn), TASK_SCENARIOS)
         ]

@@ -152,7 +152,7 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
     return found
 
 
-def document_of(table: Mapping[str, Sequence[Option]], directories: tuple[Path, ...], **more: Content) -> str:
+def document_of(table: Mapping[str, Sequence[Option]], directories: tuple[Path, ...], **more: object) -> str:
     """Return the knowledge file of options, those of the library by name; `more`: further keys."""
     goals: dict[str, list[Content]] = {}
     for goal, options in table.items():

@@ -178,7 +178,7 @@ class Advice:
         ratio = self.hindsight
         if ratio is None or ratio.ratio is None:
             return begin
-        ends = ratio.ci95 and tuple(100.0 - 100.0 * end for end in reversed(ratio.ci95))
+        ends = None if ratio.ci95 is None else (100.0 - 100.0 * ratio.ci95[1], 100.0 - 100.0 * ratio.ci95[0])
         gain = f"{1.0 - ratio.ratio:.0%}{interval_words(ends, '{:.0f}'.format)}"
         what = {1: "option", 2: "pair"}.get(len(self.evaluation.opened.goals), "combination")
         return f"{begin} The best {what} of each start in hindsight gains {gain}."
@@ -198,9 +198,8 @@ class Advice:
 
     @property
     def _remarks(self) -> list[str]:
-        dropped = dict(self.evaluation.opened.dropped)
-        for record in self.done.values():
-            dropped |= {record.condition: name.removeprefix(BROKE) for name in record.counts if name.startswith(BROKE)}
+        broke = [(one.condition, name) for one in self.done.values() for name in one.counts if name.startswith(BROKE)]
+        dropped = {**self.evaluation.opened.dropped, **{arm: why.removeprefix(BROKE) for arm, why in broke}}
         told = [f"{self._words(arm)} dropped out: {why}." for arm, why in dropped.items()]
         if self.search.left_out:
             told.append(f"{self.search.left_out} options were not tried for lack of time: --minutes.")
@@ -299,7 +298,7 @@ class Advice:
 
 
 def _beside(done: Round, column: int, best: str) -> list[tuple[str, tuple[int, float, float]]]:
-    """Return options, each with starts, by how much its mean reward differs from that of `best`, and the variance of its own.
+    """Return options with starts, by how much the mean reward differs from that of `best`, and the variance.
 
     Of several arms with an option the cheapest counts.
     """

@@ -1,9 +1,9 @@
-"""The search for the best options of a mission: rounds in which arms do the same fresh starts, and the worse half goes.
+"""The search for the best options of a mission: in each round arms do the same fresh starts, and the worse half goes.
 
-An arm is a strategy that robots follow: a combination of options, a rule, or a policy. A round makes no claim and has no
-test: the ranks of its mean excess say who stays, with twice as many starts for the next one (Karnin et al. 2013, Almost
-optimal exploration in multi-armed bandits). First each goal races alone, then the best of each together, then variants
-of the numbers of the best, then rules and policies. The experts' choice is never dropped.
+An arm is a strategy that robots follow: a combination of options, a rule, or a policy. A round makes no claim and has
+no test: the ranks of its mean excess say who stays, with twice as many starts for the next one (Karnin et al. 2013,
+Almost optimal exploration in multi-armed bandits). First each goal races alone, then the best of each together, then
+variants of the numbers of the best, then rules and policies. The experts' choice is never dropped.
 
 What is done next follows from the runs that are done: a search that goes on comes to the same end, in any number of
 processes.
@@ -20,7 +20,7 @@ from itertools import product
 import numpy as np
 
 from clean_swarm_env.config.families import scenario_name
-from selector.knowledge import ENOUGH, Knowledge, Option
+from selector.knowledge import ENOUGH, Option
 from selforg.arrays import Flags, Floats
 from train.advising.opening import Opened, arms_hold, joined
 from train.deciders.named import FIXED
@@ -60,7 +60,8 @@ class Round:
     @property
     def means(self) -> Floats:
         """Mean excess (A,) [s]."""
-        return self.costs.mean(axis=1)
+        means: Floats = self.costs.mean(axis=1)
+        return means
 
     @property
     def order(self) -> list[str]:
@@ -126,7 +127,9 @@ class Search:
     def run(self) -> Found:
         """Return what the search finds."""
         held = dict(self.opened.experts)
-        self._round("first look", [arm_of(held)], LOOK)
+        look = self._round("first look", [arm_of(held)], LOOK)
+        if self.opened.combinations == 1:
+            return Found(look.arms[0], look.arms[0], look.arms, (), 0, LAST_FEWEST)
         best = self._goals_alone(held)
         arms = [arm_of(dict(zip(best, names, strict=True))) for names in product(*best.values())]
         experts = arm_of(self.opened.experts)
@@ -150,7 +153,8 @@ class Search:
     def leads(self) -> str:
         """Who led in the last round, in words."""
         last = self.rounds[-1]
-        return f"in the search {last.order[0].removeprefix(f'{FIXED}:')} leads at {last.means.min():,.0f} s ({last.title})"
+        first = last.order[0].removeprefix(f"{FIXED}:")
+        return f"in the search {first} leads at {last.means.min():,.0f} s ({last.title})"
 
     @property
     def _price(self) -> float:
@@ -289,4 +293,5 @@ def _filled(values: Sequence[float], count: int) -> list[float]:
 def _ranks(values: Floats) -> Floats:
     """Return the ranks of values; equal ones share the mean of theirs."""
     order = values[:, None] > values
-    return order.sum(axis=1) + 0.5 * (values[:, None] == values).sum(axis=1)
+    ranks: Floats = order.sum(axis=1) + 0.5 * (values[:, None] == values).sum(axis=1)
+    return ranks

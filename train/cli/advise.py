@@ -8,6 +8,7 @@ import typer
 from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.listing import check_named
 from train.cli.options import REPORTING, GivenOptions, asking, wide_console
+from train.running.commands import FINISHED
 
 MOST_MINUTES = 1e5
 ADVICE = Path("advice")
@@ -21,12 +22,19 @@ def advise_command(
         typer.Argument(help="Name of a mission, a family or a task, or path to its YAML file.", metavar="MISSION"),
     ],
     minutes: Annotated[float, typer.Option(help="Time of processors for all missions [min].")] = 10.0,
+    learn: Annotated[
+        bool,
+        typer.Option("--learn", help="Then train a selector for the mission, judge it, and ship it if it is better."),
+    ] = False,
+    training: Annotated[float, typer.Option(help="With --learn: time of processors for all trainings [min].")] = 5.0,
     *,
     given: GivenOptions,
 ) -> None:
     """Say which options the robots of a mission should hold, how sure that is, and whether changing them pays."""
     if not 0.0 < minutes <= MOST_MINUTES:
         raise ConfigurationError(f"--minutes: expected a positive number up to {MOST_MINUTES:g}, got {minutes:g}")
+    if not 0.0 < training <= MOST_MINUTES:
+        raise ConfigurationError(f"--training: expected a positive number up to {MOST_MINUTES:g}, got {training:g}")
     check_named(given.directories, families=mission, knowledge=given.values["knowledge"])
     from train.advising.advice import AdviceEvaluation  # these import SciPy and Numba
     from train.evaluation import pipeline
@@ -34,5 +42,15 @@ def advise_command(
 
     resume = given.values["resume"]
     output = given.values["output"] or default_directory(Path(mission).stem, resume=resume, root=ADVICE)
+    if learn:
+        from train.learning.session import check_installed
+
+        check_installed("ppo")
     evaluation = AdviceEvaluation(given.request(mission, output=output), minutes)
-    raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
+    console = wide_console()
+    code = pipeline.evaluate(evaluation, console)
+    if learn and code == FINISHED and not evaluation.nothing_to_choose:
+        from train.advising.learning import train_selector  # imports torch
+
+        code = train_selector(evaluation, training, console)
+    raise typer.Exit(code)

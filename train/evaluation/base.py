@@ -174,7 +174,7 @@ class Evaluation(ABC):
         best = min(costs, key=lambda name: fmean(costs[name]))
         return f"lowest mean cost {fmean(costs[best]):,.0f} s: {best}"
 
-    def conclude(self, records: Sequence[RunRecord]) -> None:
+    def conclude(self, records: Sequence[RunRecord]) -> None:  # noqa: B027  (most have nothing to add)
         """Write what the results are used with; nothing unless a subclass does."""
 
     @abstractmethod

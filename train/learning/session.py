@@ -113,7 +113,10 @@ def changed_scores(memory: Memory) -> list[str]:
     lines, known = [], memory.now()
     for goal in known.learned:
         before, now = Problem.of(memory.knowledge, goal), Problem.of(known, goal)
-        scores = [f"{name} {old:.3g} -> {new:.3g}" for name, old, new in zip(now.options, before.scores, now.scores, strict=True)]
+        scores = [
+            f"{name} {old:.3g} -> {new:.3g}"
+            for name, old, new in zip(now.options, before.scores, now.scores, strict=True)
+        ]
         first, then = (one.options[int(one.scores.argmax())] for one in (before, now))
         lines.append(f"{goal}: MaxScore takes {then} (before: {first}); scores {', '.join(scores)}")
     return lines

@@ -1,0 +1,86 @@
+"""Advice by the command: what it says, what it leaves, how it ends and goes on."""
+
+import json
+
+import pytest
+import yaml
+
+from clean_swarm_env import clean_swarm_v0
+from selector.knowledge import library_options, load_knowledge
+from selector.strategies.problem import Problem
+from tests.train.commands import command, done, refused
+from train.advising import opening
+
+YARD = {
+    "name": "yard",
+    "world": {"width": 6.0, "height": 6.0, "contacts": "solid"},
+    "robots": {"count": 3},
+    "task": {"garbage": {"count": 2}, "stations": {"recycling": [1.5, 3.0], "dump": [4.5, 3.0]}},
+    "time_limit": 60.0,
+}
+QUICK = ("--minutes", 0.05, "--force", "--workers", 1)
+
+
+@pytest.fixture(autouse=True)
+def here(monkeypatch, tmp_path):
+    """Be in a directory with a mission of one's own."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "yard.yaml").write_text(yaml.safe_dump(YARD))
+
+
+def taken(file):
+    """Goal -> the option that MaxScore takes."""
+    known = load_knowledge(str(file))
+    problems = {goal: Problem.of(known, goal) for goal in known.goals}
+    return {goal: one.options[int(one.scores.argmax())] for goal, one in problems.items()}
+
+
+def few(monkeypatch):
+    """Let the library have a few options only, so that a mission is searched in seconds."""
+    monkeypatch.setattr(opening, "library_options", lambda *given: library_options(*given)[-2:])
+    monkeypatch.setattr(opening, "MOST_VARIANTS", 2)
+
+
+def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatch):
+    few(monkeypatch)
+    code, out, err = command("advise", "yard.yaml", *QUICK)
+    assert code == 0, err
+    said = json.loads((tmp_path / "advice/yard/summary.json").read_text())
+    first = " and ".join(said["held"].values())
+    assert f"yard: hold {first}: " in out
+    assert f"on {said['starts']} fresh starts, the best of 10 pairs" in out
+    assert "the experts' scores" in out
+    assert "So a " in out
+    assert taken(tmp_path / "advice/yard") == said["held"]
+    robots = clean_swarm_v0.parallel_env("yard.yaml", knowledge="advice/yard")
+    assert set(robots.options) == {"AvoidCollision", "ExplorationPatrol"}
+    assert set(clean_swarm_v0.parallel_env("yard.yaml").options) == {"AvoidCollision"}
+    assert (tmp_path / "advice/yard/replay.html").stat().st_size > 10_000
+    before = (tmp_path / "advice/yard/runs.jsonl").read_bytes()
+    assert "give --resume or another --output" in refused("advise", "yard.yaml", *QUICK, "--output", "advice/yard")
+    again = done("advise", "yard.yaml", *QUICK, "--resume")
+    assert (tmp_path / "advice/yard/runs.jsonl").read_bytes() == before
+    assert next(line for line in again.splitlines() if line.startswith("yard: ")) in out
+    done("evaluate", "--family", "advice/yard", "--strategy", "MaxScore", "--scenarios", 2)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["nowhere"], "unknown mission, family or task 'nowhere'"),
+        (["table1", "--minutes", 0], "--minutes: expected a positive number"),
+        (["table1", "--minutes", "nan"], "--minutes: expected a positive number"),
+        (["table1", "--training", -1], "--training: expected a positive number"),
+        (["table1", "--minutes", 0.01], "--minutes: expected at least"),
+        (["table1", "--knowledge", "nothing"], "unknown expert knowledge 'nothing'"),
+    ],
+)
+def test_what_cannot_be_asked_is_one_line_and_leaves_nothing(words, told, tmp_path):
+    assert told in refused("advise", *words)
+    assert not (tmp_path / "advice").exists()
+
+
+def test_a_task_of_one_option_has_nothing_to_choose(tmp_path):
+    code, out, err = command("advise", "FindBarycenter", "--minutes", 0.1, "--force", "--workers", 1)
+    assert code == 0, err
+    assert "there is nothing to choose" in out

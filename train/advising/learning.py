@@ -1,0 +1,154 @@
+"""A selector trained for the mission of an advice, which begins at what the advice says, and is judged as that was.
+
+Trainings with several seeds run side by side. Validation chooses one of them; fresh starts judge it beside the best
+that is held. It ships in the folder of the advice only if it is shown to be better.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from clean_swarm_env.world.task import task_class
+from selector.documents.reading import as_yaml
+from selector.documents.writing import write_whole
+from selforg.plugins import named_plugins
+from train.advising.advice import AdviceEvaluation
+from train.advising.report import Advice, times
+from train.advising.search import CPU
+from train.advising.shipping import FAMILY
+from train.analysis.family_report import excesses_of, unfinished_of
+from train.analysis.flips import ALPHA
+from train.analysis.intervals import Ratio
+from train.deciders.named import POLICY
+from train.evaluation import pipeline
+from train.evaluation.family import FamilyEvaluation
+from train.learning.config import TrainingConfig, load_training
+from train.learning.ppo.training import POLICY_FOLDER
+from train.learning.session import check_installed
+from train.learning.yardstick import validation_in
+from train.running.commands import FINISHED
+from train.running.finished_runs import JOURNAL, runs_of
+
+TRAINING, TRAININGS, JUDGED = "training.yaml", "training-{}", "judged"
+SEEDS = (1, 2, 3)
+TEMPLATE = "one"
+"""Training that ships for all goals of cleaning, whose settings trainings of such missions have."""
+OF_PPO = 0.4
+"""Decisions of a training in the time in which missions without learning make one [-]."""
+LEAST, MOST = 20_000, 5_000_000
+"""Bounds of the decisions of a training."""
+CHECKPOINTS = 4
+LEAST_JUDGED = 40
+"""Least number of starts that judge the selector."""
+FRESH = 1
+"""What is added to the seed of the advice for the starts that judge the selector."""
+
+
+def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Console) -> int:
+    """Train a selector for so many minutes of processors in all, judge it, and say what came out; the exit code."""
+    check_installed("ppo")
+    folder = evaluation.folder
+    advice = Advice.of(evaluation, {record.key: record for record in runs_of(folder / JOURNAL)})
+    write_whole(folder / TRAINING, as_yaml(training_of(advice, minutes).model_dump(mode="json")).encode())
+    words = [sys.executable, "-m", "clean_swarm_env", *(f"--import={name}" for name in named_plugins())]
+    words += ["train", "ppo", "--config", str(folder / TRAINING)]
+    words += [word for path in evaluation.directories for word in ("--configs", str(path))]
+    with ThreadPoolExecutor(min(len(SEEDS), evaluation.request.machine.workers)) as pool:
+        codes = list(pool.map(lambda seed: _trained(words, seed, folder), SEEDS))
+    if any(codes):
+        return max(codes)
+    best = min(SEEDS, key=lambda seed: _validated(folder / TRAININGS.format(seed)))
+    return _judge(evaluation, advice, best, console)
+
+
+def training_of(advice: Advice, minutes: float) -> TrainingConfig:
+    """Return the training of a selector that begins with the options of an advice."""
+    evaluation, held = advice.evaluation, advice.held
+    content: dict[str, Any] = {"ppo": {"learning_rate": 1e-3, "minibatch": 2048, "discount": 0.99, "entropy": 0.005}}
+    if not task_class(evaluation.mission).measures:
+        shared = load_training(TEMPLATE, "ppo").model_dump(mode="json", exclude_unset=True)
+        content = {name: shared[name] for name in ("observation", "reward", "ppo")}
+        content["ppo"]["running"] = [goal for goal in content["ppo"]["running"] if goal in held]
+    several = [goal for goal in held if len(advice.table[goal]) > 1]
+    content["ppo"] |= {"start": {goal: held[goal] for goal in several}, "holds": dict.fromkeys(several, 8)}
+    seconds = sum(record.counts.get(CPU, 0) for record in advice.done.values()) / 1000.0
+    mission, ticks = evaluation.mission, sum(one.result.ticks * one.result.robots for one in advice.done.values())
+    rate = OF_PPO * ticks / (mission.decision_period * mission.world.control_rate) / max(seconds, 1e-3)
+    wanted = int(np.clip(60.0 * minutes * rate / len(SEEDS), LEAST, MOST))
+    return TrainingConfig.model_validate(
+        {
+            "name": f"{evaluation.family.name}-selector",
+            "description": f"A selector for {evaluation.family.name}, which begins with {' and '.join(held.values())}.",
+            "tasks": [{"family": str((evaluation.folder / FAMILY).resolve()), "worlds": 16}],
+            "goal": "+".join(several),
+            "checkpoints": CHECKPOINTS,
+            "decisions": wanted // CHECKPOINTS,
+            "validation": {"scenarios": 16},
+            **content,
+        }
+    )
+
+
+def _trained(words: Sequence[str], seed: int, folder: Path) -> int:
+    """Do or go on with the training of a seed; return its exit code."""
+    output = folder / TRAININGS.format(seed)
+    more = ["--seed", str(seed), "--output", str(output), *(["--resume"] if output.exists() else [])]
+    done = subprocess.run([*words, *more], capture_output=True, text=True, check=False)
+    if done.returncode:
+        print(done.stderr.strip().rpartition("\n")[2], file=sys.stderr)
+    return done.returncode
+
+
+def _validated(directory: Path) -> float:
+    """Return the mean excess of a training on its validation missions [s]."""
+    validation = validation_in(directory)
+    assert validation is not None
+    return float(np.mean([np.mean(own) for own in validation.learned.values()]))
+
+
+def _judge(evaluation: AdviceEvaluation, advice: Advice, seed: int, console: Console) -> int:
+    """Judge the policy of a seed beside the best that is held; ship it if it is shown to be better."""
+    folder = evaluation.folder
+    policy = folder / TRAININGS.format(seed) / POLICY_FOLDER
+    held, learned = advice.found.winner, f"{POLICY}:{policy.resolve()}"
+    again = replace(
+        evaluation.request,
+        name=str(folder / FAMILY),
+        strategies=(held, f"selector={learned}"),
+        goal=evaluation.goal,
+        seed=evaluation.request.seed + FRESH,
+        scenarios=max(advice.found.starts, LEAST_JUDGED),
+        knowledge=None,
+        output=folder / JUDGED,
+        resume=(folder / JUDGED).exists(),
+        figure=None,
+    )
+    judge = FamilyEvaluation(again)
+    with Path(folder / "judged.log").open("w", encoding="utf-8") as log:
+        code = pipeline.evaluate(judge, Console(file=log))
+    if code != FINISHED:
+        return code
+    runs = judge.runs(runs_of(folder / JUDGED / JOURNAL), {held: (held,), "selector": ("selector",)})
+    ratio = Ratio.between("selector", held, excesses_of(runs), unfinished_of(runs))
+    told = ratio.p is not None and ratio.p < ALPHA
+    better = told and ratio.sign < 0.0 and ratio.ci95 is not None and ratio.ci95[1] < 1.0
+    cost = f"The selector that was trained for it costs {times(ratio)} of that on {runs.scenarios} further starts"
+    if left := unfinished_of(runs):
+        cost += f", with {int(left['selector'].sum())} unfinished beside {int(left[held].sum())}"
+    if better:
+        shutil.copytree(policy, folder / POLICY_FOLDER, dirs_exist_ok=True)
+        console.print(f"{cost}: it is worth it, and ships in {folder / POLICY_FOLDER}.", soft_wrap=True)
+    else:
+        word = "it is worse" if told and ratio.sign > 0.0 else "it is not shown to be worth it"
+        console.print(f"{cost}: {word}, and does not ship.", soft_wrap=True)
+    return FINISHED
