@@ -24,7 +24,7 @@ from selector.documents.writing import write_whole
 from selector.knowledge import Knowledge, Option
 from selforg.plugins import PluginError
 from train.advising.opening import Opened, arms_hold, document_of, opened, variants_of, without
-from train.advising.search import CPU, JAMMED, Found, Lacking, Search, arm_of, needed
+from train.advising.search import JAMMED, Found, Lacking, Search, arm_of, needed
 from train.analysis.verdict import RANDOM
 from train.deciders.named import FIXED, MACHINE, POLICY, decider_named
 from train.evaluation.base import Choosers, Done, Evaluation
@@ -36,6 +36,8 @@ from train.request import Request
 from train.running.needs import check_needs, needs_of
 from train.running.runs import RunRecord
 
+CPU = "cpu_ms"
+"""Count of a mission: the time of its processor [ms]."""
 OPTIONS, NUMBERS = "options.yaml", "numbers.yaml"
 """Files with all options that race, and with the variants of the best ones, too; there the best have the highest score,
 so that a rule for one goal leaves them in place for the others."""
@@ -49,6 +51,11 @@ USUAL_SHARE = 0.05
 """Share of its time limit that a mission lasts, coarsely, before one has run."""
 LEAST_MISSIONS = 120
 """Missions without which nothing can be said."""
+
+
+def seconds_of(record: RunRecord) -> float:
+    """Return the time of a processor that a mission took [s]."""
+    return record.counts.get(CPU, 0) / 1000.0
 
 
 @dataclass(frozen=True)
@@ -79,13 +86,15 @@ class AdviceEvaluation(Evaluation):
     Args:
         request: the request, with the directory of the results.
         minutes: time of processors for all missions [min].
+        missions: number of missions in place of that; then the same advice comes again on any machine.
 
     """
 
-    def __init__(self, request: Request, minutes: float) -> None:
+    def __init__(self, request: Request, minutes: float, missions: int | None = None) -> None:
         super().__init__(request)
         assert request.output is not None
-        self.folder, self._budget = request.output, 60.0 * minutes
+        self.folder = request.output
+        self._budget, self._missions = 60.0 * minutes if missions is None else float(missions), missions
         with within(request.name):
             family = load_family(request.name, self.directories).with_knowledge(request.knowledge, self.directories)
             self._check_time(family, minutes)
@@ -96,7 +105,12 @@ class AdviceEvaluation(Evaluation):
         self.stem, self.scenarios, self.context = self.family.name, [], ""
         self._varied: dict[str, list[Option]] = {}
         options = {goal: [one.model_dump(mode="json") for one in own] for goal, own in self.opened.known.table.items()}
-        asked = {"minutes": minutes, "options": options, "learned": bool(self.opened.known.learned)}
+        asked = {
+            "minutes": minutes,
+            "missions": missions,
+            "options": options,
+            "learned": bool(self.opened.known.learned),
+        }
         family_content = self.family.model_dump(mode="json")
         self.identify({"family": family_content, "seed": request.seed, "goal": self.goal, "advice": asked})
 
@@ -129,6 +143,7 @@ class AdviceEvaluation(Evaluation):
             self._vary,
             done,
             self._budget,
+            (lambda record: 1.0) if self._missions else seconds_of,
             lambda record: mission_score(self.mission, record.result.cost_s),
             counts=not self.mission.items.keep_coming,
             entrants=lambda winner, finalists, choosers: (
@@ -232,7 +247,7 @@ class AdviceEvaluation(Evaluation):
     def _check_time(self, family: FamilyConfig, minutes: float) -> None:
         """Raise DocumentError if the fewest missions of which anything can be said take longer than there is time."""
         needed = USUAL_SHARE * needs_of(family.largest).time * LEAST_MISSIONS / 60.0
-        if needed > minutes and not self.request.machine.forced:
+        if needed > minutes and self._missions is None and not self.request.machine.forced:
             expected = f"expected at least {math.ceil(needed)} for a mission of {family.largest.rows} robots"
             raise DocumentError(f"--minutes: {expected}, by a coarse estimate, got {minutes:g}; --force begins anyway")
 

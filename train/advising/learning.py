@@ -22,9 +22,8 @@ from clean_swarm_env.world.task import task_class
 from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
 from selforg.plugins import named_plugins
-from train.advising.advice import AdviceEvaluation
+from train.advising.advice import AdviceEvaluation, seconds_of
 from train.advising.report import Advice, times
-from train.advising.search import CPU
 from train.advising.shipping import FAMILY
 from train.analysis.family_report import excesses_of, unfinished_of
 from train.analysis.flips import ALPHA
@@ -81,7 +80,7 @@ def training_of(advice: Advice, minutes: float) -> TrainingConfig:
         content["ppo"]["running"] = [goal for goal in content["ppo"]["running"] if goal in held]
     several = [goal for goal in held if len(advice.table[goal]) > 1]
     content["ppo"] |= {"start": {goal: held[goal] for goal in several}, "holds": dict.fromkeys(several, 8)}
-    seconds = sum(record.counts.get(CPU, 0) for record in advice.done.values()) / 1000.0
+    seconds = sum(map(seconds_of, advice.done.values()))
     mission, ticks = evaluation.mission, sum(one.result.ticks * one.result.robots for one in advice.done.values())
     rate = OF_PPO * ticks / (mission.decision_period * mission.world.control_rate) / max(seconds, 1e-3)
     wanted = int(np.clip(60.0 * minutes * rate / len(SEEDS), LEAST, MOST))

@@ -20,9 +20,9 @@ from clean_swarm_env.config.families import scenario_name
 from selector.documents.fields import JOINT
 from selector.knowledge import LearnedScore, LearnedScores, Option
 from selforg.arrays import Floats
-from train.advising.advice import BROKE, OFF, AdviceEvaluation
+from train.advising.advice import BROKE, OFF, AdviceEvaluation, seconds_of
 from train.advising.opening import arms_hold
-from train.advising.search import CPU, JAMMED, Found, Round, Search, arm_of
+from train.advising.search import JAMMED, Found, Round, Search, arm_of
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import TOLD, Interval, Ratio, about_number, corrected_ps
@@ -279,7 +279,7 @@ class Advice:
             "better": self.better,
             "worth_it": bool(self.better or self.gains),
             "missions": len(self.done),
-            "cpu_s": round(sum(record.counts.get(CPU, 0) for record in self.done.values()) / 1000.0, 1),
+            "cpu_s": round(sum(map(seconds_of, self.done.values())), 1),
         }
 
     @property

@@ -26,8 +26,6 @@ from train.advising.opening import Opened, arms_hold, joined
 from train.deciders.named import FIXED
 from train.running.runs import RunKey, RunRecord
 
-CPU = "cpu_ms"
-"""Count of a mission: the time of its processor [ms]."""
 LOOK = 8
 """Starts of the first look, which tells how long missions take."""
 CHECKED = 3
@@ -109,7 +107,9 @@ class Search:
     """Returns the variants of options; goal -> option."""
     done: Mapping[RunKey, RunRecord]
     budget: float
-    """Time of processors for all missions [s]."""
+    """What all missions may take: time of processors [s], or their number."""
+    price: Callable[[RunRecord], float]
+    """Returns what a mission took of it."""
     reward: Callable[[RunRecord], float]
     counts: bool
     """Whether unfinished missions mean something."""
@@ -158,7 +158,7 @@ class Search:
 
     @property
     def _price(self) -> float:
-        """Mean time of a mission so far [s]."""
+        """What a mission took on average so far."""
         return max(self._spent, 1e-6) / self._missions
 
     def _starts(self, part: float, arms: int) -> int:
@@ -244,7 +244,7 @@ class Search:
         further = self._runs([arm for arm, goes in zip(arms, going, strict=True) if goes], numbers[JAMMED:])
         self._next += count
         runs = [[*found[arm], *further.get(arm, ())] for arm in arms]
-        self._spent += sum(record.counts.get(CPU, 0) for own in runs for record in own) / 1000.0
+        self._spent += sum(self.price(record) for own in runs for record in own)
         self._missions += sum(map(len, runs))
         costs, rewards = (
             np.array([_filled([value(record) for record in own], count) for own in runs])

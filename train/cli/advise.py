@@ -7,10 +7,10 @@ import typer
 
 from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.listing import check_named
-from train.cli.options import REPORTING, GivenOptions, asking, wide_console
+from train.cli.options import REPORTING, GivenOptions, asking, check_whole, wide_console
 from train.running.commands import FINISHED
 
-MOST_MINUTES = 1e5
+MOST_MINUTES, LEAST_MISSIONS, MOST_MISSIONS = 1e5, 100, 1_000_000
 ADVICE = Path("advice")
 """Where advice is written unless another directory is named."""
 
@@ -22,6 +22,9 @@ def advise_command(
         typer.Argument(help="Name of a mission, a family or a task, or path to its YAML file.", metavar="MISSION"),
     ],
     minutes: Annotated[float, typer.Option(help="Time of processors for all missions [min].")] = 10.0,
+    missions: Annotated[
+        int | None, typer.Option(help="Number of missions in place of --minutes: the same advice on any machine.")
+    ] = None,
     learn: Annotated[
         bool,
         typer.Option("--learn", help="Then train a selector for the mission, judge it, and ship it if it is better."),
@@ -33,6 +36,7 @@ def advise_command(
     """Say which options the robots of a mission should hold, how sure that is, and whether changing them pays."""
     if not 0.0 < minutes <= MOST_MINUTES:
         raise ConfigurationError(f"--minutes: expected a positive number up to {MOST_MINUTES:g}, got {minutes:g}")
+    check_whole({"--missions": (missions, LEAST_MISSIONS, MOST_MISSIONS)})
     if not 0.0 < training <= MOST_MINUTES:
         raise ConfigurationError(f"--training: expected a positive number up to {MOST_MINUTES:g}, got {training:g}")
     check_named(given.directories, families=mission, knowledge=given.values["knowledge"])
@@ -46,7 +50,7 @@ def advise_command(
         from train.learning.session import check_installed
 
         check_installed("ppo")
-    evaluation = AdviceEvaluation(given.request(mission, output=output), minutes)
+    evaluation = AdviceEvaluation(given.request(mission, output=output), minutes, missions)
     console = wide_console()
     code = pipeline.evaluate(evaluation, console)
     if learn and code == FINISHED and not evaluation.nothing_to_choose:

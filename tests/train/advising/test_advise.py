@@ -18,7 +18,7 @@ YARD = {
     "task": {"garbage": {"count": 2}, "stations": {"recycling": [1.5, 3.0], "dump": [4.5, 3.0]}},
     "time_limit": 60.0,
 }
-QUICK = ("--minutes", 0.05, "--force", "--workers", 1)
+QUICK = ("--missions", 100, "--workers", 1)
 
 
 @pytest.fixture(autouse=True)
@@ -70,6 +70,7 @@ def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatc
         (["nowhere"], "unknown mission, family or task 'nowhere'"),
         (["table1", "--minutes", 0], "--minutes: expected a positive number"),
         (["table1", "--minutes", "nan"], "--minutes: expected a positive number"),
+        (["table1", "--missions", 5], "--missions: expected a whole number of at least 100"),
         (["table1", "--training", -1], "--training: expected a positive number"),
         (["table1", "--minutes", 0.01], "--minutes: expected at least"),
         (["table1", "--knowledge", "nothing"], "unknown expert knowledge 'nothing'"),
@@ -84,3 +85,13 @@ def test_a_task_of_one_option_has_nothing_to_choose(tmp_path):
     code, out, err = command("advise", "FindBarycenter", "--minutes", 0.1, "--force", "--workers", 1)
     assert code == 0, err
     assert "there is nothing to choose" in out
+
+
+@pytest.mark.long
+def test_advice_is_the_same_in_any_number_of_processes(tmp_path):
+    for workers in (1, 2):
+        done("advise", "yard.yaml", "--missions", 400, "--workers", workers, "--output", f"by-{workers}")
+    same = ("knowledge.yaml", "options.yaml", "numbers.yaml")
+    assert all((tmp_path / f"by-1/{name}").read_text() == (tmp_path / f"by-2/{name}").read_text() for name in same)
+    one, two = (json.loads((tmp_path / f"by-{k}/summary.json").read_text()) | {"cpu_s": 0} for k in (1, 2))
+    assert one == two
