@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
-from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.load import load_family, random_starts
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
@@ -101,6 +101,7 @@ class AdviceEvaluation(Evaluation):
             check_needs(family.largest, TASK_SCENARIOS, request.machine, TASK_SCENARIOS)
             self.opened, self.choosers_that_fit = self._opened(opened(family, self.directories))
         self.family, self.mission = self.opened.family, self.opened.family.mission
+        self.of_family = family.description != random_starts(family.mission).description
         self.goal = JOINT.join(self.opened.goals)
         self.stem, self.scenarios, self.context = self.family.name, [], ""
         self._varied: dict[str, list[Option]] = {}

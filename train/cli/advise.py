@@ -1,5 +1,6 @@
 """`clean-swarm advise`: which coordination a mission needs, and whether a learned selector is worth it."""
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -53,8 +54,22 @@ def advise_command(
     evaluation = AdviceEvaluation(given.request(mission, output=output), minutes, missions)
     console = wide_console()
     code = pipeline.evaluate(evaluation, console)
+    if code == FINISHED and not evaluation.nothing_to_choose:
+        for line in use_of(mission, output, family=evaluation.of_family):
+            console.print(line, soft_wrap=True)
     if learn and code == FINISHED and not evaluation.nothing_to_choose:
         from train.advising.learning import train_selector  # imports torch
 
         code = train_selector(evaluation, training, console)
     raise typer.Exit(code)
+
+
+def use_of(mission: str, folder: Path, *, family: bool) -> list[str]:
+    """Return how the advice in a folder is used, line by line."""
+    command = shlex.join(["clean-swarm", "evaluate", "--family", mission, "--knowledge", str(folder)])
+    given = f"family={mission!r}" if family else repr(mission)
+    return [
+        f"use it:  {command} --strategy MaxScore",
+        f"         clean_swarm_v0.parallel_env({given}, knowledge={str(folder)!r})",
+        f"         {shlex.join(['clean-swarm', 'play', str(folder)])}",
+    ]

@@ -146,6 +146,8 @@ def usual(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[str, s
 
     The latter is empty where none is known. Both were measured: docs/play.md.
     """
+    if knowledge_of(mission, directories).learned:  # as advice has it
+        return STRATEGY, ""
     options, trained = _goals(mission, directories), decider_named(TRAINED)
     cleans, jams = mission.items.rows > 0, mission.robots.count >= MANY
     if not cleans or not {AVOIDING, NEVER} <= {f"{FIXED}:{option}" for option in options.get(GOAL, ())}:

@@ -10,6 +10,7 @@ from selector.knowledge import library_options, load_knowledge
 from selector.strategies.problem import Problem
 from tests.train.commands import command, done, refused
 from train.advising import opening
+from train.live.chosen import chosen
 
 YARD = {
     "name": "yard",
@@ -56,6 +57,8 @@ def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatc
     assert set(robots.options) == {"AvoidCollision", "ExplorationPatrol"}
     assert set(clean_swarm_v0.parallel_env("yard.yaml").options) == {"AvoidCollision"}
     assert (tmp_path / "advice/yard/replay.html").stat().st_size > 10_000
+    assert chosen("advice/yard", 1, 0, None, ()).strategy == "MaxScore"
+    assert "clean_swarm_v0.parallel_env('yard.yaml', knowledge='advice/yard')" in out
     before = (tmp_path / "advice/yard/runs.jsonl").read_bytes()
     assert "give --resume or another --output" in refused("advise", "yard.yaml", *QUICK, "--output", "advice/yard")
     again = done("advise", "yard.yaml", *QUICK, "--resume")
