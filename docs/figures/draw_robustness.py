@@ -35,7 +35,7 @@ def report_of(summary: dict[str, Any]) -> RobustnessReport:
 
 def table(report: RobustnessReport) -> str:
     """Return one table as Markdown: duration with its interval, share completed if not all, collision events."""
-    labels = report.strategies
+    labels = list(next(iter(report.estimates.values())))
     lines = [f"| | {' | '.join(labels)} |", "|---" * (len(labels) + 1) + "|"]
     for name, by_label in report.estimates.items():
         cells = []

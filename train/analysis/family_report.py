@@ -1,6 +1,6 @@
 """The report of an evaluation on a family: the content of `summary.json` and the figures of the tables.
 
-Shapes: S members of a strategy (one for each seed of its training), K scenarios, V world seeds of each, P prices.
+Shapes: S members of a strategy (one for each seed of its training), K scenarios, V world seeds of each.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.tasks.cleaning.cost import mission_cost
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
@@ -27,8 +26,6 @@ from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_s
 from train.analysis.verdict import RANDOM, Ranking, unfinished_sentence
 from train.running.runs import RunRecord, under
 
-PRICES = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
-"""Prices of a collision event [s]; the price of contacts keeps its ratio to it."""
 NEVER_AVOIDS = "fixed:Off"
 """Label of the strategy that never avoids."""
 Figure = Callable[[MissionConfig, MissionResult], float]
@@ -91,33 +88,6 @@ class FamilyRuns:
 
 
 @dataclass(frozen=True)
-class Front:
-    """Strategies over a range of prices."""
-
-    excesses: Mapping[str, tuple[float, ...]]
-    """Label -> (P,) mean excess at each of PRICES [s]."""
-    times: Mapping[str, Summary]
-    """Label -> excess at the price 0 [s]."""
-    events: Mapping[str, Summary]
-    """Label -> number of collision events."""
-
-    @property
-    def undominated(self) -> tuple[str, ...]:
-        """Strategies than which no other has both less time and fewer events; time is the excess at the price 0."""
-        points = {label: (self.excesses[label][0], events.mean) for label, events in self.events.items()}
-        return tuple(
-            label
-            for label, (time, events) in points.items()
-            if not any(t <= time and e <= events and (t, e) != (time, events) for t, e in points.values())
-        )
-
-    def best_at(self, price: float) -> str:
-        """Return the strategy of the lowest excess at one of PRICES."""
-        place = PRICES.index(price)
-        return min(self.excesses, key=lambda label: self.excesses[label][place])
-
-
-@dataclass(frozen=True)
 class FamilyReport:
     """All results of an evaluation on a family."""
 
@@ -126,8 +96,6 @@ class FamilyReport:
     """Label of a strategy -> figure -> summary over the scenarios."""
     comparison: StrategyComparison | None
     """None without fixed options to compare with."""
-    front: Front | None
-    """Costs over prices of a collision; None for tasks other than cleaning, whose costs are their measures."""
     measured: Sequence[MeasuredStrategy]
     """Measures of the task under each strategy; empty for cleaning."""
 
@@ -156,10 +124,6 @@ class FamilyReport:
         found = self.ranking.sentences((NEVER_AVOIDS, BASELINE, RANDOM), tried)
         return [*found, *filter(None, [unfinished_sentence(self.left, self.ranking, word)])]
 
-    def unfinished(self, label: str) -> float | None:
-        """Return the share of a strategy's missions that were not completed; None where garbage keeps coming."""
-        return float(self.left[label].mean()) if label in self.left else None
-
     @property
     def content(self) -> dict[str, Any]:
         """Content of `summary.json`."""
@@ -174,9 +138,6 @@ class FamilyReport:
                 label: {name: asdict(summary) for name, summary in own.items()} for label, own in self.summaries.items()
             },
         }
-        if self.front is not None:
-            front = {"prices_s": PRICES, "excess_s": self.front.excesses, "undominated": self.front.undominated}
-            content["front"] = front
         content |= by_strategy(self.measured)
         if comparison is not None:
             content["best_fixed"] = comparison.best_fixed.labels
@@ -195,13 +156,12 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
     }
     comparison = compare_strategies(excesses_of(runs), runs.fixed, censored(runs)) if runs.fixed else None
     measures = task_class(runs.family.mission).measures
-    front = None if measures else _front(runs, summaries)
     tables = {one.name: runs.table(partial(lambda name, _, r: r.measures[name], one.name)) for one in measures}
     values = {
         label: {name: table[label].mean(axis=(0, 2)) for name, table in tables.items()} for label in runs.conditions
     }
     measured = measured_strategies(measures, values, BASELINE)
-    return FamilyReport(runs, summaries, comparison, front, measured)
+    return FamilyReport(runs, summaries, comparison, measured)
 
 
 def ranking_of(runs: FamilyRuns) -> Ranking:
@@ -231,20 +191,3 @@ def excess_ratios(runs: FamilyRuns, against: Mapping[str, str]) -> dict[str, Rat
     """Return label -> ratio of the mean excess to that of what it is compared with; nothing for the latter."""
     excesses, left = excesses_of(runs), censored(runs)
     return {label: Ratio.between(label, other, excesses, left) for label, other in against.items() if label != other}
-
-
-def priced_excess(mission: MissionConfig, result: MissionResult, price: float) -> float:
-    """Return the excess cost [s] of a mission if a collision event cost `price` [s]."""
-    contact = mission.contact_cost / mission.collision_cost if mission.collision_cost > 0.0 else 0.0
-    priced = mission.model_copy(update={"collision_cost": price, "contact_cost": contact * price})
-    time = max(result.ticks, 1) / mission.world.control_rate
-    events = round(result.collision_events_per_s[0] * time)
-    samples = round(result.collision_samples_per_s[0] * time)
-    return mission_cost(priced, result.duration_s, events, samples, result.garbage_done) - result.unavoidable_s
-
-
-def _front(runs: FamilyRuns, summaries: Mapping[str, Mapping[str, Summary]]) -> Front:
-    tables = [runs.table(partial(priced_excess, price=price)) for price in PRICES]
-    excesses = {label: tuple(float(table[label].mean()) for table in tables) for label in runs.conditions}
-    times = {label: summarise(table.mean(axis=(0, 2))) for label, table in tables[0].items()}
-    return Front(excesses, times, {label: own["events"] for label, own in summaries.items()})

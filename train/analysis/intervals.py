@@ -73,6 +73,22 @@ def welch(means: Sequence[Floats]) -> tuple[Floats, float]:
     return parts, float(1.0 / (shares**2 / [len(own) - 1 for own in known]).sum()) if known else 1.0
 
 
+def share_interval(share: float, scenarios: int, tail: float = TAIL) -> Interval:
+    """Return the interval (Clopper and Pearson's) of a share over scenarios, each of which may be a mean over members.
+
+    >>> low, high = share_interval(0.0, 30)
+    >>> low, round(high, 3)
+    (0.0, 0.116)
+
+    """
+    from scipy.special import betaincinv  # waits: processes of missions need no SciPy
+
+    hits = share * scenarios
+    misses = scenarios - hits
+    below = float(betaincinv(hits, misses + 1.0, tail)) if hits else 0.0
+    return below, float(betaincinv(hits + 1.0, misses, 1.0 - tail)) if misses else 1.0
+
+
 def heavy_tailed(values: Floats) -> bool:
     """Return whether some values (K,) are so far out that Student's interval of the mean is too narrow.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,7 @@ import numpy as np
 from clean_swarm_env.config.families import RobustnessConfig
 from selforg.arrays import Floats
 from train.analysis.family_report import FIGURES, NEVER_AVOIDS, FamilyRuns, censored
-from train.analysis.flips import TAIL
-from train.analysis.intervals import Interval
+from train.analysis.intervals import share_interval
 from train.analysis.strategy_comparison import Estimate
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
 
@@ -88,14 +86,5 @@ def durations_over(robustness: RobustnessConfig, runs: FamilyRuns) -> Ranking:
 def _estimates(completed: Floats, durations: Floats, events: Floats) -> dict[str, Estimate]:
     """Return the figures of S members on K scenarios, each (S, K)."""
     share = float(completed.mean())
-    found = (Estimate(share, wilson(share, completed.shape[1])), Estimate.of(durations), Estimate.of(events))
+    found = (Estimate(share, share_interval(share, completed.shape[1])), Estimate.of(durations), Estimate.of(events))
     return dict(zip(ROBUSTNESS_FIGURES, found, strict=True))
-
-
-def wilson(share: float, scenarios: int) -> Interval:
-    """Return Wilson's 95 % interval of a share over scenarios, each of which may be a mean over members."""
-    squared = NormalDist().inv_cdf(TAIL) ** 2
-    middle = share + squared / (2.0 * scenarios)
-    half = np.sqrt(squared * (share * (1.0 - share) / scenarios + squared / (4.0 * scenarios**2)))
-    below, above = ((middle + side * half) / (1.0 + squared / scenarios) for side in (-1.0, 1.0))
-    return max(float(below), 0.0), min(float(above), 1.0)

@@ -7,10 +7,9 @@ means would be lower than that of the option that is best. The oracle is chosen 
 than that on which it is judged. It needs two world seeds or more
 (docs/decisions/0213-best-fixed-on-halves.md).
 
-The share of the gap between the yardsticks that a strategy closes is (best fixed - strategy) / (best fixed - oracle) of
-means; above 1 the strategy is better than every choice of one option for each scenario. There is a gap where sign flips
-tell it from 0 (`train.analysis.flips`). Ratios are of means. Intervals are by the number of scenarios, and of training
-seeds if there are several (`train.analysis.intervals`).
+The gap between the yardsticks is that of their means. It is told where sign flips tell it from 0
+(`train.analysis.flips`). Ratios are of means. Intervals are by the number of scenarios, and of training seeds if there
+are several (`train.analysis.intervals`).
 
 Shapes: S training seeds, K scenarios, V world seeds of each, O fixed options.
 """
@@ -39,10 +38,9 @@ class Estimate:
     ci95: Interval | None
 
     @classmethod
-    def of(cls, values: Floats, value: float | None = None) -> Estimate:
-        """Return the mean of `values` (S, K), or `value`, with the interval that they give it."""
-        mean = float(values.mean()) if value is None else value
-        spread = MeanError.of(values)
+    def of(cls, values: Floats) -> Estimate:
+        """Return the mean of `values` (S, K) with its interval."""
+        mean, spread = float(values.mean()), MeanError.of(values)
         return cls(mean, None if spread is None else spread.around(mean))
 
 
@@ -55,8 +53,6 @@ class StrategyStanding:
     """Mean excess cost [s]."""
     ratio: Ratio
     """Ratio of the mean excess to that of the best fixed option."""
-    share: Estimate | None
-    """Share of the gap that the strategy closes; None without a gap."""
 
     @property
     def content(self) -> dict[str, Any]:
@@ -113,17 +109,17 @@ def compare_strategies(
     """
     best = BestFixed.of(excesses, fixed)
     yardstick, kept = best.judged(excesses), best.judged(left) if left else None
-    compared, gap, closable = dict(excesses), None, None
+    compared, gap, has_gap = dict(excesses), None, False
     if yardstick.shape[2] > 1:
         compared[ORACLE] = cross_fitted(np.stack([excesses[label][0] for label in fixed]))[None, :, None]
         gaps = (yardstick - compared[ORACLE])[0].mean(axis=1)
         gap = Estimate.of(gaps[None])
-        closable = gaps if gap.value > 0.0 and Flips(gaps).p < ALPHA else None
+        has_gap = gap.value > 0.0 and Flips(gaps).p < ALPHA
     standings = []
     for label, own in compared.items():
         ratio = Ratio.of(own, yardstick, (left[label], kept) if left and kept is not None and label in left else None)
-        standings.append(_standing(label, own.mean(axis=2), yardstick[0].mean(axis=1), ratio, closable))
-    return StrategyComparison(best, gap, closable is not None, tuple(standings))
+        standings.append(StrategyStanding(label, Estimate.of(own.mean(axis=2)), ratio))
+    return StrategyComparison(best, gap, has_gap, tuple(standings))
 
 
 def cross_fitted(options: Floats) -> Floats:
@@ -140,13 +136,3 @@ def cross_fitted(options: Floats) -> Floats:
     chosen: Ints = others.argmin(axis=0)
     judged: Floats = np.take_along_axis(options, chosen[None], axis=0)[0].mean(axis=1)
     return judged
-
-
-def _standing(label: str, own: Floats, fixed: Floats, ratio: Ratio, gaps: Floats | None) -> StrategyStanding:
-    """Return the standing of excesses `own` (S, K) beside those of the best fixed option (K,)."""
-    share = None
-    if gaps is not None:
-        closed, width = fixed - own, float(gaps.mean())
-        value = float(closed.mean()) / width
-        share = Estimate.of((closed - value * gaps) / width, value)
-    return StrategyStanding(label, Estimate.of(own), ratio, share)

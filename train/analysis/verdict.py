@@ -19,7 +19,17 @@ import numpy as np
 
 from selforg.arrays import Floats
 from train.analysis.flips import ALPHA, TAIL, fewest
-from train.analysis.intervals import NO_SPREAD, TOLD, Interval, Ratio, about_number, cells, corrected_ps, heavy_tailed
+from train.analysis.intervals import (
+    NO_SPREAD,
+    TOLD,
+    Interval,
+    Ratio,
+    about_number,
+    cells,
+    corrected_ps,
+    heavy_tailed,
+    share_interval,
+)
 from train.analysis.strategy_comparison import Estimate
 
 TIMES = 1.5
@@ -219,16 +229,13 @@ def unfinished_sentence(left: Mapping[str, Floats], ranking: Ranking, word: str 
 
 
 def most_left(left: Floats) -> float:
-    """Return the upper 95 % bound (Clopper and Pearson's) of the share of 1 in `left` (S, K, V), by scenarios.
+    """Return the upper 95 % bound of the share of 1 in `left` (S, K, V), by scenarios.
 
     >>> round(most_left(np.zeros((1, 30, 1))), 3), most_left(np.ones((1, 30, 1)))
     (0.095, 1.0)
 
     """
-    from scipy.special import betaincinv  # waits: processes of missions need no SciPy
-
-    scenarios, lost = left.shape[1], float(left.mean()) * left.shape[1]
-    return float(betaincinv(lost + 1.0, scenarios - lost, 1.0 - 2.0 * TAIL)) if lost < scenarios else 1.0
+    return share_interval(float(left.mean()), left.shape[1], 2.0 * TAIL)[1]
 
 
 def amount(value: float) -> str:

@@ -44,18 +44,16 @@ SPREAD: Final = 0.25
 
 
 @contextmanager
-def panels(
-    rows: int, columns: int, size: tuple[float, float], *, shared: bool = False, heights: Sequence[float] | None = None
-) -> Iterator[tuple[Figure, Any]]:
+def panels(rows: int, columns: int, size: tuple[float, float], *, shared: bool = False) -> Iterator[tuple[Figure, Any]]:
     """Yield a figure of `size` [inch] in our style, and its axes (rows, columns).
 
-    `shared`: those of a row share y. `heights` of the rows; without, those of a column share x.
+    `shared`: those of a row share y, those of a column x.
     """
     with mpl.rc_context(STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # letters that the font does not have are boxes
         figure = Figure(figsize=size, layout="constrained")
-        how: dict[str, Any] = {"sharex": "col" if heights is None else "none", "sharey": "row" if shared else "none"}
-        yield figure, figure.subplots(rows, columns, squeeze=False, height_ratios=heights, **how)
+        how: dict[str, Any] = {"sharex": "col", "sharey": "row"} if shared else {}
+        yield figure, figure.subplots(rows, columns, squeeze=False, **how)
 
 
 def picture_of(figure: Figure, suffix: str) -> bytes:

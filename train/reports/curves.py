@@ -63,8 +63,7 @@ def draw_curves(trainings: Sequence[Trained]) -> Figure | None:
         return None
     columns = min(COLUMNS, len(families))
     rows = -(-len(families) // columns)
-    with panels(rows, columns, (max(WIDTH * columns, 2 * WIDTH), HEIGHT * rows + 0.5), heights=[1.0] * rows) as drawn:
-        figure, axes = drawn
+    with panels(rows, columns, (max(WIDTH * columns, 2 * WIDTH), HEIGHT * rows + 0.5)) as (figure, axes):
         for place, one in enumerate(axes.flat):
             one.set_visible(place < len(families))
         for family, one in zip(families, axes.flat, strict=False):

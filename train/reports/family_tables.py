@@ -1,4 +1,4 @@
-"""The tables of an evaluation on a family: measures of the task, means, comparison with fixed options, and prices.
+"""The tables of an evaluation on a family: measures of the task, means, and comparison with fixed options.
 
 Of strategies under disturbances there is a table for each strategy, with a row for each disturbance.
 """
@@ -9,10 +9,8 @@ import numpy as np
 
 from clean_swarm_env.tasks.cleaning.cost import LEFT_LIMITS
 from train.analysis.family_report import (
-    PRICES,
     FamilyReport,
     FamilyRuns,
-    Front,
     excess_ratios,
     ranking_of,
     unfinished_of,
@@ -20,7 +18,7 @@ from train.analysis.family_report import (
 from train.analysis.intervals import too_few
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
-from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
+from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words, unfinished_sentence
 from train.deciders.named import FIXED, MACHINE, POLICY
 from train.reports.ranking_table import MISSED, UNFINISHED, ranking_table, share_bounds
@@ -46,15 +44,14 @@ MULTIPLES = {
     "collision_events": ("collision events", 1.0),
 }
 """Head of the column of each figure, and what its numbers are multiplied by."""
-INTERVALS = "95 % intervals by Wilson (completed) and Student; a mission that is not completed lasts its time limit"
+INTERVALS = "95 % intervals: Clopper and Pearson's (completed), Student's; unfinished missions last their time limit"
 
 
 def family_tables(report: FamilyReport) -> list[Grid]:
     """Return the table of what is compared, and further ones in the order of the report."""
     compared = [] if report.comparison is None else [_gaps(report, report.comparison)]
-    prices = [] if report.front is None else [_prices(report, report.front)]
     measured = measures_grids(report.runs.family.name, report.measured)
-    return [_ranked(report), *measured, *compared, *prices]
+    return [_ranked(report), *measured, *compared]
 
 
 def _ranked(report: FamilyReport) -> Grid:
@@ -94,13 +91,16 @@ def cost_line(report: FamilyReport) -> str:
     return f"cost: {every}seconds + {mission.collision_cost:g} s a collision event{contact}{left}"
 
 
-def _unfinished(report: FamilyReport) -> str:
-    """Return the head of the column of missions that were not completed."""
-    return "missed" if report.measured else "unfinished"
-
-
 def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
-    rows = [_gap_row(standing, report, comparison) for standing in comparison.standings]
+    rows = [
+        (
+            standing.label,
+            f"{standing.excess.value:.1f}",
+            EMPTY_CELL if standing.ratio.ratio is None else f"{standing.ratio.ratio:.3f}",
+            interval_cell(standing.ratio.ci95),
+        )
+        for standing in comparison.standings
+    ]
     title, yardstick = f"{report.compared} beside the best fixed option, {comparison.best_fixed.label}", "best fixed"
     notes = ["The best fixed option is chosen on one half of the scenarios and judged on the other, both ways round."]
     if len(report.runs.fixed) == 1:
@@ -114,44 +114,9 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
         chose = f"gap {gap}; the {ORACLE} chose on other world seeds"
         notes.append(chose if comparison.has_gap else f"no gap: {gap} to the {ORACLE}")
     title += f", and the {ORACLE}, the best fixed option of each scenario" if comparison.has_gap else ""
-    if comparison.has_gap:
-        notes.append(f"share of the gap: 0 for {yardstick}, 1 for the {ORACLE}.")
     notes.append("The 95 % are of each ratio alone; those of the first table hold together, so they are wider.")
-    shares = ("share of the gap", "95 %") if comparison.has_gap else ()
-    heads = (f"{report.compared} s", f"ratio to {yardstick}", "95 % alone", *shares)
-    return Grid(title, ("strategy", _unfinished(report), *heads), rows, notes=tuple(notes))
-
-
-def _gap_row(standing: StrategyStanding, report: FamilyReport, comparison: StrategyComparison) -> tuple[str, ...]:
-    label, ratio, share = standing.label, standing.ratio, standing.share
-    return (
-        label,
-        share_cell(report.unfinished(label)),
-        f"{standing.excess.value:.1f}",
-        EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}",
-        interval_cell(ratio.ci95),
-        *(() if share is None else (f"{share.value:.2f}", interval_cell(share.ci95))),
-    )
-
-
-def _prices(report: FamilyReport, front: Front) -> Grid:
-    best = [front.best_at(price) for price in PRICES]
-    rows = [
-        (
-            label,
-            share_cell(report.unfinished(label)),
-            "yes" if label in front.undominated else "",
-            *(f"{value:.1f}{' *' if label == best[k] else ''}" for k, value in enumerate(excesses)),
-        )
-        for label, excesses in front.excesses.items()
-    ]
-    heads = ("strategy", "unfinished", "best trade", *(f"{price:g} s" for price in PRICES))
-    title = f"{report.compared} in s by the price of a collision event; * lowest"
-    notes = (
-        "best trade: no other is faster and has fewer collisions",
-        f"Collisions beyond the price of one time limit count for less, all of them for less than {LEFT_LIMITS:g}.",
-    )
-    return Grid(title, heads, rows, notes=notes)
+    heads = ("strategy", f"{report.compared} s", f"ratio to {yardstick}", "95 % alone")
+    return Grid(title, heads, rows, notes=tuple(notes))
 
 
 def robustness_tables(report: RobustnessReport, ranking: Ranking) -> list[Grid]:

@@ -1,14 +1,11 @@
 """The figures of evaluations: of an experiment, of a family, and of strategies under disturbances."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from clean_swarm_env.config.families import UNDISTURBED, Disturbance
-from clean_swarm_env.drawing.look import OPTION_COLOURS
-from train.analysis.family_report import FIGURES, PRICES, FamilyReport, Front
+from train.analysis.family_report import FIGURES, FamilyReport
 from train.analysis.report import Report, ranking_of_conditions
 from train.analysis.robustness_report import ROBUSTNESS_FIGURES, RobustnessReport
 from train.analysis.statistics import COST
@@ -24,10 +21,8 @@ from train.reports.charts import (
 )
 
 LEGEND = "diamond: mean with its 95 % interval; box: quartiles; grey line: one scenario; hollow point: not completed"
-MARKERS, LINES = "os^vDP*X", ("-", "--", ":", "-.")
-"""Forms of points, in turn; of lines with the first colours, the next ones, and so on."""
-BOTTOM, AXIS_ROOM = -0.25, 1.6
-"""Lower end of the axis of collision events, so that points at 0 are whole; room above the highest point."""
+MARKERS = "os^vDP*X"
+"""Forms of points, in turn."""
 ROBUSTNESS_LABELS = {"completed": "completed", "duration_s": "duration [s]", "collision_events": "collision events"}
 """Label of the axis of each figure."""
 SIDEWAYS = 0.06
@@ -59,62 +54,22 @@ def draw_experiment(report: Report) -> Figure:
 
 
 def draw_family(report: FamilyReport) -> Figure:
-    """Return cost and duration of every mission under each strategy, the best first; for cleaning its prices, too."""
-    runs, front = report.runs, report.front
+    """Return cost and duration of every mission under each strategy, the best first."""
+    runs = report.runs
     names = list(runs.conditions)
     scenarios = [f"test-{k}.{world}" for k in range(runs.scenarios) for world in range(runs.worlds)]
     shown = {f"{report.compared} [s]": "excess_s", "duration [s]": "duration_s"}
     tables = {what: runs.table(FIGURES[figure]) for what, figure in shown.items()}
-    rows = 0.9 + 0.42 * len(names)
-    heights = [rows] if front is None else [rows, 4.4]
-    with panels(len(heights), 2, (12.0, sum(heights) + 0.7), heights=heights) as (figure, axes):
+    with panels(1, 2, (12.0, 1.6 + 0.42 * len(names)), shared=True) as (figure, axes):
         for one, (what, table) in zip(axes[0], tables.items(), strict=True):
             values = np.stack([table[name].mean(axis=0).ravel() for name in names])
             hollow = np.stack([report.left[name].max(axis=0).ravel() > 0 for name in names]) if report.left else None
             draw_rows(one, values, scenarios, names, range(len(names)), hollow)
             fit_axis(one, values)
             one.set_xlabel(what)
-        axes[0, 1].set_yticklabels([])
-        if front is not None:
-            _draw_front(axes[1, 0], front)
-            _draw_prices(axes[1, 1], front)
-            figure.legend(*axes[1, 1].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
         count = f"{runs.scenarios} scenario{'s' if runs.scenarios > 1 else ''}"
         figure.suptitle(f"{runs.family.name}: {count}, seed {runs.seed}. {LEGEND}", fontsize=8)
         return figure
-
-
-def _look(place: int) -> dict[str, Any]:
-    """Return colour, marker and line of the strategy at a place: markers and lines tell them apart in print, too."""
-    line = LINES[place // len(OPTION_COLOURS) % len(LINES)]
-    return {"color": colour_of(place), "marker": MARKERS[place % len(MARKERS)], "ls": line}
-
-
-def _draw_prices(axes: Axes, front: Front) -> None:
-    for k, (label, excesses) in enumerate(front.excesses.items()):
-        axes.plot(range(len(PRICES)), excesses, label=label_of(label), lw=1.3, ms=4, **_look(k))
-    fit_axis(axes, np.array(list(front.excesses.values())), "y")
-    axes.set(xlabel="price of a collision event [s]", ylabel="mean cost [s]")
-    axes.set_xticks(range(len(PRICES)), [f"{price:g}" for price in PRICES])
-
-
-def _draw_front(axes: Axes, front: Front) -> None:
-    """Draw time and events of each strategy with their intervals, and the line along those that none betters."""
-    along = sorted((front.excesses[label][0], front.events[label].mean) for label in front.undominated)
-    axes.step(*zip(*along, strict=True), where="post", color="0.6", linewidth=0.8, zorder=1)
-    for k, (label, events) in enumerate(front.events.items()):
-        time, best = front.times[label], label in front.undominated
-        look = {**_look(k), "ls": "", "elinewidth": 0.8, "ms": 8 if best else 5}
-        look |= {"mec": "black"} if best else {}
-        ends = events.ci95 and (max(events.ci95[0], 0.0), events.ci95[1])  # the axis reaches below 0, events do not
-        spread = error_bar(time.mean, time.ci95), error_bar(events.mean, ends)
-        axes.errorbar(time.mean, events.mean, xerr=spread[0], yerr=spread[1], zorder=2, **look)
-    fit_axis(axes, np.array([time.mean for time in front.times.values()]))
-    axes.set_yscale("symlog", linthresh=1.0)
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.set_ylim(BOTTOM, max(*(events.mean for events in front.events.values()), 1.0) * AXIS_ROOM)
-    axes.set(xlabel="mean cost without the price of collisions [s]", ylabel="mean collision events")
-    axes.set_title("black edge: no other has less time and fewer events", fontsize=8, color="0.3")
 
 
 def draw_robustness(report: RobustnessReport) -> Figure:

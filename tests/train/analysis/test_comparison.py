@@ -1,14 +1,9 @@
-"""Strategies beside fixed options: ratios, the cross-fitted oracle, the share of the gap, fronts, who takes part."""
+"""Strategies beside fixed options: ratios, the cross-fitted oracle, the gap, who takes part."""
 
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.learning.given import mission_from
-from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError
-from train.analysis.family_report import Front, priced_excess
-from train.analysis.statistics import summarise
 from train.analysis.strategy_comparison import BestFixed, compare_strategies
 from train.evaluation.entrants import Entrant, entrants_of
 
@@ -21,15 +16,14 @@ def excesses(worlds=1, **rows):
     return {name: np.repeat(table[:, :, None], worlds, axis=2) for name, table in tables.items()}
 
 
-def test_the_share_of_the_gap_is_0_for_the_best_fixed_option_and_1_for_the_oracle():
+def test_strategies_stand_beside_the_best_fixed_option_and_the_oracle():
     rows = {"one": [1, 4] * 10, "two": [3, 2, 3, 2.4] * 5, "learned": [1, 3, 2, 3] * 5}
     twice = {name: np.repeat(row, 2) for name, row in rows.items()}  # both halves are alike
     found = compare_strategies(excesses(2, **twice), ("one", "two"))
     assert (found.best_fixed.label, found.has_gap) == ("one", True)
     by_label = {standing.label: standing for standing in found.standings}
-    assert [by_label[name].share.value for name in ("one", "oracle")] == [0.0, 1.0]
+    assert found.gap.value == pytest.approx(2.5 - 1.6)
     assert by_label["oracle"].excess.value == pytest.approx((1 + 2 + 1 + 2.4) / 4)
-    assert by_label["learned"].share.value == pytest.approx((2.5 - 2.25) / (2.5 - 1.6))
     assert by_label["learned"].ratio.ratio == pytest.approx(2.25 / 2.5)
 
 
@@ -42,7 +36,6 @@ def test_luck_makes_no_gap():
     found = compare_strategies(alike, tuple(alike))
     assert found.gap.ci95[0] < 0.0 or found.gap.value <= 0.0
     assert not found.has_gap
-    assert all(standing.share is None for standing in found.standings)
     assert found.standings[-1].ratio.ratio == pytest.approx(1.0, abs=0.1)
 
 
@@ -59,7 +52,6 @@ def test_with_one_world_seed_there_is_no_oracle():
     found = compare_strategies(excesses(one=[1, 2, 3], learned=[1, 1, 1]), ("one",))
     assert found.gap is None
     assert [standing.label for standing in found.standings] == ["one", "learned"]
-    assert all(standing.share is None for standing in found.standings)
     assert found.standings[1].ratio.ratio == 0.5
 
 
@@ -98,23 +90,6 @@ def test_the_best_fixed_option_is_chosen_on_the_other_half_of_the_scenarios():
     assert best.judged(rows)[0, :, 0].tolist() == [5, 9, 6, 9]
     alone = excesses(one=[3.0], two=[2.0])
     assert BestFixed.of(alone, ("one", "two")).label == "two"
-
-
-def test_the_front_holds_what_none_beats_in_time_and_events():
-    prices = {"fast": (10.0,) * 8, "safe": (50.0,) * 8, "poor": (60.0,) * 8}
-    events = {label: summarise(np.array([own])) for label, own in {"fast": 90.0, "safe": 1.0, "poor": 1.5}.items()}
-    front = Front(prices, {label: summarise(np.array(own)) for label, own in prices.items()}, events)
-    assert front.undominated == ("fast", "safe")
-    assert front.best_at(2.0) == "fast"
-
-
-def test_excesses_at_other_prices_are_those_of_missions_that_have_these_prices():
-    mission = mission_from({"base": "bumpers", "task": {"garbage": {"respawn": 3.0}}, "time_limit": 60.0})
-    start = random_start(mission, 1, 0)
-    for price in (0.0, 5.0, 50.0):
-        priced = mission.model_copy(update={"collision_cost": price, "contact_cost": 0.1 * price})
-        own, result = run_mission(priced, start, 3, {}), run_mission(mission, start, 3, {})
-        assert priced_excess(mission, result, price) == pytest.approx(own.cost_s - own.unavoidable_s)
 
 
 def test_words_of_the_command_line_name_who_takes_part():

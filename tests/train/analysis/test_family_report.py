@@ -1,6 +1,4 @@
-"""The report on a family: unfinished missions beside every mean, ratios at other prices of them, and the figure."""
-
-import itertools
+"""The report on a family: unfinished missions beside every mean, what is compared, and the figure."""
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.load import load_mission
@@ -35,46 +33,24 @@ def report(left, fixed=("fixed:a", "fixed:b"), conditions=("fixed:a", "fixed:b",
 def test_the_share_of_unfinished_missions_stands_beside_every_mean():
     found = report({"Random": 2})
     assert found.verdict[-1] == "1 of 24 missions was left unfinished, by Random; up to 31% of a's may be."
-    for grid in family_tables(found):
-        (place,) = (k for k, head in enumerate(grid.heads) if head.startswith("unfinished"))
-        shares = {row[0]: row[place] for row in grid.rows}
-        bounds = (
-            {"fixed:a": " (31%)", "fixed:b": " (31%)", "Random": " (47%)"} if "at most" in grid.heads[place] else {}
-        )
-        plain = {"fixed:a": "0%", "fixed:b": "0%", "Random": "12%"}
-        assert shares == {label: share + bounds.get(label, "") for label, share in plain.items()}, grid.title
+    grid = family_tables(found)[0]
+    place = grid.heads.index("unfinished (at most)")
+    shares = {row[0]: row[place] for row in grid.rows}
+    assert shares == {"fixed:a": "0% (31%)", "fixed:b": "0% (31%)", "Random": "12% (47%)"}
 
 
 def test_a_single_fixed_option_is_not_called_the_best():
-    _, gaps, _ = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
+    _, gaps = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
     assert gaps.title == "cost beside fixed:a"
     assert "ratio to fixed:a" in gaps.heads
     assert "only fixed option that ran" in gaps.notes[0]
 
 
-def test_the_figure_shows_every_point_whole_and_nothing_below_0():
-    figure = draw_family(report({}, conditions=("fixed:a", "fixed:b", "Random")))
+def test_the_figure_shows_costs_and_durations_side_by_side_and_nothing_below_0():
+    figure = draw_family(report({"Random": 2}, conditions=("fixed:a", "fixed:b", "Random")))
     picture_of(figure, ".png")  # places the axes
-    cost, duration, front, _ = figure.axes
-    assert cost.get_xlim()[0] >= 0.0
-    assert duration.get_xlim()[0] >= 0.0
-    low, high = front.get_ylim()
-    points = [bar.lines[0] for bar in front.containers]
-    assert low < min(point.get_ydata()[0] for point in points) == 0.0
-    assert low > -1.0
-    assert all(tick >= 0.0 for tick in front.get_yticks())
-    assert high > max(point.get_ydata()[0] for point in points)
-    box = front.get_window_extent()
-    for point in points:
-        across, up = front.transData.transform((point.get_xdata()[0], point.get_ydata()[0]))
-        assert box.x0 + 4 < across < box.x1 - 4
-        assert box.y0 + 4 < up < box.y1 - 4
-
-
-def test_no_two_strategies_look_alike():
-    conditions = tuple(f"fixed:{letter}" for letter in "abcdefghijklmnopqrst")
-    figure = draw_family(report({}, fixed=conditions, conditions=conditions))
-    looks = {(line.get_color(), line.get_linestyle(), line.get_marker()) for line in figure.axes[3].get_lines()}
-    assert len(looks) == len(conditions)
-    neighbours = [line.get_marker() for line in figure.axes[3].get_lines()]
-    assert all(one != other for one, other in itertools.pairwise(neighbours))  # also in print without colours
+    cost, duration = figure.axes
+    assert [axes.get_xlabel() for axes in figure.axes] == ["cost [s]", "duration [s]"]
+    assert [label.get_text() for label in cost.get_yticklabels()] == ["fixed:a", "fixed:b", "Random"]
+    assert cost.get_ylim() == duration.get_ylim()
+    assert min(cost.get_xlim()[0], duration.get_xlim()[0]) >= 0.0

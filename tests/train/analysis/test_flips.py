@@ -56,7 +56,9 @@ def test_missions_that_one_of_both_leaves_unfinished_count_by_their_share_alone(
     whole = Ratio.of(np.where(lost, 100.0, a), b, (lost, np.zeros(30)))
     assert [test.sign for test in whole.tests] == [-1.0, 1.0]
     assert len(whole.tests[0].differences) == 18
-    assert whole.p == 2 / 2**12  # who jams costs more in the mean, so that the shares tell it
+    assert (
+        whole.p == 2 / 2**12
+    )  # jams make a cost more on average; only the shares have that sign
     assert corrected_ps([whole] * 15)[0] > whole.p
 
 

@@ -11,7 +11,8 @@ from selector.documents.errors import DocumentError
 from tests.train.commands import cut, done, refused, runs
 from tests.train.records import record
 from train.analysis.family_report import FamilyRuns
-from train.analysis.robustness_report import RobustnessReport, wilson
+from train.analysis.intervals import share_interval
+from train.analysis.robustness_report import RobustnessReport
 from train.evaluation.repeat import task_of
 from train.running.runs import under
 
@@ -69,8 +70,8 @@ def test_figures_have_intervals_and_an_evaluation_goes_on_to_the_same_results(tm
 
 def test_the_interval_of_a_share_is_by_the_scenarios_however_many_members_do_them():
     for scenarios, ended in ((20, 18), (25, 25), (7, 0)):
-        expected = scipy.stats.binomtest(ended, scenarios).proportion_ci(method="wilson")
-        assert wilson(ended / scenarios, scenarios) == pytest.approx((expected.low, expected.high))
+        expected = scipy.stats.binomtest(ended, scenarios).proportion_ci()
+        assert share_interval(ended / scenarios, scenarios) == pytest.approx((expected.low, expected.high))
     family = load_robustness("robustness")
     records = [
         record(name, under(disturbance, member), completed=name != "test-1")
