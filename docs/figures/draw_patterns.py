@@ -1,11 +1,11 @@
-"""Fig. 1 of the paper: the patterns of self-organisation by purpose, from the table that goes with the registry."""
+"""Fig. 1 of the paper: the patterns of self-organisation by purpose, from the table `PATTERNS`."""
 
 from itertools import groupby
 
 from matplotlib.figure import Figure
 
 from docs.figures.blocks import BLUE, GREY, ORANGE, Block, canvas, draw_arrow, draw_block, draw_frame
-from selforg.mechanisms.purposes import PATTERNS, Pattern, Purpose
+from docs.figures.purposes import PATTERNS, Pattern, Purpose
 
 LEFTS, WIDTHS = (0.4, 2.35, 4.75, 7.55, 10.25), (1.35, 1.3, 1.75, 2.0, 1.35)
 """Columns of the patterns by how many others they build on in a row [inch]."""

@@ -56,9 +56,7 @@ def test_missions_that_one_of_both_leaves_unfinished_count_by_their_share_alone(
     whole = Ratio.of(np.where(lost, 100.0, a), b, (lost, np.zeros(30)))
     assert [test.sign for test in whole.tests] == [-1.0, 1.0]
     assert len(whole.tests[0].differences) == 18
-    assert (
-        whole.p == 2 / 2**12
-    )  # jams make a cost more on average; only the shares have that sign
+    assert whole.p == 2 / 2**12  # jams make a cost more on average; only the shares have that sign
     assert corrected_ps([whole] * 15)[0] > whole.p
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
-from selforg.mechanisms.purposes import PATTERNS, Purpose
+from docs.figures.purposes import PATTERNS, Purpose
 
 OF_NO_PATTERN = {"WeightedSum"}  # it adds up mechanisms of any patterns
 OURS = [
