@@ -1,7 +1,7 @@
 """The knowledge store of a command: what a run begins with, and what it gives back."""
 
 import os
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,15 +70,15 @@ class Memory:
             store.introduce(knowledge)
         self.knowledge = self.now()
 
-    def held(self, options: Collection[str] = ()) -> int:
-        """Return how many rewards of this source the store holds in this context; of some `options` only if given."""
+    def held(self) -> int:
+        """Return how many rewards of this source the store holds in this context."""
         learned = self._store.contents().learned
-        own = [entry for key, entry in learned.items() if (key.context, key.source) == (self.context, self.source)]
-        return sum(entry.count for entry in own if not options or entry.option in options)
+        own = (self.context, self.source)
+        return sum(entry.count for key, entry in learned.items() if (key.context, key.source) == own)
 
-    def check_new(self, options: Collection[str] = ()) -> None:
-        """Raise StoreError if the store holds what this run would learn (of `options`), which would count twice."""
-        if self.learns and self.held(options):
+    def check_new(self) -> None:
+        """Raise StoreError if the store holds what this run would learn, which would count twice."""
+        if self.learns and self.held():
             advice = "take another --seed, continue with --resume, or `clean-swarm learn knowledge reset --source` it"
             raise StoreError(f"{self._store.name}: holds what {self.source!r} learned already; {advice}")
 

@@ -18,8 +18,6 @@ from train.cli.options import (
     REPORTING,
     Configs,
     GivenOptions,
-    Learn,
-    RunStore,
     asking,
     check_there,
     check_whole,
@@ -112,8 +110,6 @@ def run_command(
     ] = None,
     knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the task's own.")] = None,
     arena: Annotated[str | None, typer.Option(help="torus or open; the task's own unless given.")] = None,
-    store: RunStore = None,
-    learn: Learn = False,
     configs: Configs = None,
     record: Annotated[
         Path | None, typer.Option(help="Directory for a recording of every run, mechanism and baseline.")
@@ -130,8 +126,6 @@ def run_command(
         raise ConfigurationError(unknown("task", task, task_names()) + OWN_TASK)
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation.task_run import TaskRun, outcome_grid, run_task  # imports Numba
-    from train.memory import StoreRequest
-    from train.reports.knowledge_tables import learned_scores
     from train.reports.text_table import TerminalTable
 
     ground: Any = arena  # which has been checked
@@ -141,7 +135,6 @@ def run_command(
         scenarios=runs,
         knowledge=knowledge,
         directories=tuple(configs or ()),
-        store=StoreRequest(store, learn),
         record=None if record is None else RecordSettings(record.resolve()),
         option=option,
         robots=robots,
@@ -153,6 +146,3 @@ def run_command(
         typer.echo(json_format.dumps(outcome.content, indent=2))
         return
     wide_console().print(TerminalTable(outcome_grid(outcome)))
-    if outcome.known is not None:
-        table = learned_scores(outcome.known, "known at the beginning", asked.mission)
-        wide_console().print(TerminalTable(table))

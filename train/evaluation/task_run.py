@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig
-from clean_swarm_env.config.known import knowledge_of, mission_context
+from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import own_mission, random_starts
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.task_names import OWN_TASK, task_names
@@ -21,16 +21,13 @@ from clean_swarm_env.world.task import coordinators_of
 from selector.configurations.library import library_of
 from selector.documents.errors import validated
 from selector.documents.trust import BASELINE, is_import
-from selector.knowledge import Knowledge
 from selector.strategies.unlearned import MaxScore
 from selforg.registry import unknown
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.task_report import MeasuredStrategy
 from train.deciders.named import FIXED
 from train.evaluation.family import FamilyEvaluation
-from train.evaluation.pipeline import mission_score
 from train.evaluation.trial_task import TrialTask
-from train.memory import as_plain
 from train.reports.task_tables import MEASURE_HEADS, measure_cells
 from train.reports.text_table import Grid
 from train.request import Request
@@ -90,8 +87,6 @@ class TaskOutcome:
     option: str
     measured: Sequence[MeasuredStrategy]
     """Measures of the option."""
-    known: Knowledge | None = None
-    """What a knowledge store knew of the options at the beginning; see docs/decisions/0062-snapshots.md."""
 
     @property
     def task(self) -> Any:  # noqa: ANN401  (a class of tasks)
@@ -124,7 +119,6 @@ class TaskOutcome:
             "runs": self.request.runs,
             "targets_are_for_this_setting": self.own_setting,
             "reached": self.reached,
-            "known": as_plain(self.known.learned) if self.known is not None else None,
             "measures": [one.content for one in self.measured],
         }
 
@@ -152,14 +146,7 @@ def run_task(request: TaskRun) -> TaskOutcome:
     if request.name not in tasks_to_run():
         raise ConfigurationError(unknown("task with a baseline", request.name, tasks_to_run()) + OWN_TASK)
     mission = request.mission
-    expert = knowledge_of(mission, request.directories)
-    changed = "" if setting_of(mission) == setting_of(request.own_mission) else f", {setting_of(mission)}"
-    context = mission_context(request.name + changed)
-    memory = request.store.memory(expert, context, f"task {request.name}, seed {request.seed}, {request.runs} runs")
-    known = expert if memory is None else memory.knowledge
-    goal, option = _taken(request, mission, known)
-    if memory is not None:
-        memory.check_new([option])
+    goal, option = _taken(request, mission)
     family, names = random_starts(mission), (f"{FIXED}:{option}", BASELINE)
     of_baseline = mission.model_copy(update={"knowledge": request.own_mission.knowledge})  # which has the baseline
     tasks = _tasks(request, family, names[0]) + _tasks(request, random_starts(of_baseline), BASELINE)
@@ -171,13 +158,10 @@ def run_task(request: TaskRun) -> TaskOutcome:
         for record in in_turn(tasks):
             records.append(record)
             update(advance=1)
-    if memory is not None and memory.learns:
-        costs = [record.result.cost_s for record in records if record.condition == names[0]]
-        memory.give((goal, option, mission_score(mission, cost)) for cost in costs)
     conditions = {name: (name,) for name in names}
     report = family_report_of(FamilyRuns(family, goal, request.seed, request.runs, 1, conditions, (), records))
     measured = [one for one in report.measured if one.strategy != BASELINE]
-    return TaskOutcome(request, option, measured, None if memory is None else known)
+    return TaskOutcome(request, option, measured)
 
 
 def _tasks(request: TaskRun, family: FamilyConfig, strategy: str) -> list[TrialTask]:
@@ -188,9 +172,10 @@ def _tasks(request: TaskRun, family: FamilyConfig, strategy: str) -> list[TrialT
     return FamilyEvaluation(asked, family).tasks({})
 
 
-def _taken(request: TaskRun, mission: MissionConfig, known: Knowledge) -> tuple[str, str]:
+def _taken(request: TaskRun, mission: MissionConfig) -> tuple[str, str]:
     """Return the goal of the task, and the option that serves it: the given one, or that of the highest score."""
-    model = coordinators_of(mission, known, library_of(request.directories), request.directories)[0]
+    known, library = knowledge_of(mission, request.directories), library_of(request.directories)
+    model = coordinators_of(mission, known, library, request.directories)[0]
     if request.option is None:
         best = MaxScore(model.problem, np.zeros(1, dtype=np.uint64)).select(np.zeros((1, 0)))[0]
         return model.goal, model.options[best]

@@ -133,14 +133,6 @@ def test_every_option_of_the_original_can_be_built_and_serves_a_goal_with_a_task
     assert set(ORIGINAL.goals) == set(load_knowledge("library").goals) == set(tasks_to_run())
 
 
-def test_a_run_gives_the_scores_of_its_option_to_a_store_once(tmp_path):
-    asked = ("run", "MaxValue", "--runs", "2", "--store", tmp_path / "s.sqlite")
-    done(*asked, "--learn")
-    assert "holds what" in refused(*asked, "--learn")
-    known = json.loads(done(*asked, "--seed", "9", "--json"))["known"]
-    assert known["MaxValue"]["GossipMax"]["count"] == 2
-
-
 EXAMPLE = str(ROOT / "examples" / "own_task.py")
 
 

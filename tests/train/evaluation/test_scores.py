@@ -241,20 +241,15 @@ def test_every_goal_of_a_family_is_scored(tmp_path):
     assert {entry.moments.count for entry in learned.values()} == {1}
 
 
-def test_scores_of_a_goal_decide_what_serves_it():
+def test_scores_of_a_goal_decide_what_serves_it(tmp_path):
     out = done("study", "score", "ReachGoal", *ONE, "--store", "s.sqlite", "--scenarios", ENOUGH)
     assert "ReachGoal - ChemotaxisGe" in out
-    words = ("run", "ReachGoal", "--store", "s.sqlite")
-    again = (*words, "--runs", 2, "--seed", 50, "--learn")
-    assert json.loads(done("run", "ReachGoal", "--runs", 2, "--json"))["option"] == "ChemotaxisBalch"
-    found = json.loads(done(*again, "--json"))
-    known = found["known"]["ReachGoal"]
-    best = max(known, key=lambda name: known[name]["mean"])
-    assert best == found["option"] == "ChemotaxisGe"
+    words = ("evaluate", "--family", "ReachGoal", "--strategy", "MaxScore", *ONE, "--scenarios", 1, "--all")
+    out = done(*words, "--store", "s.sqlite", "--output", "after")
+    (taken,) = [line for line in out.splitlines() if line.split()[-1:] == ["taken"]]
+    assert taken.split()[:3] == ["ReachGoal", "-", "ChemotaxisGe"]
+    known = json.loads((tmp_path / "after" / "manifest.json").read_text())["learned"]["ReachGoal"]
     assert {one["count"] for one in known.values()} == {ENOUGH}
-    assert "holds what 'task ReachGoal, seed 50, 2 runs' learned already" in refused(*again)
-    other = json.loads(done(*words, "--robots", 3, "--runs", 1, "--json"))
-    assert other["known"] == {}  # another setting
 
 
 def test_learned_scores_become_expert_knowledge_that_a_mission_names(tmp_path):
