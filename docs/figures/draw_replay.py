@@ -122,7 +122,7 @@ def write_report(folder: Path) -> Path:
     kept = {"output": folder, "record": RecordSettings(Path(RECORDINGS))}
     evaluate(FamilyEvaluation(Request(FAMILY, CONDITIONS, 0, SCENARIOS, goal=GOAL, **kept)), wide_console())
     page = folder / "report.html"
-    page.write_text(report_of_results([results_in(folder)], {}), encoding="utf-8")
+    page.write_text(report_of_results([results_in(folder)]), encoding="utf-8")
     return page
 
 

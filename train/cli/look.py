@@ -9,7 +9,6 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
-from urllib.parse import quote
 
 import typer
 from rich.progress import track
@@ -22,7 +21,6 @@ from train.cli.options import (
     check_there,
     check_whole,
     error_console,
-    wide_console,
 )
 from train.cli.repeat import ConditionOption, ScenarioOption, repeating
 
@@ -138,41 +136,17 @@ def report_command(
     output: Annotated[
         Path | None, typer.Option(help="Page to write, one that exists is replaced; DIR/report.html unless given.")
     ] = None,
-    replays: Annotated[
-        bool,
-        typer.Option("--replays", help="Write a page for each recorded run of an evaluation, and link it."),
-    ] = False,
-    figure: Annotated[
-        Path | None, typer.Option(help="Write the learning curves of trainings to this file, .svg, .png or .pdf, too.")
-    ] = None,
 ) -> None:
-    """Write results as one page without network: tables, distributions, differences, curves, selection, scenarios."""
+    """Write results as one page without network: tables, distributions, selection, learning curves."""
     check_there(*directories)
     from selector.documents.writing import write_whole
-    from train.replay.page_file import write_page
-    from train.report_page.page import curves_of, report_of_results  # imports SciPy
+    from train.report_page.page import report_of_results  # imports SciPy
     from train.report_page.results import results_in
-    from train.reports.text_table import write_figure
 
-    check_figure("--figure", figure)
     results = [results_in(directory) for directory in directories]
-    if figure is not None and results[0].records:
-        raise ConfigurationError("--figure: expected trainings, got an evaluation; `evaluate --figure` draws it")
-    if replays and not results[0].records:
-        raise ConfigurationError("--replays: expected an evaluation, got a training; `replay` shows one recording")
     page = output or directories[0] / "report.html"
-    folder = page.with_name(f"{page.stem}-replays")
-    links: dict[str, str] = {}
-    for held in results if replays else []:
-        for recording in held.recordings:
-            about = recording.head["about"]
-            label = f"{held.path.name}: " if len(results) > 1 else ""
-            path = folder / f"{len(links) + 1}-{recording.path.stem}.html"
-            write_page([recording], path)
-            links[f"{about.get('scenario')}-{label}{about.get('condition')}"] = quote(f"{folder.name}/{path.name}")
-    write_whole(page, report_of_results(results, links).encode())
+    write_whole(page, report_of_results(results).encode())
     typer.echo(f"{page}: open it in a browser")
-    write_figure(curves_of(results) if figure is not None else None, figure, wide_console())
 
 
 RobotOrConfiguration = Annotated[

@@ -11,12 +11,10 @@ from matplotlib.axes import Axes
 
 from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Flags, Floats, Ints
-from train.reports.charts import colour_of, draw_rows, fit_axis, label_of, log_scale, panels, svg
+from train.reports.charts import colour_of, draw_rows, fit_axis, label_of, panels, svg
 
 WIDTH: Final = 9.2
 """Width of a chart [inch]."""
-FARTHEST_RATIO: Final = 1000.0
-"""Ratios of costs beyond this one are drawn there."""
 SLICES: Final = 60
 """Times at which shares of options are drawn."""
 CROWDED: Final = 2.0
@@ -33,21 +31,6 @@ def distributions(values: Floats, scenarios: Sequence[str], labels: Sequence[str
         draw_rows(axes, values, scenarios, labels, range(len(values)))
         fit_axis(axes, values)
         axes.set_xlabel(title)
-        return svg(figure)
-
-
-def profile(values: Floats, labels: Sequence[str]) -> str:
-    """Return for each condition the share of scenarios whose cost is at most a factor of the lowest one there."""
-    ratios = np.clip(values / np.nanmin(values, axis=0), 1.0, FARTHEST_RATIO)
-    end = 1.05 * max(float(np.nanmax(ratios)), 2.0)
-    with panels(1, 1, (WIDTH, _height(3.4, labels))) as (figure, ((axes,),)):
-        for c, own in enumerate(ratios):
-            found = np.sort(own[np.isfinite(own)])
-            shares = np.arange(len(found) + 1) / values.shape[1]
-            axes.step([1.0, *found, end], [*shares, shares[-1]], where="post", color=colour_of(c), lw=2)
-        log_scale(axes, "x")
-        axes.set(xlim=(1.0, end), ylim=(0.0, 1.02), xlabel="cost as a factor of the lowest on that scenario")
-        _add_key(axes, labels)
         return svg(figure)
 
 
@@ -104,7 +87,7 @@ def _height(least: float, names: Sized) -> float:
 
 def _add_key(axes: Axes, names: Sequence[str]) -> None:
     """Write the names beside their colours, at the right of a chart."""
-    artists = axes.get_lines() or axes.collections or [bars[0] for bars in axes.containers]
+    artists = axes.collections or [bars[0] for bars in axes.containers]
     axes.figure.legend(artists, [label_of(name) for name in names], loc="outside right upper", frameon=False)
 
 

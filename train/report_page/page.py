@@ -12,7 +12,6 @@ from typing import Final
 
 import numpy as np
 from markdown_it import MarkdownIt
-from matplotlib.figure import Figure
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
@@ -20,7 +19,6 @@ from selforg.arrays import Floats
 from train.analysis.statistics import share_cell
 from train.report_page.charts import (
     distributions,
-    profile,
     selection_by_situation,
     selection_over_time,
 )
@@ -55,8 +53,8 @@ EXPLAINED = (
 )
 
 
-def report_of_results(results: Sequence[HeldResults], links: Mapping[str, str]) -> str:
-    """Return the page; `links`: SCENARIO-CONDITION of a run -> address of its replay.
+def report_of_results(results: Sequence[HeldResults]) -> str:
+    """Return the page.
 
     Raises:
         ConfigurationError: two directories that cannot be compared.
@@ -69,7 +67,7 @@ def report_of_results(results: Sequence[HeldResults], links: Mapping[str, str]) 
         raise ConfigurationError(f"{results[1].path}: expected results of {names[0]} to compare, got {names[1]}")
     if len({bool(held.records) for held in results}) > 1:
         raise ConfigurationError(f"{results[1].path}: expected evaluations or trainings, got both")
-    body = list(_evaluation(results, links) if results[0].records else _training(results))
+    body = list(_evaluation(results) if results[0].records else _training(results))
     for held in results:
         content = escape(json.dumps(held.manifest, indent=2))
         head = f"<summary>manifest of {escape(str(held.path))}</summary>"
@@ -82,7 +80,7 @@ def report_of_results(results: Sequence[HeldResults], links: Mapping[str, str]) 
     )
 
 
-def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Iterator[str]:
+def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
     records = _together(results)
     conditions = sorted(dict.fromkeys(record.condition for record in records), key=lambda one: _mean_cost(records, one))
     scenarios = list(dict.fromkeys(scenario for held in results for scenario in held.scenarios))
@@ -100,12 +98,6 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
     for figure in FIGURES:
         values = table_of(records, conditions, scenarios, figure)
         yield f"<h3>{escape(figure)}</h3>" + distributions(values, scenarios, labels, figure)
-    costs = table_of(records, conditions, scenarios, "cost [s]")
-    if len(conditions) > 1:
-        told = _note("Share of scenarios on which a condition costs at most this multiple of the lowest cost there.")
-        yield f"<h2>Performance profile</h2>{told}{profile(costs, conditions)}"
-    told = _note("Cost [s] of every run; stronger colours are further above the lowest there (full: ten times).")
-    yield f"<h2>Scenarios</h2>{told}{scenario_map(costs, conditions, scenarios, links)}"
     yield from _selection(results)
 
 
@@ -123,11 +115,6 @@ def _together(results: Sequence[HeldResults]) -> list[RunRecord]:
         for held in results
         for record in held.records
     ]
-
-
-def curves_of(results: Sequence[HeldResults]) -> Figure | None:
-    """Return the learning curves of trainings; None if nothing was measured."""
-    return draw_curves([Trained(held.name, held.history, held.validation) for held in results])
 
 
 def _selection(results: Sequence[HeldResults]) -> Iterator[str]:
@@ -153,7 +140,7 @@ def _training(results: Sequence[HeldResults]) -> Iterator[str]:
         said = verdict_of(held.validation) if held.validation is not None else []
         before = f"{label}: " if len(results) > 1 and said else ""
         yield f"<blockquote>{escape(before + ' '.join(said))}</blockquote>" if said else ""
-    figure = curves_of(results)
+    figure = draw_curves([Trained(held.name, held.history, held.validation) for held in results])
     drawn = svg(figure) + _note(EXPLAINED_CURVES) if figure is not None else _note("Nothing was validated.")
     yield f"<h2>Learning curves</h2>{drawn}"
     for label, held in zip(labels, results, strict=True):
@@ -174,27 +161,6 @@ def with_unfinished(records: Sequence[RunRecord], conditions: Sequence[str]) -> 
     if not any(map(any, done.values())):
         return list(conditions)
     return [f"{name}\n{share_cell(1.0 - sum(own) / len(own))} unfinished" for name, own in done.items()]
-
-
-def scenario_map(values: Floats, conditions: Sequence[str], scenarios: Sequence[str], links: Mapping[str, str]) -> str:
-    """Return a table of all runs, the darker the further above the best of the scenario; `links`: run -> page."""
-    heads = "".join(f"<th><span>{escape(name)}</span></th>" for name in conditions)
-    rows = [f"<tr><th></th>{heads}</tr>"]
-    lowest = np.nanmin(values, axis=0)
-    for k, scenario in enumerate(scenarios):
-        cells = [f"<th>{escape(scenario)}</th>"]
-        for c, name in enumerate(conditions):
-            value = values[c, k]
-            if not np.isfinite(value):
-                cells.append("<td>-</td>")
-                continue
-            excess = min(np.log(max(value / max(lowest[k], 1e-9), 1.0)) / np.log(10.0), 1.0)
-            link = links.get(f"{scenario}-{name}")
-            text = figure_of(value)
-            shown = text if link is None else f'<a href="{escape(link, quote=True)}">{text}</a>'
-            cells.append(f'<td style="--excess:{100 * excess:.0f}%">{shown}</td>')
-        rows.append(f"<tr>{''.join(cells)}</tr>")
-    return f'<div class="wide"><table class="map">{"".join(rows)}</table></div>'
 
 
 def html_of_markdown(text: str) -> str:
