@@ -1,7 +1,7 @@
 """`clean-swarm explain`, `record` and `replay`: repeat a run of an evaluation to see its decisions."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,9 +21,6 @@ RunDirectory = Annotated[
 ]
 ScenarioOption = Annotated[str | None, typer.Option(help="Scenario of the run; the first one unless given.")]
 ConditionOption = Annotated[str | None, typer.Option(help="Condition of the run; the first one unless given.")]
-
-MOST_OFTEN = 1.0
-"""Least time between two moments of which something is foretold [s]."""
 
 
 def explain_command(
@@ -78,18 +75,10 @@ def replay_command(
     condition: Annotated[
         list[str] | None, typer.Option(help="Condition of a run in a directory; twice for two runs, in their order.")
     ] = None,
-    what_if: Annotated[
-        float | None,
-        typer.Option(
-            "--what-if",
-            help="Foretell each robot's next 5 s under each option, once in so many seconds; runs of a family only.",
-        ),
-    ] = None,
 ) -> None:
     """Write a page that plays a run, or two side by side; runs without a recording are repeated."""
     check_there(*runs)
     from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
-    from train.evaluation.explain import foretold_along
     from train.evaluation.repeat import recording_of
     from train.replay.page_file import write_page
 
@@ -97,26 +86,13 @@ def replay_command(
     chosen = runs * 2 if len(runs) == 1 and len(conditions) == 2 else runs
     if len(chosen) > 2 or len(conditions) not in (1, len(chosen)):
         raise ConfigurationError("replay: expected one or two runs, and a condition for each or for all")
-    if what_if is not None:
-        check_what_if(what_if, chosen)
-    recordings, foretold = [], []
+    recordings = []
     with TemporaryDirectory() as folder:
         for run, name in zip(chosen, conditions * (len(chosen) // len(conditions)), strict=True):
-            with repeating(run, scenario, name) if run.is_dir() else nullcontext() as task:
+            with repeating(run, scenario, name) if run.is_dir() else nullcontext():
                 recordings.append(RecordedMission(recording_of(run, scenario, name, Path(folder)), ()))
-                if what_if is not None and task is not None:
-                    foretold.append(foretold_along(task, what_if))
-        write_page(recordings, html, foretold)
+        write_page(recordings, html)
     typer.echo(f"{html}: open it in a browser")
-
-
-def check_what_if(every: float, runs: Sequence[Path]) -> None:
-    """Raise ConfigurationError for a time that is none, or a run that cannot be repeated."""
-    if not MOST_OFTEN <= every <= 1e6:
-        raise ConfigurationError(f"--what-if: expected seconds from {MOST_OFTEN:g} on, got {every:g}")
-    for run in runs:
-        if not run.is_dir():
-            raise ConfigurationError(f"--what-if: {run}: expected a directory of results, whose run is repeated")
 
 
 @contextmanager

@@ -20,7 +20,7 @@ from selforg.network.explanation import TERM_TITLES, BehaviourAccount, Explanati
 from selforg.space import Torus
 from train.deciders.strategies import PolicyDecider
 from train.deciders.what_if import WhatIf
-from train.evaluation.repeat import Deciding, Repeated, steps_of, steps_until
+from train.evaluation.repeat import Deciding, Repeated, steps_until
 from train.evaluation.trial_task import TrialTask
 from train.evaluation.why import facts_of, sentence
 
@@ -32,8 +32,6 @@ STILL: Final = 0.1
 """Distance within which a robot stays where it is, as in `mind.js` of the replay page [m]."""
 SHORTEST_STAY: Final = 1.0
 """What is shorter is no stay [s]."""
-MOST_ANSWERS = 5000
-"""Most robots and times of which something is foretold; more take minutes and tens of megabytes."""
 Inside = Coordinated | Nested
 
 
@@ -75,41 +73,13 @@ def explained(
     for one in latest:
         told["policy"] = one.decider.moves(robot) if isinstance(one.decider, PolicyDecider) else {}
     if ahead:
-        what_if, (one,) = _asking(task, latest), latest
+        if not latest or not isinstance(task, TrialTask):
+            expected = "expected a run of a family, or of a decider that decides in each period"
+            raise ConfigurationError(f"--what-if: {expected}")
+        (one,) = latest
+        what_if = WhatIf(one.batch, one.decided, task.settings.observation, task.directories)
         told["what_if"] = what_if.options(robot, one.decider, one.observations, np.full(count, -1))
     return names, step, {"stayed_s": round(stayed * period, 9), "running_s": ran, **told}
-
-
-def _asking(task: Repeated, deciding: list[Deciding]) -> WhatIf:
-    """Return what foretells a run that is being repeated, whose decider has decided; ConfigurationError without one."""
-    if not deciding or not isinstance(task, TrialTask):
-        raise ConfigurationError("--what-if: expected a run of a family, or of a decider that decides in each period")
-    return WhatIf(deciding[0].batch, deciding[0].decided, task.settings.observation, task.directories)
-
-
-def foretold_along(task: Repeated, every: float) -> list[dict[str, Any]]:
-    """Repeat a run; return what is foretold of all robots at its first step and after every `every` seconds.
-
-    An answer has `robot`, `time` [s] from which on, and `options`: what happens under each, see `WhatIf.options`.
-    """
-    latest: list[Deciding] = []
-    answers: list[dict[str, Any]] = []
-    what_if: WhatIf | None = None
-    for worlds in steps_of(task, latest):
-        ticks, per = int(worlds.ticks[0]), max(round(every / worlds.period), 1)
-        if ticks > 1 and ticks % per:
-            continue
-        what_if = what_if or _asking(task, latest)
-        nobody = np.full(worlds.robots, -1)
-        for robot in np.flatnonzero(worlds.team.working).tolist():
-            if len(answers) == MOST_ANSWERS:
-                raise ConfigurationError(f"--what-if: expected more than {every:g} s, which is too often for this run")
-            (one,) = latest
-            options = what_if.options(robot, one.decider, one.observations, nobody)
-            for option in options:
-                option["path"] = np.round(option["path"], 3).tolist()
-            answers.append({"robot": robot, "time": round(ticks * worlds.period, 9), "options": options})
-    return answers
 
 
 def _latest(held: Flags) -> int:

@@ -8,11 +8,10 @@ import base64
 import html
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 from clean_swarm_env.drawing.look import LOOK, legend
 from clean_swarm_env.recording.reader import RecordedMission
@@ -26,15 +25,8 @@ MODULES = (
 """The modules in the order in which they are joined: each imports earlier ones only."""
 
 
-def write_page(
-    recordings: Sequence[RecordedMission], output: Path, foretold: Sequence[Sequence[Mapping[str, Any]]] = ()
-) -> None:
+def write_page(recordings: Sequence[RecordedMission], output: Path) -> None:
     """Write the page of one recording, or of two side by side.
-
-    Args:
-        recordings: the recordings.
-        output: the file.
-        foretold: for each recording, what `foretold_along` returned; none for none.
 
     Raises:
         DocumentError: the file cannot be written.
@@ -43,18 +35,15 @@ def write_page(
     """
     held = sum(recording.path.stat().st_size for recording in recordings)
     check_file(output, held, f"a page of {held:,} bytes", "`picture` and `video` need less")
-    write_whole(output, page_of(recordings, foretold).encode())
+    write_whole(output, page_of(recordings).encode())
 
 
-def page_of(recordings: Sequence[RecordedMission], foretold: Sequence[Sequence[Mapping[str, Any]]] = ()) -> str:
+def page_of(recordings: Sequence[RecordedMission]) -> str:
     """Return the page of recordings as HTML; see `write_page`."""
     held = [base64.b64encode(recording.path.read_bytes()).decode() for recording in recordings]
     abouts = [recording.head["about"] for recording in recordings]
     title = " beside ".join(str(about.get("condition", "")) for about in abouts)
     parts = [f'<script type="text/plain">{text}</script>' for text in held]
-    for answers in foretold:
-        text = json.dumps(answers, separators=(",", ":")).replace("<", "\\u003c")
-        parts.append(f'<script type="application/json" class="foretold">{text}</script>')
     return _page(title, "\n".join(parts), "'none'")
 
 

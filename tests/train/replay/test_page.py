@@ -1,6 +1,5 @@
 """The replay page in a headless Chromium: it plays, scrubs, shows its recordings' numbers, and asks for nothing."""
 
-import json
 from itertools import product
 
 import numpy as np
@@ -13,9 +12,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
-from tests.train.commands import done
 from tests.train.live.pages import picture, shows, until
-from tests.train.replay.conftest import CONDITIONS
 from train.replay.page_file import write_page
 
 pytestmark = [pytest.mark.page, pytest.mark.extra]
@@ -298,15 +295,3 @@ def test_zones_walls_and_models_are_drawn_and_explained(page_of, size):
     page.evaluate("document.querySelector('[name=numbers]').click()")
     assert picture(page) != shown
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-
-
-@pytest.mark.long
-def test_what_if_is_foretold_on_the_page_as_by_the_command(opened, results, tmp_path):
-    words = ("--condition", CONDITIONS[1])
-    done("replay", results / "run", *words, "--what-if", 30, "--html", tmp_path / "ahead.html")
-    page = opened("#t=31&robot=3", tmp_path / "ahead.html")
-    told = json.loads(done("explain", results / "run", *words, "--robot", 3, "--time", 29.8, "--what-if", "--json"))
-    expected = {one["option"]: f"{one['cost_s']:.1f} s" for one in told["what_if"]}
-    cell = "row => [row.dataset.foretold, row.lastElementChild.innerText]"
-    assert dict(page.evaluate(f"[...document.querySelectorAll('[data-foretold]')].map({cell})")) == expected
-    assert "robot 3 took another option at 30.0 s" in page.inner_text("#panel")

@@ -60,17 +60,3 @@ def test_what_cannot_be_shown_is_one_line(tmp_path, monkeypatch, words, expected
     (tmp_path / "other.swarm").write_text("something else")
     assert expected in refused("replay", *words, "--html", tmp_path / "page.html")
     assert not (tmp_path / "page.html").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (("run", "--what-if", "0.5"), "--what-if: expected seconds from 1 on, got 0.5"),
-        (("run", "--what-if", "nan"), "--what-if: expected seconds from 1 on, got nan"),
-        (("recording", "--what-if", "5"), "expected a directory of results, whose run is repeated"),
-    ],
-)
-def test_a_wrong_what_if_is_one_line(results, recordings, tmp_path, words, line):
-    places = {"run": results / "run", "recording": recordings[0].path}
-    assert line in refused("replay", places[words[0]], *words[1:], "--html", tmp_path / "page.html")
-    assert not (tmp_path / "page.html").exists()

@@ -7,10 +7,8 @@ from math import pi
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.types import ConfigurationError
-from tests.train.commands import done
+from tests.train.commands import done, refused
 from tests.train.replay.conftest import CONDITIONS
-from train.evaluation import explain
 from train.evaluation.why import Facts, sentence
 
 PATROLLING = Facts("at work", 0.0, ("Patrol",), (1.0, 0.0), (1.0, 0.0), 0.0, (), 0.0, None, 12.0)
@@ -108,9 +106,10 @@ def test_what_if_it_goes_on_as_it_did(results, recordings):
         assert len(foretold) > 5
 
 
-def test_what_if_needs_a_decider():
-    with pytest.raises(ConfigurationError, match="expected a run of a family, or of a decider that decides in each"):
-        explain._asking(None, [])
+def test_what_if_needs_a_decider(tmp_path):
+    done("evaluate", "--condition", "RepulsionGradient", "--scenarios", 1, "--workers", 1, "--output", tmp_path / "run")
+    line = refused("explain", tmp_path / "run", "--robot", 0, "--time", 1, "--what-if")
+    assert "--what-if: expected a run of a family, or of a decider that decides in each period" in line
 
 
 @pytest.mark.page

@@ -8,7 +8,6 @@ import { CHART_WORDS, WORDS } from "./words.js";
 import { drawCurves, drawEvents, drawHeld, opinionCurves } from "./charts.js";
 import { panelOf } from "./mind.js";
 import { scoreOf } from "./score.js";
-import { drawForetold, foretoldOf } from "./foretold.js";
 import { listenTo } from "./pointer.js";
 import { drawWhy } from "./why.js";
 import { SPEEDS, WIDE, connect, element, fold, put, scrubOn } from "./controls.js";
@@ -43,12 +42,6 @@ export class Page {
     offerLayers(runs);
     /** @type {Shown[]} */
     this.shown = runs.map((run, k) => this.build(run, k));
-    /** What was foretold of the robots of each run, in the order of times. @type {import("./foretold.js").Answer[][]} */
-    this.answers = [...document.querySelectorAll("script.foretold")].map((held) => JSON.parse(held.textContent ?? "[]"));
-    this.shown.forEach(({ view }, k) => view.over.push(() => {
-      const answer = this.answerOf(k);
-      if (answer) drawForetold(view, answer);
-    }));
     /** Lines over the charts at the present time. @type {HTMLElement[]} */
     this.lines = [...document.querySelectorAll(".over")].map((over) => {
       if (this.parting > 0) this.lineOver(over, "parting").style.left = `${(100 * this.parting) / this.frames}%`;
@@ -139,16 +132,9 @@ export class Page {
     if (kind === "robot") this.choose(k, number);
   }
 
-  /** Return what is shown above the panel of the robot, as HTML: what was foretold of it. */
+  /** Return what is shown above the panel of the robot, as HTML. */
   beside() {
-    const answer = this.answerOf(this.chosen), asked = this.answers[this.chosen]?.filter(({ robot }) => robot === this.robot).map(({ time }) => time);
-    if (answer) return foretoldOf(answer);
-    return asked?.length ? `<p class="small">What if it took another option: known from ${asked[0]} s on${asked.length > 1 ? `, and every ${+(asked[asked.length - 1] - asked[asked.length - 2]).toFixed(3)} s` : ""}.</p>` : "";
-  }
-
-  /** Return what was foretold of the chosen robot in a run, from some seconds ago until some seconds ahead of now. @param {number} k */
-  answerOf(k) {
-    return this.answers[k]?.findLast(({ robot, time, options }) => robot === this.robot && time <= this.time + this.period + 1e-6 && this.time <= time + (options[0]?.seconds ?? 0));
+    return "";
   }
 
   /** Return what a press would do. @param {WorldView} view @param {number} px @param {number} py @returns {import("./pointer.js").Hint} */
