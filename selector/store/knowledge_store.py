@@ -134,21 +134,12 @@ class KnowledgeStore:
         with self._transaction() as connection:
             return self._read(connection)
 
-    def reset(self, *, expert: bool = False, **chosen: str) -> tuple[int, int]:
-        """Delete the learned entries of the given `goal`, `option`, `context` and `source`; of all that are not given.
-
-        With `expert`, the expert options of the goal and option are deleted too.
-
-        Returns:
-            The number of learned entries and of expert options deleted.
-
-        """
-        if wrong := set(chosen) - set(Key._fields):
-            raise TypeError(f"unknown selection: {', '.join(sorted(wrong))}")
-        of_expert = {name: value for name, value in chosen.items() if name in ("goal", "option")}
+    def forget(self, source: str) -> int:
+        """Delete what was learned from a source, and return the number of entries; experts' options stay."""
+        if not source:
+            raise StoreError(f"{self.name}: expected the name of a source, got ''")
         with self._transaction("IMMEDIATE") as connection:
-            entries = _delete(connection, "source != ''", chosen)
-            return entries, _delete(connection, "source = ''", of_expert) if expert else 0
+            return connection.execute(f"DELETE FROM {TABLE} WHERE source = ?", (source,)).rowcount
 
     @contextmanager
     def _transaction(self, kind: str = "") -> Iterator[sqlite3.Connection]:
@@ -216,9 +207,3 @@ def _write(connection: sqlite3.Connection, entries: Iterable[Entry]) -> None:
     """Write entries over the rows of the same keys."""
     rows: list[dict[str, Any]] = as_rows(entries)
     connection.executemany(PUT_ENTRY, [row | {"expert": json.dumps(row["expert"], sort_keys=True)} for row in rows])
-
-
-def _delete(connection: sqlite3.Connection, condition: str, chosen: dict[str, str]) -> int:
-    """Delete the rows that meet a condition and have the values of the `chosen` columns; return their number."""
-    where = "".join(f" AND {name} = :{name}" for name in chosen)
-    return connection.execute(f"DELETE FROM {TABLE} WHERE {condition}{where}", chosen).rowcount

@@ -1,4 +1,4 @@
-"""`clean-swarm learn knowledge`: show, import, export and reset the knowledge store."""
+"""`clean-swarm learn knowledge`: show, import and export the knowledge store, and forget a run."""
 
 from pathlib import Path
 from typing import Annotated
@@ -85,28 +85,18 @@ def export_file(
 
 @app.command("reset")
 def reset_store(
+    source: Annotated[str, typer.Option(help="The run whose rewards are forgotten; `show GOAL` lists them.")],
     store: StoreOption = None,
-    goal: Annotated[str | None, typer.Option(help="Only this goal.")] = None,
-    option: Annotated[str | None, typer.Option(help="Only this option.")] = None,
-    context: Annotated[str | None, typer.Option(help="Only this context; '' is the one without a key.")] = None,
-    source: Annotated[str | None, typer.Option(help="Only what comes from this source.")] = None,
-    expert: Annotated[bool, typer.Option("--expert", help="Forget the expert's options as well.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
 ) -> None:
-    """Forget what was learned, all of it or what the options choose."""
-    given = {"goal": goal, "option": option, "context": context, "source": source}
-    chosen = {what: value for what, value in given.items() if value is not None}
-    if expert and (context is not None or source is not None):
-        raise ConfigurationError("--expert: expert options have neither context nor source; leave these out")
+    """Forget what one run learned."""
     from train.memory import opened
     from train.reports.knowledge_tables import counted
 
     kept = opened(store, create=False)
-    what = ", ".join(f"{name} {value!r}" for name, value in chosen.items()) or "everything"
     if not yes:
-        typer.confirm(f"{kept.name}: forget {what}?", abort=True, err=True)
-    entries, options = kept.reset(expert=expert, **chosen)
-    typer.echo(f"{kept.name}: forgot {counted(entries, 'entry', 'entries')}, {counted(options, 'expert option')}")
+        typer.confirm(f"{kept.name}: forget source {source!r}?", abort=True, err=True)
+    typer.echo(f"{kept.name}: forgot {counted(kept.forget(source), 'entry', 'entries')}")
 
 
 def _check_new(output: Path) -> None:

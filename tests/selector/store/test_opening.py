@@ -65,9 +65,9 @@ def test_what_does_not_exist_is_made_only_on_demand(tmp_path):
 
 def test_only_its_owner_reads_and_writes_a_new_store(path):
     assert [(one.name, stat.S_IMODE(one.stat().st_mode)) for one in path.parent.iterdir()] == [("k.sqlite", 0o600)]
-    KnowledgeStore(path).reset()
+    KnowledgeStore(path).forget("nobody")
     path.chmod(0o664)
-    assert KnowledgeStore(path, create=False).reset() == (0, 0)
+    assert KnowledgeStore(path, create=False).forget("nobody") == 0
     assert stat.S_IMODE(path.stat().st_mode) == 0o664
 
 
@@ -183,7 +183,7 @@ def test_a_read_only_store_is_read_and_says_that_it_cannot_be_written(path, dire
     before = path.read_bytes()
     with read_only(path, directory=directory) as copy:
         store = KnowledgeStore(copy)
-        for change_it in (lambda: store.add(sums_of([1.0]), source="run"), store.reset):
+        for change_it in (lambda: store.add(sums_of([1.0]), source="run"), lambda: store.forget("run")):
             with pytest.raises(StoreError, match=r"k\.sqlite: attempt to write a readonly database"):
                 change_it()
         assert store.contents().totals()["G", "a", ""].count == 1

@@ -45,7 +45,7 @@ def test_totals_are_over_all_sources(store):
 @few
 @given(st.lists(some.rewards, min_size=1, max_size=5), st.randoms(use_true_random=False))
 def test_the_order_of_updates_changes_no_bit(store, rewards, random):
-    store.reset()
+    store.forget("run")
     for reward in random.sample(rewards, len(rewards)):
         store.add(some.sums_of([reward]), source="run")
     assert store.contents().learned[Key("G", "a", "", "run")].moments == some.moments_of(rewards)
@@ -63,8 +63,8 @@ def test_two_batches_of_a_goal_and_an_update_say_when_they_came(store):
 
 @few
 @given(some.contents)
-def test_contents_come_back_as_they_went_in(store, contents):
-    store.reset(expert=True)
+def test_contents_come_back_as_they_went_in(tmp_path, contents):
+    store = KnowledgeStore(tmp_path / f"{len(list(tmp_path.iterdir()))}.sqlite")
     for _ in range(2):  # what is there already counts once
         store.absorb(contents)
         assert store.contents() == contents
@@ -128,22 +128,15 @@ def test_large_sums_are_exact_to_the_last_bit(store):
     assert {key: entry.moments for key, entry in store.contents().learned.items()} == {key: full}
 
 
-def test_reset_forgets_what_is_chosen(store):
+def test_what_one_source_told_is_forgotten(store):
     learned = {Key(g, o, c, s) for g in "GH" for o in "ab" for c in ("", "far") for s in "xy"}
-    expert = {Key(g, o) for g in "GH" for o in "ab"}
-    goals = {g: [{"configuration": o, "score": 1} for o in "ab"] for g in "GH"}
-    store.introduce(knowledge_from({"goals": goals}))
+    store.introduce(knowledge_from({"goals": {"G": [{"configuration": "a", "score": 1}]}}))
     store.absorb(StoredKnowledge({key: some.entry_of(key, Moments(1, 5, 25), NOW) for key in learned}))
-    assert store.reset(goal="G", option="a", context="", source="x") == (1, 0)
-    assert set(store.contents().entries) == (learned | expert) - {Key("G", "a", "", "x")}
-    assert store.reset(goal="H", option="b", expert=True) == (4, 1)
-    assert set(store.contents().expert) == {("G", "a"), ("G", "b"), ("H", "a")}
-    assert store.reset(goal="nowhere") == (0, 0)
-    assert store.reset() == (11, 0)
-    assert store.reset(expert=True) == (0, 3)
-    assert store.contents() == StoredKnowledge()
-    with pytest.raises(TypeError, match="unknown selection: gaol"):
-        store.reset(gaol="G")
+    assert store.forget("x") == 8
+    assert set(store.contents().entries) == {key for key in learned if key.source == "y"} | {Key("G", "a")}
+    assert store.forget("nobody") == 0
+    with pytest.raises(StoreError, match="expected the name of a source"):
+        store.forget("")
 
 
 @pytest.mark.parametrize("name", ["", "a\0b", "two\nlines", "x" * 121])

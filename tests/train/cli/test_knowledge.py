@@ -89,7 +89,7 @@ def test_an_exported_store_is_imported_whole_and_counts_once(filled):
     assert run("export", "-", "--store", "k.sqlite")[1] == Path("k.yaml").read_text()
 
 
-def test_reset_asks_and_forgets_what_is_chosen(filled, monkeypatch):
+def test_reset_asks_and_forgets_a_source(filled, monkeypatch):
     before = filled.contents()
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     code, _, err = run("reset", "--store", "k.sqlite", "--source", "run-2")
@@ -97,11 +97,10 @@ def test_reset_asks_and_forgets_what_is_chosen(filled, monkeypatch):
     assert "k.sqlite: forget source 'run-2'? [y/N]" in err
     assert filled.contents() == before
     code, out, _ = run("reset", "--store", "k.sqlite", "--source", "run-2", "--yes")
-    assert (code, out) == (0, "k.sqlite: forgot 1 entry, 0 expert options\n")
+    assert (code, out) == (0, "k.sqlite: forgot 1 entry\n")
     assert {key.source for key in filled.contents().learned} == {"run-1"}
-    told = "k.sqlite: forgot 2 entries, 2 expert options\n"
-    assert run("reset", "--store", "k.sqlite", "--expert", "--yes")[1] == told
-    assert filled.contents() == StoredKnowledge()
+    assert filled.contents().expert == before.expert
+    assert "expected the name of a source" in refused("reset", "--store", "k.sqlite", "--source", "", "--yes")
 
 
 @pytest.mark.parametrize(
@@ -111,7 +110,7 @@ def test_reset_asks_and_forgets_what_is_chosen(filled, monkeypatch):
         (("show", "--store", "sqlite:///k"), "store: expected the path of a file, got 'sqlite:///k'"),
         (("import", "none.yaml"), "none.yaml: cannot be read (No such file or directory)"),
         (("export", "k.txt"), "k.txt: expected a name that ends in .yaml or .json"),
-        (("reset", "--expert", "--source", "x"), "--expert: expert options have neither context nor source; leave"),
+        (("reset", "--source", "x"), "data/clean-swarm/knowledge.sqlite: no such knowledge store"),
     ],
 )
 def test_mistakes_are_one_line_and_leave_nothing(tmp_path, words, message):
