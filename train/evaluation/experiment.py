@@ -6,8 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
@@ -18,20 +16,18 @@ from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
 from selector.documents.errors import shown, within
 from selector.knowledge import load_knowledge
-from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named
-from selector.strategies.streams import row_keys
 from selforg.network.planning.planner import check_planner
 from selforg.registry import unknown
 from train.analysis.report import report_of, summary_of, verdict_of
-from train.evaluation.base import Choosers, Done, Evaluation
+from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT
 from train.evaluation.trial_task import TrialTask, experiment_tasks, identities
 from train.reports.experiment_tables import all_tables
 from train.reports.text_table import Publication
 from train.request import Request
 from train.running.needs import check_needs, needs_of
-from train.running.runs import RunRecord, RunTask, forcing
+from train.running.runs import HIGHEST_SCORE, RunRecord, RunTask
 
 OWN_STARTS = "own starts"
 
@@ -62,6 +58,8 @@ class ExperimentEvaluation(Evaluation):
         self.experiment, self.starts = with_starts(chosen, request)
         self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}{self.starts.stem}"
         check_mission(self.experiment, directories, request.name)
+        if request.store.learn and not request.scoring:
+            raise ConfigurationError("--learn: expected --family, whose strategies choose once in a mission")
         store = replace(request.store, path=request.store.path or self.experiment.mission.store or None)
         self.mission = self.experiment.mission.model_copy(update={"store": ""})
         self.scenarios = [start.id for start in self.experiment.starts]
@@ -101,27 +99,6 @@ class ExperimentEvaluation(Evaluation):
             self.experiment.model_copy(update={"mission": self.mission}), self.seed, self.directories
         )
 
-    def choosers(self) -> dict[str, Choosers]:
-        """Return the strategy of each condition, once for each goal."""
-        goals = task_class(self.mission).goals(self.mission, self.directories)
-        knowledge, alone = knowledge_of(self.mission, self.directories), np.zeros(1, dtype=np.int64)
-        return {
-            condition.name: {
-                goal: learning_strategy(condition).build(
-                    Problem.of(knowledge.with_scores(condition.scores), goal),
-                    row_keys(np.random.SeedSequence([self.seed, c, g]), 1),
-                    alone,
-                )
-                for g, goal in enumerate(goals)
-            }
-            for c, condition in enumerate(self.experiment.conditions)
-        }
-
-    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> RunTask | TrialTask:
-        """Return the task of one run in which `options` serve the goals."""
-        key = (scenario, condition)
-        return next(task for task in self._tasks() if task.keys == (key,)).serving(options)
-
     def mistake(self, record: RunRecord) -> str:
         """Return why a run is not one of this experiment's."""
         if record.key not in self._missions:
@@ -138,14 +115,6 @@ class ExperimentEvaluation(Evaluation):
         about = f"{self.experiment.description}\nSeed {self.seed}; {self.starts.sentence}."
         tables, summary = all_tables(report), summary_of(report)
         return Publication(self.experiment.name, about, verdict_of(report), tables, summary, draw_experiment(report))
-
-
-def learning_strategy(condition: ConditionConfig) -> StrategySpec:
-    """Return the strategy of a condition that learns in turn; ConfigurationError for a machine, policy or option."""
-    strategy, own = condition.deciders
-    if own:
-        raise ConfigurationError(f"--learn: {own}: expected a strategy that chooses once in a mission")
-    return strategy
 
 
 def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> ExperimentConfig:
@@ -190,7 +159,10 @@ def by_option(
         for goal in task_class(mission).goals(mission, directories)
         for option in knowledge.options(goal)
     }
-    conditions = tuple(ConditionConfig(name=name, scores=forcing(options)) for name, options in served.items())
+    conditions = tuple(
+        ConditionConfig(name=name, scores={goal: {option: HIGHEST_SCORE} for goal, option in options.items()})
+        for name, options in served.items()
+    )
     return experiment.model_copy(update={"conditions": conditions}), served
 
 

@@ -94,7 +94,7 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
         raise ConfigurationError(f"{path}: {told}")
     options = chosen_options(directory).get(task.keys[0])
     with within(f"{directory / CHOSEN_OPTIONS}"):
-        return task.serving(options) if options else task
+        return task.serving(options) if options and isinstance(task, TrialTask) else task
 
 
 def _family_task(

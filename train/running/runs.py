@@ -17,7 +17,6 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionResult, MissionRun
 from clean_swarm_env.world.task import task_class
-from selector.coordination.selection import BY_SCORE
 from selector.documents.fields import LARGEST_NUMBER
 from selector.strategies.registry import StrategySpec
 
@@ -164,10 +163,6 @@ class Job(ABC):
     def each(self) -> Iterator[RunRecord]:
         """Do the runs, and yield each when it is done."""
 
-    @abstractmethod
-    def serving(self, options: Mapping[str, str]) -> Self:
-        """Return the runs in which `options` serve their goals all the time; goal -> option."""
-
     @property
     def keys(self) -> tuple[RunKey, ...]:
         """Scenario and condition of each run."""
@@ -235,12 +230,3 @@ class RunTask(Job):
             else:
                 result = self.run_mission(mission, start, seed, self.scores, self.strategy, self.directories)
             yield self.finished(scenario, result, time.perf_counter() - began)
-
-    def serving(self, options: Mapping[str, str]) -> RunTask:
-        """Return the runs with scores by which the options serve."""
-        return replace(self, scores=forcing(options), strategy=BY_SCORE)
-
-
-def forcing(options: Mapping[str, str]) -> dict[str, dict[str, float]]:
-    """Return scores by which `options` serve their goals; goal -> option."""
-    return {goal: {option: HIGHEST_SCORE} for goal, option in options.items()}

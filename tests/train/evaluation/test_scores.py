@@ -66,10 +66,10 @@ def learn(*words, store="s.sqlite", strategy=UCB):
     return done(*LEARN, "--store", store, *strategy, *words)
 
 
-def taken(directory, condition=None):
+def taken(directory):
     """The option of AvoidCollision in each mission of an evaluation that learned."""
     lines = map(json.loads, (directory / "choices.jsonl").read_text().splitlines())
-    return [one["options"]["AvoidCollision"] for one in lines if condition in (None, one["condition"])]
+    return [one["options"]["AvoidCollision"] for one in lines]
 
 
 def figures(directory):
@@ -123,6 +123,8 @@ def test_a_run_depends_on_what_the_store_knew_at_its_beginning_and_its_manifest_
     assert {name: one["count"] for name, one in known.items()} == {FAR: 2, NEAR: 1}
     assert known[FAR]["mean"] == pytest.approx(0.55, abs=1e-7)
     assert taken(tmp_path / "a")[0] == GRADIENT  # the only one that nobody had tried
+    told = json.loads(done("explain", "a", "--robot", 0, "--time", 1, "--scenario", "test-1", "--json"))
+    assert told["options"] == {"AvoidCollision": GRADIENT}
 
 
 def test_a_run_that_is_continued_begins_with_what_was_known_then_and_nothing_counts_twice(tmp_path):
@@ -199,17 +201,8 @@ def test_an_experiment_begins_with_the_store_but_for_the_scores_of_its_condition
     out = done(*words, "--condition", "by score", "--output", "only", "--all")
     assert "known at the beginning in the context 'mission hall'" in out
     assert "0.9000 [0.9000, 0.9000]" in (tmp_path / "only/table.md").read_text()
-    done(*words, "--learn", "--output", "r")
-    assert set(taken(tmp_path / "r", "by score")) == {NEAR}
-    assert set(taken(tmp_path / "r", "forced")) == {GRADIENT}
-
-
-def test_a_bandit_of_an_experiment_learns_and_its_missions_can_be_repeated(fake_missions, tmp_path):
-    done("evaluate", "chosen", *OWN, *ONE, "--store", "s.sqlite", "--learn", "--output", "r")
-    assert taken(tmp_path / "r", "bandit")[:3] == [FAR, GRADIENT, NEAR]
-    for scenario, option in (("1", FAR), ("3", NEAR)):
-        words = ("--robot", 0, "--time", 1, "--scenario", scenario, "--condition", "bandit", "--json")
-        assert json.loads(done("explain", "r", *words))["options"] == {"AvoidCollision": option}
+    assert "--learn: expected --family" in refused(*words, "--learn", "--output", "none")
+    assert not (tmp_path / "none").exists()
 
 
 def test_scores_of_a_family_are_determined_with_counts_and_spreads(tmp_path):
