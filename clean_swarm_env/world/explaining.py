@@ -58,8 +58,6 @@ class RobotStep:
     """`at work`, `failed` or `taken away`; a robot that is not at work decides nothing."""
     stopped_s: float
     """How long a collision still stops the robot, this step included [s]."""
-    damaged: bool
-    """Whether collisions have damaged it."""
     options: dict[str, str]
     """Goal -> option that serves it."""
     network: Explanation
@@ -86,7 +84,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
     if not worlds.network.explained:
         raise ValueError("explain: expected worlds with explained=True, got worlds that note no reasons")
     world = row // worlds.robots
-    step, (stopped, damaged) = int(worlds.ticks[world]) - 1, worlds.task.hindered(row)
+    step = int(worlds.ticks[world]) - 1
     if step < 0:
         raise ValueError("explain: expected a world that has run a control period, got one at its beginning")
     robot, time = row % worlds.robots, round(step * worlds.period, 9)
@@ -100,8 +98,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
         step,
         time,
         "at work" if worlds.team.working[row] else "failed" if worlds.physics.present[row] else "taken away",
-        stopped,
-        damaged,
+        worlds.task.hindered(row),
         {c.model.goal: c.model.options[c.held[row]] for c in worlds.coordinators},
         explain(worlds.network, row),
         tuple(_coordinated(coordinator, row) for coordinator in worlds.coordinators),

@@ -29,9 +29,9 @@ class ShownTask(TaskKind):
     world: World
     around: tuple[Things, ...]
 
-    def hindered(self, row: int) -> tuple[float, bool]:
-        """Return how long a collision still stops the robot of a row [s], and whether it is damaged."""
-        return 0.0, False
+    def hindered(self, row: int) -> float:
+        """Return how long a collision still stops the robot of a row [s]."""
+        return 0.0
 
     def bodies(self) -> Sequence[Bodies]:
         """Return the things that rays meet beside robots and walls: those in `around`, with their goal radii."""

@@ -107,7 +107,6 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, A
         STATES.get(step.state, stayed if before["stayed_s"] >= SHORTEST_STAY else ""),
         "; ".join(f"{name} has run for {seconds:g} s" for name, seconds in before["running_s"].items()),
         f"a collision stops it for {situation['stopped_s']:g} s, this step included" if situation["stopped_s"] else "",
-        "collisions have damaged it" if situation["damaged"] else "",
         *header(explanation),
         due,
     ]

@@ -1,4 +1,4 @@
-"""Consequences of collisions for the robots that take part: they stand, lose their cargo, and are damaged (compiled).
+"""Consequences of collisions for the robots that take part: they stand and lose their cargo (compiled).
 
 A robot that stands is held by its bumper: it does not move, decides nothing and handles no cargo. At the end of that
 time it may drive off from whom it met. Rows are robots, R = W * N. `ConsequencesConfig` has the settings.
@@ -11,7 +11,6 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.physics.cells import distance
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from clean_swarm_env.tasks.cleaning.settings import settings_of
@@ -27,7 +26,7 @@ class Consequence(NamedTuple):
     """What collisions have done to the robots, and what they do."""
 
     standing: Annotated[Ints, "R", KEPT]  # ticks for which the robot stands, that of the collision included
-    collisions: Annotated[Ints, "R", KEPT]  # of each robot since it was last as new
+    collisions: Annotated[Ints, "R", KEPT]  # of each robot
     away: Annotated[Floats, "R 2", KEPT]  # where the robot drives off [m/s]
     harmless: Annotated[Ints, "W", READ]  # 1 where collisions have none of these consequences
     lost: Annotated[Ints, "R", SCRATCH]  # rows whose cargo was lost in this tick, the first ones
@@ -35,9 +34,6 @@ class Consequence(NamedTuple):
     back_off: int  # ticks for which it then drives off, the last ones of `standing`
     back_speed: Annotated[Floats, "R", READ]  # its speed then [m/s]
     drop: int  # 1 where it loses its cargo
-    damage_after: int  # collisions after which a robot is damaged, 0: never
-    damaged_speed: Annotated[Floats, "R", READ]  # largest speed of a damaged robot [m/s]
-    mending: int  # ticks for which a damaged robot stands at a station
 
 
 CONSEQUENCE = Recording(Consequence)
@@ -50,7 +46,7 @@ class Consequences:
     Attributes:
         active: whether collisions have any consequence in this mission.
         standing: (R,) int64, ticks for which a robot stands, that of the collision included; 0 for others.
-        collisions: (R,) int64, collisions of each robot since it was last as new.
+        collisions: (R,) int64, collisions of each robot.
         harmless: (W,) int64, 1 where collisions have no consequences in the mission of a world.
 
     """
@@ -59,8 +55,7 @@ class Consequences:
 
     def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
         config, rate = settings_of(mission).consequences, mission.world.control_rate
-        self.active = config.stop > 0.0 or config.back_off > 0.0 or config.drop or config.damage_after > 0
-        self._damage_after = config.damage_after
+        self.active = config.stop > 0.0 or config.back_off > 0.0 or config.drop
         self.standing: Ints = np.zeros(rows, dtype=np.int64)
         self.collisions: Ints = np.zeros(rows, dtype=np.int64)
         self.harmless: Ints = np.zeros(worlds, dtype=np.int64)
@@ -77,17 +72,8 @@ class Consequences:
                 back_off=round(config.back_off * rate),
                 back_speed=0.5 * speeds,
                 drop=int(config.drop),
-                damage_after=config.damage_after,
-                damaged_speed=config.damaged_speed * speeds,
-                mending=round(config.mending * rate),
             )
         )
-
-    @property
-    def damaged(self) -> Flags:
-        """Which robots (R,) are damaged."""
-        damaged: Flags = (self._damage_after > 0) & (self.collisions >= self._damage_after)
-        return damaged
 
     def recorded(self) -> tuple[Recorded, ...]:
         """Return what recordings keep of robots; nothing where collisions have no consequences."""
@@ -95,7 +81,7 @@ class Consequences:
             return ()
         return (
             Recorded("standing", "robot", self.standing, "frames for which a collision stops the robot, this one too"),
-            Recorded("collisions", "robot", self.collisions, "collisions of the robot since it was as new"),
+            Recorded("collisions", "robot", self.collisions, "collisions of the robot"),
         )
 
     def reset(self, rows: Ints) -> None:
@@ -112,7 +98,7 @@ class Consequences:
         return np.flatnonzero(free) if at_work is None else at_work[free[at_work]]
 
     def hold_back(self, commands: Packed[Commanded]) -> None:
-        """Command robots that stand not to move, or to drive off, and damaged ones to be slow."""
+        """Command robots that stand not to move, or to drive off."""
         hold_back(commands.words, self._packed.words)
 
     def apply(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
@@ -127,7 +113,7 @@ class Consequences:
 
 @lean_kernel
 def hold_back(commands: Words[Commanded], consequence: Words[Consequence]) -> None:
-    """Change the commands of robots that stand or are damaged."""
+    """Change the commands of robots that stand."""
     given, c = open_commanded(commands), open_consequence(consequence)
     for row in range(c.standing.shape[0]):
         if c.standing[row] > 0:
@@ -135,12 +121,6 @@ def hold_back(commands: Words[Commanded], consequence: Words[Consequence]) -> No
             given.vectors[row, 0] = c.away[row, 0] if driving else 0.0
             given.vectors[row, 1] = c.away[row, 1] if driving else 0.0
             given.commanded[row], given.in_place[row] = True, False
-        elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:
-            x, y = given.vectors[row, 0], given.vectors[row, 1]
-            length = np.sqrt(x * x + y * y)
-            if length > c.damaged_speed[row]:
-                given.vectors[row, 0] = x * c.damaged_speed[row] / length
-                given.vectors[row, 1] = y * c.damaged_speed[row] / length
 
 
 @inlined
@@ -181,10 +161,4 @@ def suffer(
                 f.recycled[row] = 0
                 c.lost[count] = row
                 count += 1
-        elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:
-            for station in range(f.stations.shape[1]):
-                place = f.stations[world, station]
-                if distance(x, y, place[0], place[1], f.extent) <= f.at_station:
-                    c.collisions[row] = 0
-                    c.standing[row] = max(c.standing[row], c.mending + c.back_off + 1)
     return count

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings
-from clean_swarm_env.config.types import ArrivalRate, Index, Items, Length, Point, Spots, Wait
+from clean_swarm_env.config.types import ArrivalRate, Items, Length, Point, Spots, Wait
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Flag, NonNegative, Positive, Share
 
@@ -93,8 +93,8 @@ class PatrolConfig(Closed):
     min_diffusion: NonNegative = 0.3
     """Diffusion below which a pheromone is gone [m]."""
     aggregation_distance: NonNegative = 0.1
-    """Distance within which a new pheromone merges with a stored one; shorter in proportion where the slowest robots,
-    damaged ones too, have less than 1 m/s in the slowest zone [m]."""
+    """Distance within which a new pheromone merges with a stored one; shorter in proportion where the slowest robots
+    have less than 1 m/s in the slowest zone [m]."""
     view_distance: NonNegative = 4.0
     """Distance added to the reach of a pheromone within which it is felt [m]."""
     min_speed: NonNegative = 0.5
@@ -121,12 +121,6 @@ class ConsequencesConfig(Closed):
     """Time for which it then drives off at half its speed, away from the nearest robot that it met [s]."""
     drop: Flag = False
     """Whether a robot that collides loses its cargo, which then lies where the robot is."""
-    damage_after: Index = 0
-    """Collisions after which a robot is damaged; 0: never."""
-    damaged_speed: Annotated[float, Field(strict=True, ge=0.01, le=1.0)] = 0.5
-    """Share of its largest speed that a damaged robot keeps [-]."""
-    mending: Wait = 10.0
-    """Time for which a damaged robot stops at the first station that it reaches; then it is as new [s]."""
 
 
 class CleaningSettings(TaskSettings):

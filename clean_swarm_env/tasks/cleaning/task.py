@@ -106,8 +106,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         newest = BufferSettings(task.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0)
         items = SoBuffer(newest, space, poses)
         patrol, strongest = task.patrol, {"DEFAULT": "max"}
-        damaged = task.consequences.damaged_speed if task.consequences.damage_after else 1.0
-        merged = patrol.aggregation_distance * mission.slowest * damaged
+        merged = patrol.aggregation_distance * mission.slowest
         trails = BufferSettings(patrol.view_distance, strongest, merged, patrol.min_diffusion)
         trails = replace(trails, hidden=mission.world.blocks("pheromones"))
         pheromones = SoBuffer(trails, space, poses, reception.delivery())
@@ -181,7 +180,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         asked[:] = 0.0
 
     def before_moving(self, commands: Commands) -> None:
-        """Hold back robots that stand after a collision, and damaged ones."""
+        """Hold back robots that stand after a collision."""
         if self.consequences.active:
             self.consequences.hold_back(commands.packed)
 
@@ -240,9 +239,9 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         """Return items that lie, and stations; neither has a size."""
         return Bodies(self.garbage.positions, stage=self.garbage.stage, lies=LYING), Bodies(self.stations)
 
-    def hindered(self, row: int) -> tuple[float, bool]:
-        """Return how long a collision still stops the robot of a row [s], and whether it is damaged."""
-        return round(int(self.consequences.standing[row]) * self.world.period, 9), bool(self.consequences.damaged[row])
+    def hindered(self, row: int) -> float:
+        """Return how long a collision still stops the robot of a row [s]."""
+        return round(int(self.consequences.standing[row]) * self.world.period, 9)
 
     def headline(self, world: int) -> str:
         """Return how many items are dumped."""

@@ -115,7 +115,7 @@ OTHERS = [
     ({"delivery": {"delay": 0.3}}, "whole multiple of the control period 0.2 s, got 0.3"),
     *(
         ({"task": {"consequences": wrong}}, "consequences")
-        for wrong in ({"stop": -1.0}, {"stop": 1e9}, {"damaged_speed": 0.0}, {"bounce": 1.0})
+        for wrong in ({"stop": -1.0}, {"stop": 1e9}, {"bounce": 1.0})
     ),
 ]
 

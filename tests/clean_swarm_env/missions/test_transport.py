@@ -162,16 +162,6 @@ def test_worlds_of_one_batch_may_have_their_stations_at_different_places():
         worlds.reset(0, random_start(fewer, 2, 0), 3, fewer)
 
 
-def test_damaged_robots_are_mended_at_every_station():
-    consequences = {"damage_after": 1, "damaged_speed": 0.5, "mending": 1.0}
-    for place in ((3.0, 10.0), (13.0, 10.0), (9.0, 10.0), (15.0, 15.0)):
-        mission = mission_of(1, 0, task={"consequences": consequences})
-        worlds = begun(coordinated(mission), 0, StartConfiguration(id="own", robots=((*place, 0.0),), items=()), 3)
-        worlds.task.consequences.collisions[0] = 1
-        worlds.tick()
-        assert bool(worlds.task.consequences.damaged[0]) is (place == (15.0, 15.0))
-
-
 def test_an_environment_has_actions_for_all_goals_and_a_state_with_all_stations():
     env = parallel_env("transport")
     observations, _ = env.reset(seed=1)

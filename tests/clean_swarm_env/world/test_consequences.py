@@ -1,4 +1,4 @@
-"""Consequences of collisions: who collides stands, loses its cargo, is damaged and mended; nobody else does."""
+"""Consequences of collisions: who collides stands and loses its cargo; nobody else does."""
 
 import json
 
@@ -118,27 +118,6 @@ def test_cargo_that_is_lost_lies_where_the_robot_is_and_is_not_dumped():
     assert lost > 10
     assert (garbage.stage == CARRIED).sum() == (garbage.cargo != NOTHING).sum()
     assert (garbage.stage == DONE).sum() == garbage.done.sum() > 0
-
-
-def test_a_damaged_robot_is_slow_until_it_is_mended_at_a_station():
-    stations = {"recycling": [5.5, 3.0], "dump": [9.0, 9.0]}
-    config = open_mission(stations=stations, consequences={"damage_after": 1, "damaged_speed": 0.4, "mending": 2.0})
-    worlds, consequences = driven(config), None
-    consequences = worlds.task.consequences
-    while not worlds.tick().any():
-        pass
-    assert consequences.damaged.tolist() == [True, True, False]
-    worlds.drive(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
-    ticked(worlds, 10)
-    speeds = np.hypot(*worlds.physics.bodies[:, 2:].T)
-    assert speeds == pytest.approx([0.4, 0.4, 1.0], abs=1e-6)
-    ticks = 0
-    while consequences.damaged[1]:  # it drives to the dump at [9, 9]
-        worlds.tick()
-        ticks += 1
-    assert ticks > 10
-    assert consequences.standing[1] == round(2.0 / worlds.period) + 1
-    assert consequences.damaged.tolist() == [True, False, False]
 
 
 def test_recordings_and_explanations_say_who_stands_and_how_often_it_collided(tmp_path, capsys):

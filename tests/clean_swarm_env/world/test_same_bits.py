@@ -13,7 +13,7 @@ from tests.clean_swarm_env.world.test_team_changes import CHANGING
 
 LOSSES = [{"at": 6.0, "do": "deliver", "loss": 0.8}, {"at": 12.0, "do": "deliver"}]
 CARRIERS = [{"model": "a", "count": 4, "carries": 2, "sight": 3.0}, {"model": "b", "count": 2, "carries": 0}]
-HARD = {"task": {"consequences": {"stop": 3.0, "drop": True, "damage_after": 3}}}
+HARD = {"task": {"consequences": {"stop": 3.0, "drop": True}}}
 BLOCKED = {"walls_block": ["sight", "messages", "pheromones"]}
 KINDS = MISSIONS | {
     "reference": mission("reference"),
