@@ -1,4 +1,4 @@
-"""Wrappers: robots that are always there, masks inside the observation (PettingZoo), and videos (Gymnasium).
+"""Wrappers of PettingZoo: robots that are always there, and masks inside the observation.
 
 env = MaskedObservations(AllRobots(clean_swarm_v0.parallel_env(family="shifting", size=(10.0, 10.0))))
 """
@@ -6,11 +6,10 @@ env = MaskedObservations(AllRobots(clean_swarm_v0.parallel_env(family="shifting"
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, SupportsFloat
+from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.wrappers import RecordVideo
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 from pettingzoo.utils.wrappers import BaseParallelWrapper
@@ -128,18 +127,3 @@ def _with_flag(space: gymnasium.spaces.Box) -> gymnasium.spaces.Box:
     """Return the space with one component more, 0 or 1."""
     low, high = np.append(space.low, np.float32(0.0)), np.append(space.high, np.float32(1.0))
     return gymnasium.spaces.Box(low, high, dtype=np.float32)
-
-
-class RecordMission(RecordVideo):
-    """Gymnasium's `RecordVideo` with all pictures of each step, of `CleanSwarmTeam(render_mode="rgb_array_list")`.
-
-    `RecordVideo` itself takes the last picture of each step.
-    """
-
-    def step(self, action: NDArray[Any]) -> tuple[Observations, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Run a step and keep its pictures."""
-        self.render_history = []
-        result = super().step(action)
-        if self.recording:
-            self.recorded_frames[-1:] = self.render_history
-        return result

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
 from clean_swarm_env.borders.settings import GivenReward, spelled_out
 from clean_swarm_env.borders.spaces import check_render_mode, start_of
-from clean_swarm_env.borders.views import PICTURE, PICTURES, WINDOW, View
+from clean_swarm_env.borders.views import PICTURE, WINDOW, View
 from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission, seeds_from
 from clean_swarm_env.learning.observation.observer import Observations
@@ -28,14 +28,13 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     Args:
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         one_for_all: whether one option serves all robots.
-        render_mode: None; "rgb_array"; "human", which shows every control period in a window; or "rgb_array_list", by
-            which `render` returns 20 pictures for each second of the mission, those since the last call.
+        render_mode: None; "rgb_array"; or "human", which shows every control period in a window.
         reward: weights of the reward's terms, or a function, see `Batch`.
         settings: see `EnvSettings`.
 
     """
 
-    metadata = {"render_modes": [WINDOW, PICTURE, PICTURES], "render_fps": 1}  # noqa: RUF012
+    metadata = {"render_modes": [WINDOW, PICTURE], "render_fps": 1}  # noqa: RUF012
 
     @spelled_out
     def __init__(
@@ -100,8 +99,8 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         self._view.close()
         self.batch.close()
 
-    def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:  # type: ignore[override]
-        """Return the world as a picture (height, width, 3), or pictures, or show it, as the render mode says."""
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return the world as a picture (height, width, 3), or show it, as the render mode says."""
         return self._view.render()
 
 

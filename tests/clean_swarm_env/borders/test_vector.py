@@ -130,7 +130,7 @@ def test_one_option_serves_all_robots_of_a_team():
         (
             lambda: CleanSwarmTeam(SHORT, render_mode="ansi"),
             ValueError,
-            "expected None or 'human' or 'rgb_array' or 'rgb_array_list', got 'ansi'",
+            "expected None or 'human' or 'rgb_array', got 'ansi'",
         ),
         (
             lambda: RobotVectorEnv(2, mission=SHORT).reset(seed=[1, 2, 3]),
