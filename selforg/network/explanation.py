@@ -17,13 +17,13 @@ from selforg.network.model.packed import scratch_for
 from selforg.network.network import BehaviourNetwork
 from selforg.network.step.satisfaction import evaluate_conditions
 
-TERM_TITLES = {
+TERM_TITLES = {  # short, so that a table fits on a terminal
     "preconditions": "situation",
     "goals": "goals",
-    "goal_inhibition": "inhibition",
-    "predecessors": "predecessors",
-    "successors": "successors",
-    "conflictors": "conflictors",
+    "goal_inhibition": "inhib.",
+    "predecessors": "pred.",
+    "successors": "succ.",
+    "conflictors": "confl.",
     "plan": "plan",
 }
 
@@ -215,11 +215,10 @@ def header(explanation: Explanation) -> Iterator[str]:
 
 
 def table(behaviours: Sequence[BehaviourAccount]) -> list[str]:
-    """Return a line for each behaviour in falling activation; * marks what runs."""
-    head = ["", "behaviour", "activation", *TERM_TITLES.values(), "satisfied", "why"]
-    rows = [head, *(_cells(account) for account in behaviours)]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
-    return ["  ".join(_aligned(row, widths)).rstrip() for row in rows]
+    """Return a line for each behaviour, with the terms that the step added to its activation; * marks what runs."""
+    rows = [["", "behaviour", "active", *TERM_TITLES.values()], *map(_cells, behaviours)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [" ".join(_aligned(row, widths)).rstrip() for row in rows]
 
 
 def condition_tree(explanation: Explanation) -> Iterator[str]:
@@ -235,15 +234,13 @@ def condition_tree(explanation: Explanation) -> Iterator[str]:
 
 
 def _cells(account: BehaviourAccount) -> list[str]:
-    terms = [f"{account.components[name]:.3f}" for name in TERM_TITLES]
-    mark = "*" if account.running else ""
-    return [mark, account.name, f"{account.activation:.3f}", *terms, f"{account.satisfaction:.2f}", account.why]
+    numbers = [account.activation, *(account.components[name] for name in TERM_TITLES)]
+    return ["*" if account.running else "", account.name, *(f"{number:.2f}" for number in numbers)]
 
 
 def _aligned(row: list[str], widths: list[int]) -> list[str]:
-    """Pad cells to a width: names and reasons to the left, numbers to the right."""
-    left = (0, 1, len(row) - 1)
-    return [text.ljust(w) if k in left else text.rjust(w) for k, (text, w) in enumerate(zip(row, widths, strict=True))]
+    """Pad cells to a width: marks and names to the left, numbers to the right."""
+    return [text.ljust(w) if k < 2 else text.rjust(w) for k, (text, w) in enumerate(zip(row, widths, strict=True))]
 
 
 def _wishes(account: BehaviourAccount | GoalAccount) -> str:

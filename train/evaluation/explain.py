@@ -16,7 +16,7 @@ from rich.text import Text
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, explain_robot
 from selforg.arrays import Flags
-from selforg.network.explanation import TERM_TITLES, BehaviourAccount, Explanation, condition_tree, header
+from selforg.network.explanation import Explanation, condition_tree, header, table
 from selforg.space import Torus
 from train.deciders.strategies import PolicyDecider
 from train.deciders.what_if import WhatIf
@@ -24,8 +24,6 @@ from train.evaluation.repeat import Deciding, Repeated, steps_until
 from train.evaluation.trial_task import TrialTask
 from train.evaluation.why import facts_of, sentence
 
-HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
-"""Short heads of columns, so that the table fits."""
 STATES: Final = {"failed": "it has failed: its body stays", "taken away": "it has been taken away"}
 """What is said of a robot that is not at work."""
 STILL: Final = 0.1
@@ -115,7 +113,7 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, A
     tree = Text("\n".join([*condition_tree(explanation), f"readings: {read}"]))
     ahead = [_foretold(before["what_if"])] if "what_if" in before else []
     inner = [part for one in inside if one.inner for part in _inside(one.title, one.inner)]
-    return Group(facts, Text(), *ahead, _table(explanation.behaviours), Text(), tree, *inner)
+    return Group(facts, Text(), *ahead, Text("\n".join(table(explanation.behaviours))), Text(), tree, *inner)
 
 
 def _foretold(options: Sequence[dict[str, Any]]) -> Table:
@@ -141,17 +139,4 @@ def _moved(goal: str, move: dict[str, Any]) -> str:
 
 def _inside(title: str, inner: Explanation) -> list[RenderableType]:
     """Return the step of a network inside a behaviour as text."""
-    return [Text(f"\ninside {title}"), _table(inner.behaviours), Text("\n".join(condition_tree(inner)))]
-
-
-def _table(behaviours: Sequence[BehaviourAccount]) -> Table:
-    """Return a table of the terms that the step added to each activation; * marks running behaviours."""
-    table = Table(box=None, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("", no_wrap=True)
-    table.add_column("behaviour", overflow="fold")
-    for head in ("active", *(HEADS.get(name, head) for name, head in TERM_TITLES.items())):
-        table.add_column(head, justify="right", no_wrap=True)
-    for account in behaviours:
-        terms = [f"{account.components[name]:.2f}" for name in TERM_TITLES]
-        table.add_row("*" if account.running else "", Text(account.name), f"{account.activation:.2f}", *terms)
-    return table
+    return [Text(f"\ninside {title}"), Text("\n".join(table(inner.behaviours))), Text("\n".join(condition_tree(inner)))]
