@@ -30,7 +30,7 @@ from docs.comparison.runs import (
 from selforg.arrays import Floats
 from train.analysis.family_report import excesses_of, unfinished_of
 from train.analysis.flips import ALPHA
-from train.analysis.intervals import Ratio, corrected_ps
+from train.analysis.intervals import MeanError, Ratio, corrected_ps
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import Estimate
 from train.analysis.verdict import RANDOM, interval_words, listed
@@ -212,7 +212,8 @@ class Results:
         best, given = (own[label].mean(axis=(0, 2)) for label in (BEST, TOLD))
         closed, width = best - own[self._manifest.claimed].mean(axis=2), float((best - given).mean())
         share = float(closed.mean()) / width
-        return Estimate.of((closed - share * (best - given)) / width, share)
+        spread = MeanError.of((closed - share * (best - given)) / width)
+        return Estimate(share, None if spread is None else spread.around(share))
 
     def _main(self) -> str:
         """Return the claimed learner beside what would embarrass it: a row for each family."""
