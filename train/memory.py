@@ -52,7 +52,7 @@ class Memory:
         source: under which it keeps the rewards of this run; empty if the run gives nothing back.
 
     Attributes:
-        knowledge: the expert knowledge, with what the store knew at the beginning.
+        knowledge: the expert knowledge, with what the store knew at the beginning (docs/decisions/0062-snapshots.md).
         learns: whether the run gives back its rewards.
 
     Raises:
