@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -76,10 +75,6 @@ class RecordedStretch(Mapping[str, NDArray[Any]]):
     def whole(self, name: str) -> WholeNumbers:
         """Return the whole numbers (T, K) that the file holds of a channel."""
         return self._whole[self._known(name)]
-
-    def checksums(self) -> dict[str, int]:
-        """Return the CRC-32 of the whole numbers (T, K) of each channel, as int32 in little-endian order."""
-        return {name: zlib.crc32(numbers.astype("<i4").tobytes()) for name, numbers in self._whole.items()}
 
     def _known(self, name: str) -> str:
         if name not in self.channels:

@@ -168,11 +168,6 @@ class Course:
         return {c.model.goal: values for c, values in zip(self.worlds.coordinators, thought, strict=True)}
 
     @property
-    def decides(self) -> bool:
-        """Whether the next control period is the first one of a decision period."""
-        return bool(self.worlds.ticks[0] % self._decision_ticks == 0)
-
-    @property
     def in_progress(self) -> bool:
         """Whether garbage and time are left."""
         worlds = self.worlds
@@ -180,7 +175,8 @@ class Course:
 
     def tick(self) -> None:
         """Run one control period; at the first one of a decision period, choose the options first."""
-        if self.worlds.ticks[0] > 0 and self.decides:
+        ticks = int(self.worlds.ticks[0])
+        if ticks > 0 and ticks % self._decision_ticks == 0:
             self.worlds.hold(self._selection.decide())
         self.worlds.tick()
 

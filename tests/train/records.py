@@ -1,5 +1,6 @@
 """Records and experiments for the tests, small and by hand."""
 
+import zlib
 from collections.abc import Sequence
 
 from clean_swarm_env.config.experiment import ExperimentConfig
@@ -37,3 +38,8 @@ def experiment(conditions: Sequence[str] = ("a", "b"), scenarios: int = 3, **cha
             **changes,
         }
     )
+
+
+def checksums(recording):
+    """Return the CRC-32 of the whole numbers (T, K) of each channel, as int32 in little-endian order."""
+    return {name: zlib.crc32(recording.whole(name).astype("<i4").tobytes()) for name in recording}

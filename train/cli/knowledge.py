@@ -78,7 +78,8 @@ def export_file(
     if str(output) == "-":
         typer.echo(text, nl=False)
         return
-    _check_new(output)
+    if output.exists():
+        raise ConfigurationError(f"{output}: cannot be written (File exists)")
     write_whole(output, text.encode())
     typer.echo(f"{amount(contents)} in {output}")
 
@@ -97,8 +98,3 @@ def reset_store(
     if not yes:
         typer.confirm(f"{kept.name}: forget source {source!r}?", abort=True, err=True)
     typer.echo(f"{kept.name}: forgot {counted(kept.forget(source), 'entry', 'entries')}")
-
-
-def _check_new(output: Path) -> None:
-    if output.exists():
-        raise ConfigurationError(f"{output}: cannot be written (File exists)")

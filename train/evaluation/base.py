@@ -161,14 +161,6 @@ class Evaluation(ABC):
     def mistake(self, record: RunRecord) -> str:
         """Return why a run kept in the directory is not one of this evaluation; empty if it is."""
 
-    def choosers(self) -> Mapping[str, Choosers]:
-        """Return for each condition the strategies that choose an option of each goal once in a mission."""
-        return {}
-
-    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> Job:
-        """Return the task of one run in which `options` serve the goals; goal -> option."""
-        raise NotImplementedError
-
     def leading(self, costs: Mapping[str, Sequence[float]]) -> str:
         """Return who leads, in words; `costs`: condition -> costs of its runs up to now [s]."""
         best = min(costs, key=lambda name: fmean(costs[name]))

@@ -49,11 +49,6 @@ class Claim:
     """p-value corrected for the number of claims; None for few scenarios."""
 
     @property
-    def p(self) -> float | None:
-        """The p-value that it has alone; None for few scenarios."""
-        return self.of.p
-
-    @property
     def ratio(self) -> float:
         """The ratio; infinite if the other strategy has no excess."""
         return np.inf if self.of.ratio is None else self.of.ratio
@@ -156,7 +151,7 @@ def claims_table(claims: Sequence[Claim], shares: Mapping[str, Mapping[str, floa
             f"{claim.ratio:.3f}",
             interval_cell(claim.ci95),
             interval_cell(claim.corrected),
-            *(EMPTY_CELL if p is None else f"{p:.2g}" for p in (claim.p, claim.holm)),
+            *(EMPTY_CELL if p is None else f"{p:.2g}" for p in (claim.of.p, claim.holm)),
         )
         for claim in claims
         for left in (shares[claim.family],)

@@ -15,6 +15,7 @@ from clean_swarm_env.tasks.cleaning.starts_file import load_starts
 from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
 from selector.documents.errors import shown, within
+from selector.documents.fields import LARGEST_NUMBER
 from selector.knowledge import load_knowledge
 from selector.strategies.registry import StrategySpec, named
 from selforg.network.planning.planner import check_planner
@@ -27,7 +28,7 @@ from train.reports.experiment_tables import all_tables
 from train.reports.text_table import Publication
 from train.request import Request
 from train.running.needs import check_needs, needs_of
-from train.running.runs import HIGHEST_SCORE, RunRecord, RunTask
+from train.running.runs import RunRecord, RunTask
 
 OWN_STARTS = "own starts"
 
@@ -160,7 +161,7 @@ def by_option(
         for option in knowledge.options(goal)
     }
     conditions = tuple(
-        ConditionConfig(name=name, scores={goal: {option: HIGHEST_SCORE} for goal, option in options.items()})
+        ConditionConfig(name=name, scores={goal: {option: LARGEST_NUMBER} for goal, option in options.items()})
         for name, options in served.items()
     )
     return experiment.model_copy(update={"conditions": conditions}), served

@@ -100,7 +100,8 @@ def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
     if settings is not None:
         directory = results.folder.path.resolve() / settings.directory  # workers may have another
         settings = replace(settings, directory=directory)
-    in_turn, left = evaluation.learns_in_turn, _count(tasks)
+    in_turn = evaluation if isinstance(evaluation, FamilyEvaluation) and evaluation.learns_in_turn else None
+    left = _count(tasks)
     done, most = max(total - left, 0), 0.0
     bar = progress("missions", total, done, results.folder.path)
     costs: dict[str, list[float]] = {}
@@ -109,12 +110,12 @@ def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
             recorded = [task.recorded(settings) for task in tasks] if settings is not None else tasks
             most += sum(scenario.mission.time_limit for task in tasks for scenario in task.scenarios)
             update(total=max(total, done + left), most=most)
-            with closing(_lessons(evaluation, results, settings) if in_turn else each_done(recorded)) as runs:
+            with closing(_lessons(in_turn, results, settings) if in_turn else each_done(recorded)) as runs:
                 for record in runs:
                     results.add(record)
                     costs.setdefault(record.condition, []).append(record.result.cost_s)
                     update(advance=1, more=evaluation.leading(costs))
-            done, tasks, in_turn = done + left, evaluation.tasks(results.runs), False
+            done, tasks, in_turn = done + left, evaluation.tasks(results.runs), None
             left = _count(tasks)
 
 
@@ -124,7 +125,7 @@ def _count(tasks: Sequence[Job]) -> int:
 
 
 def _lessons(
-    evaluation: Evaluation, results: Results, settings: RecordSettings | None
+    evaluation: FamilyEvaluation, results: Results, settings: RecordSettings | None
 ) -> Generator[RunRecord, None, None]:
     """Run one mission after the other, each with options that its strategies choose and then learn from.
 

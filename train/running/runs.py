@@ -17,14 +17,10 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionResult, MissionRun
 from clean_swarm_env.world.task import task_class
-from selector.documents.fields import LARGEST_NUMBER
 from selector.strategies.registry import StrategySpec
 
 WARM_UP_LIMIT = 300.0
 """Time limit of a mission that runs only to compile kernels [s]: by then robots have met and stores have grown."""
-
-HIGHEST_SCORE = LARGEST_NUMBER
-"""Score of an option that is to be taken, above all others."""
 
 RunKey = tuple[str, str]
 """Scenario and condition."""

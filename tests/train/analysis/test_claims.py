@@ -31,7 +31,7 @@ def test_of_many_families_without_a_difference_hardly_any_is_claimed():
         }
         claims = claims_of(families, ["a"], dict.fromkeys(families, "b"))
         wrong += any(claim.holm < 0.05 for claim in claims)
-        alone += any(claim.p < 0.05 for claim in claims)
+        alone += any(claim.of.p < 0.05 for claim in claims)
         assert all(c.corrected[0] <= c.ci95[0] <= c.ratio <= c.ci95[1] <= c.corrected[1] for c in claims)
     assert wrong <= 8  # of 40 at 5 %: more would be rarer than one in a thousand
     assert wrong < alone

@@ -130,7 +130,7 @@ def test_claims_over_two_families_are_those_of_their_directories(words, undrawn,
     summary = json.loads((tmp_path / "small" / "summary.json").read_text())["strategies"]
     ratio = summary["Random"]["excess_s"]["mean"] / summary["fixed:Off"]["excess_s"]["mean"]
     assert claims[0].ratio == pytest.approx(ratio)
-    assert [(claim.p, claim.holm) for claim in claims] == [(None, None)] * 2
+    assert [(claim.of.p, claim.holm) for claim in claims] == [(None, None)] * 2
     table = markdown(claims_table(claims, shares))
     assert "2 scenarios: no statement; " in table
     ended = {name: [row["completed"] for row in rows if row["condition"] == name] for name in ("Random", "fixed:Off")}

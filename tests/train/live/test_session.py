@@ -7,6 +7,7 @@ import pytest
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.live.sessions import SMALL, play_of
+from tests.train.records import checksums
 from train.live.chosen import AVOIDING, NEVER, STRATEGY, TRAINED, PlayedMission, again, chosen, usual
 from train.live.session import Session
 
@@ -66,7 +67,7 @@ def test_it_runs_again_with_the_same_bits(first, tmp_path):
     session = Session(again(recording), tmp_path / "second.swarm")
     assert played(session, by_hand={}) == state
     second = RecordedMission(tmp_path / "second.swarm")
-    assert second.checksums() == recording.checksums()
+    assert checksums(second) == checksums(recording)
     assert second.by_hand == recording.by_hand
     assert second.head == recording.head
 
@@ -88,7 +89,7 @@ def test_the_stream_is_the_recording(tmp_path):
     )
     session.close()
     file, stream = (RecordedMission(tmp_path / f"{name}.swarm") for name in ("file", "stream"))
-    assert stream.checksums() == file.checksums()
+    assert checksums(stream) == checksums(file)
     assert stream.by_hand == file.by_hand
     assert len(stream.by_hand) == 30
 

@@ -13,6 +13,7 @@ from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.train.live.pages import picture, shows, until
+from tests.train.records import checksums
 from train.replay.page_file import write_page
 
 pytestmark = [pytest.mark.page, pytest.mark.extra]
@@ -20,7 +21,7 @@ pytestmark = [pytest.mark.page, pytest.mark.extra]
 
 def test_every_channel_has_the_same_checksum_in_python_and_in_the_page(opened, recordings):
     page = opened()
-    assert page.evaluate("replay.checksums()") == [recording.checksums() for recording in recordings]
+    assert page.evaluate("replay.checksums()") == [checksums(recording) for recording in recordings]
 
 
 def test_it_plays_and_stops(opened):
