@@ -2,8 +2,8 @@
 
 import pytest
 
-from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
 from docs.figures.purposes import PATTERNS, Purpose
+from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
 
 OF_NO_PATTERN = {"WeightedSum"}  # it adds up mechanisms of any patterns
 OURS = [
