@@ -107,7 +107,7 @@ def test_what_if_it_goes_on_as_it_did(results, recordings):
 
 
 def test_what_if_needs_a_decider(tmp_path):
-    done("evaluate", "--condition", "RepulsionGradient", "--scenarios", 1, "--workers", 1, "--output", tmp_path / "run")
+    done("evaluate", "--scenarios", 1, "--workers", 1, "--output", tmp_path / "run")
     line = refused("explain", tmp_path / "run", "--robot", 0, "--time", 1, "--what-if")
     assert "--what-if: expected a run of a family, or of a decider that decides in each period" in line
 
