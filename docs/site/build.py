@@ -16,7 +16,9 @@ from docs.site.stage import ROOT, SHOWN, Stage, site_path
 
 BUILD = ROOT / "build" / "site"
 GROUPS = {
-    "Tutorials": tuple(f"tutorials/{name}" for name in ("advise", "see", "learn", "selector", "mechanism", "task", "mind")),
+    "Tutorials": tuple(
+        f"tutorials/{name}" for name in ("advise", "see", "learn", "selector", "mechanism", "task", "mind")
+    ),
     "Do": (
         "README", "commands", "keys", "play", "recordings", "environment", "tasks", "own_task", "own_plugins",
         "learning", "strategies", "machines", "tuning", "knowledge", "clusters", "trust",

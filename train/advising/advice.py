@@ -27,7 +27,7 @@ from train.advising.opening import Opened, arms_hold, document_of, opened, varia
 from train.advising.search import JAMMED, Found, Lacking, Search, arm_of, needed
 from train.analysis.verdict import RANDOM
 from train.deciders.named import FIXED, MACHINE, POLICY, decider_named
-from train.evaluation.base import Choosers, Done, Evaluation
+from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import Entrant, check_fit
 from train.evaluation.pipeline import mission_score
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named
@@ -183,14 +183,6 @@ class AdviceEvaluation(Evaluation):
     def mistake(self, record: RunRecord) -> str:
         """Return why a run is not one of this advice."""
         return record.mistake(self.family.name, self.request.seed, self.family.largest)
-
-    def choosers(self) -> Mapping[str, Choosers]:
-        """Return nothing: missions do not learn in turn."""
-        return {}
-
-    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> TrialTask:
-        """Return the task of a run in which options serve the goals."""
-        return replace(self._tasks_of(condition, [scenario])[0], goal=self.goal).serving(options)
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return the advice."""
