@@ -57,7 +57,7 @@ def exhaustive(mission: str) -> dict[str, Any]:
 
 
 def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return what advice named with each seed, and what that costs on the starts of the exhaustive search."""
+    """Return what advice said with each seed; where all pairs are known, what it costs on their starts, too."""
     found = []
     for seed in seeds:
         with TemporaryDirectory() as place:
@@ -67,11 +67,14 @@ def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) 
                 assert pipeline.evaluate(evaluation, Console(file=log)) == 0
             said = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
             arm = f"{FIXED}:{JOINT.join(said['held'].values())}"
-            own = known["excess_s"].get(arm, [])
-            if len(own) < STARTS:
-                own = excesses(evaluation.opened, arm, evaluation.file_of(arm), range(STARTS))
-        told = {"seed": seed, "arm": arm, "excess_s": round(float(np.mean(own)), 3), "missions": said["missions"]}
-        found.append({**told, "cpu_s": said["cpu_s"], "better": said["better"], "hindsight": said["hindsight"]})
+            told = {name: said[name] for name in ("starts", "missions", "cpu_s", "better", "worth_it", "hindsight")}
+            told |= {"seed": seed, "arm": arm}
+            if known:
+                own = known["excess_s"].get(arm, [])
+                if len(own) < STARTS:
+                    own = excesses(evaluation.opened, arm, evaluation.file_of(arm), range(STARTS))
+                told["excess_s"] = round(float(np.mean(own)), 3)
+        found.append(told)
         print(mission, found[-1], flush=True)
     return found
 
