@@ -170,7 +170,9 @@ class AdviceEvaluation(Evaluation):
         stopped = {}
         if not self.mission.items.keep_coming:
             lost = {arm: sum(not one.result.completed for one in own) for arm, own in runs.items()}
-            stopped = {arm: many for arm, many in lost.items() if 2 * many >= JAMMED and arm != found.winner}
+            most = len(first[found.winner])
+            if 2 * lost[found.winner] < most:
+                stopped = {arm: many for arm, many in lost.items() if 2 * many >= most}
         twice = found.finalists if len(found.finalists) > 1 else ()
         worlds = {arm: 1 + (arm in twice) for arm in arms if arm not in stopped}
         every = {

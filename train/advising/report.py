@@ -133,7 +133,15 @@ class Advice:
         evaluation = self.evaluation
         if evaluation.nothing_to_choose:
             return [f"{evaluation.family.name}: there is nothing to choose: {self._words(self.found.winner)} is all."]
+        lost = self.left[self.found.winner].sum() if self.left else 0
+        if 2 * lost >= self.found.starts:
+            return [self._hold, *self._remarks, self._hopeless]
         return [*filter(None, (self._hold, self._beside, self._on_the_way, self._worth, *self._remarks))]
+
+    @property
+    def _first(self) -> int:
+        """Starts after which an arm of the last round was stopped."""
+        return min(self.found.starts, JAMMED)
 
     @property
     def _hold(self) -> str:
@@ -152,13 +160,19 @@ class Advice:
         return f"{begin} {many} (up to {most:.0%} may be)."
 
     @property
+    def _hopeless(self) -> str:
+        limits = {mission.time_limit for mission in self.runs.missions}
+        words = f"the time limit of {max(limits):g} s may be too short"
+        return f"So nothing that was tried does this mission, and no selector is judged: {words}."
+
+    @property
     def _beside(self) -> str:
         opened, winner, parts, lost = self.evaluation.opened, self.found.winner, list[str](), list[str]()
         off = {arm_of({**self.held, goal: OFF}): "never avoiding" for goal in opened.goals if OFF in opened.names(goal)}
         said = {**off, arm_of(opened.experts): "the experts' scores", RANDOM: "a random choice"}
         for arm, name in said.items():
             if arm in self.stopped:
-                lost.append(f"{name} left {self.stopped[arm]} of {JAMMED} unfinished")
+                lost.append(f"{name} left {self.stopped[arm]} of {self._first} unfinished")
             elif arm in self.costs and arm != winner:
                 costs = "costs " if not parts else ""
                 parts.append(f"{name} {costs}{times(self.ratio(arm), 'times as much' if not parts else '')}")
@@ -170,7 +184,7 @@ class Advice:
         names = {arm: f"the rule {arm[4:]}" if arm.startswith(f"{MACHINE}:") else arm for arm in self.found.choosers}
         parts = [f"{name} {times(self.ratio(arm))}" for arm, name in names.items() if arm in self.costs]
         parts += [
-            f"{names[arm]} left {self.stopped[arm]} of {JAMMED} unfinished" for arm in names if arm in self.stopped
+            f"{names[arm]} left {self.stopped[arm]} of {self._first} unfinished" for arm in names if arm in self.stopped
         ]
         begin = "No rule or policy that ships fits this mission."
         if parts:
@@ -200,9 +214,10 @@ class Advice:
     def _remarks(self) -> list[str]:
         broke = [(one.condition, name) for one in self.done.values() for name in one.counts if name.startswith(BROKE)]
         dropped = {**self.evaluation.opened.dropped, **{arm: why.removeprefix(BROKE) for arm, why in broke}}
-        told = [f"{self._words(arm)} dropped out: {why}." for arm, why in dropped.items()]
+        first = {why: arm for arm, why in reversed(dropped.items())}
+        told = [f"{self._words(arm)} dropped out: {why}." for why, arm in first.items()]
         if self.search.left_out:
-            told.append(f"{self.search.left_out} options were not tried for lack of time: --minutes.")
+            told.append(f"{self.search.left_out} options were not tried for lack of time: --minutes or --missions.")
         return told
 
     def _words(self, arm: str) -> str:

@@ -8,8 +8,10 @@ import yaml
 from clean_swarm_env import clean_swarm_v0
 from selector.knowledge import library_options, load_knowledge
 from selector.strategies.problem import Problem
+from selforg.plugins import PluginError
 from tests.train.commands import command, done, refused
-from train.advising import opening
+from train.advising import opening, search
+from train.evaluation.trial_task import TrialTask
 from train.live.chosen import chosen
 
 YARD = {
@@ -40,6 +42,8 @@ def few(monkeypatch):
     """Let the library have a few options only, so that a mission is searched in seconds."""
     monkeypatch.setattr(opening, "library_options", lambda *given: library_options(*given)[-2:])
     monkeypatch.setattr(opening, "MOST_VARIANTS", 2)
+    for name, starts in {"LOOK": 2, "FEWEST_STARTS": 1, "LAST_FEWEST": 4}.items():
+        monkeypatch.setattr(search, name, starts)
 
 
 def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatch):
@@ -82,6 +86,30 @@ def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatc
 def test_what_cannot_be_asked_is_one_line_and_leaves_nothing(words, told, tmp_path):
     assert told in refused("advise", *words)
     assert not (tmp_path / "advice").exists()
+
+
+def test_an_option_that_a_plugin_breaks_drops_out_and_is_named(tmp_path, monkeypatch):
+    few(monkeypatch)
+    each = TrialTask.each
+
+    def breaks(task):
+        if "+ORCA" in task.member:
+            raise PluginError("my_swarm: mechanism ORCA: broke")
+        yield from each(task)
+
+    monkeypatch.setattr(TrialTask, "each", breaks)
+    out = done("advise", "yard.yaml", *QUICK)
+    assert out.count("dropped out: my_swarm: mechanism ORCA: broke.") == 1
+    assert "ORCA" not in json.loads((tmp_path / "advice/yard/summary.json").read_text())["held"]["AvoidCollision"]
+
+
+def test_a_mission_that_nothing_finishes_is_said_to_be_one(tmp_path, monkeypatch):
+    few(monkeypatch)
+    (tmp_path / "yard.yaml").write_text(yaml.safe_dump(YARD | {"time_limit": 2.0}))
+    out = done("advise", "yard.yaml", *QUICK)
+    assert "4 missions of 4 were left unfinished (up to 100% may be)." in out
+    assert "So nothing that was tried does this mission, and no selector is judged: the time limit of 2 s may be" in out
+    assert "worth it" not in out
 
 
 def test_a_task_of_one_option_has_nothing_to_choose(tmp_path):
