@@ -217,7 +217,9 @@ class Advice:
         first = {why: arm for arm, why in reversed(dropped.items())}
         told = [f"{self._words(arm)} dropped out: {why}." for why, arm in first.items()]
         if self.search.left_out:
-            told.append(f"{self.search.left_out} options were not tried for lack of time: --minutes or --missions.")
+            told.append(
+                f"{len(self.search.left_out)} options were not tried for lack of time: --minutes or --missions."
+            )
         return told
 
     def _words(self, arm: str) -> str:

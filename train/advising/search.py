@@ -36,7 +36,7 @@ LEFT = 3
 """Arms with which a race ends."""
 JAMMED = 10
 """Starts after which an arm stops that left half of them unfinished, if another one did not."""
-SHARES = {"goals": 0.3, "together": 0.15, "numbers": 0.15, "choosers": 0.08}
+SHARES = {"goals": 0.35, "together": 0.15, "numbers": 0.12, "choosers": 0.06}
 """Part of the budget for each part of the search; the last round gets the rest."""
 FEWEST_STARTS, MOST_STARTS = 3, 32
 """Bounds of the starts of a round."""
@@ -118,7 +118,7 @@ class Search:
     rounds: list[Round] = field(default_factory=list)
     stopped: dict[str, int] = field(default_factory=dict)
     """Arm that was stopped -> starts that it did not finish."""
-    left_out: int = 0
+    left_out: set[str] = field(default_factory=set)
     """Options that were not tried for lack of time."""
     _next: int = 0
     _spent: float = 0.0
@@ -169,26 +169,36 @@ class Search:
     def _goals_alone(self, held: dict[str, str]) -> dict[str, list[str]]:
         """Race the options of each goal, with what won before for the others; return the best few of each goal.
 
-        Of three goals or more two are left of each, or else too many combinations would have to race.
+        A goal whose partners were others in its race does it again: beside bad partners the best may be the last. Of
+        three goals or more two are left of each, or else too many combinations would have to race.
         """
         options = {goal: self.opened.names(goal) for goal in self.opened.goals}
         rounds = {goal: len(own) * max(np.ceil(np.log2(len(own) / LEFT)), 1.0) for goal, own in options.items()}
+        order = [*options, *list(options)[:-1]]
         best: dict[str, list[str]] = {}
-        for goal, names in options.items():
-            part = SHARES["goals"] * rounds[goal] / sum(rounds.values())
-            count = self._starts(part, int(rounds[goal]))
-            able = part * self.budget / (self._price * rounds[goal] * FEWEST_STARTS)
-            tried = self._trusted(goal, names, held)
-            if able < 1.0:
-                keep = max(int(len(names) * able), LEFT)
-                known = dict(zip(names, self.opened.known.scores(goal).tolist(), strict=True))
-                tried = sorted(tried, key=lambda name: (name != held[goal], -known[name]))[:keep]
-            self.left_out += len(names) - len(tried) if able < 1.0 else 0
+        beside: dict[str, dict[str, str]] = {}
+        for goal in order:
+            partners = {other: name for other, name in held.items() if other != goal}
+            if beside.get(goal) == partners:
+                continue
+            part = SHARES["goals"] * rounds[goal] / sum(rounds[each] for each in order)
+            tried = self._tried(goal, held, part * self.budget / (self._price * rounds[goal] * FEWEST_STARTS))
             arms = {arm_of({**held, goal: name}): name for name in tried}
-            order = self._race(goal, list(arms), count) if len(arms) > 1 else list(arms)
-            best[goal] = [arms[arm] for arm in order][: LEFT if len(options) < 3 else LEFT - 1]
-            held[goal] = best[goal][0]
+            count = self._starts(part, int(rounds[goal]))
+            found = self._race(goal, list(arms), count) if len(arms) > 1 else list(arms)
+            best[goal] = [arms[arm] for arm in found][: LEFT if len(options) < 3 else LEFT - 1]
+            beside[goal], held[goal] = partners, best[goal][0]
         return best
+
+    def _tried(self, goal: str, held: Mapping[str, str], able: float) -> list[str]:
+        """Return the options of a goal that race; `able` is the share of them for which there is time."""
+        tried = self._trusted(goal, self.opened.names(goal), held)
+        if able >= 1.0:
+            return tried
+        scores = dict(zip(self.opened.names(goal), self.opened.known.scores(goal).tolist(), strict=True))
+        kept = sorted(tried, key=lambda name: (name != held[goal], -scores[name]))[: max(int(len(scores) * able), LEFT)]
+        self.left_out |= set(tried) - set(kept)
+        return kept
 
     def _trusted(self, goal: str, names: list[str], held: Mapping[str, str]) -> list[str]:
         """Return the best third of options whose scores are known from missions, if a check agrees; else all."""
