@@ -1,6 +1,7 @@
 """Expert knowledge: the options that can serve each goal, with scores by an expert and what was learned of them."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -9,8 +10,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, impossible, shown, validated
-from selector.documents.fields import Closed, DocumentName, Label, Name, NonNegative, Number, checked_name
-from selector.documents.find import all_files, find_file
+from selector.documents.fields import JOINT, Closed, DocumentName, Label, Name, NonNegative, Number, checked_name
+from selector.documents.find import all_files, files_of, find_file
 from selector.documents.plain import plain, short
 from selector.documents.reading import read_mapping
 from selforg.arrays import Floats
@@ -196,7 +197,7 @@ class Knowledge:
         names = [option.name for option in self.options(goal)]
         for name in given:
             if name not in names:
-                raise DocumentError(f"{self.source}: goals.{goal}: {unknown('option', name, names)}")
+                raise DocumentError(f"{self.source}: goals.{goal}: {unknown_option(goal, name, names)}")
 
 
 def learned_from(content: object, where: str) -> LearnedScores:
@@ -258,6 +259,21 @@ def knowledge_from(content: object, source: str = "knowledge", directories: Sequ
         library = {option.name: option for option in library_options(goal, directories)}
         table[goal] = tuple(option.defined(library, f"{source}: goals.{goal}") for option in options)
     return Knowledge(table, source, robot=file.robot).with_learned(file.learned)
+
+
+def unknown_option(goal: str, name: str, known: Sequence[str]) -> str:
+    """Return the text of an option that is not among those `known`, and the knowledge that has it for the goal.
+
+    Names of several goals, and of their options, are joined by `+`.
+    """
+    goals, holding = goal.split(JOINT), []
+    for other in files_of("knowledge"):
+        with suppress(DocumentError):  # of a plug-in, which its reader says
+            table = load_knowledge(other).table
+            names = {option.name for each in goals for option in table.get(each, ())}
+            holding += [other] if names.issuperset(name.split(JOINT)) else []
+    found = f"; it is in the knowledge {', '.join(holding)} (--knowledge)" if holding else ""
+    return unknown("option", name, known) + found
 
 
 def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:

@@ -27,6 +27,7 @@ from clean_swarm_env.world.view import World
 from selector.coordination.coordinator import Coordinator, hold_options
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
+from selector.knowledge import unknown_option
 from selforg.arrays import OUTSIDE, Flags, Floats, Ints
 from selforg.plugins import check_answer, is_own
 from selforg.registry import unknown
@@ -247,5 +248,5 @@ def bind_options(mission: MissionConfig, coordinators: Sequence[Coordinator], wo
                 raise DocumentError(f"{where}: {unknown('coordinated goal', goal, list(goals))}")
             options = goals[goal].model.options
             if option not in options:
-                raise DocumentError(f"{where}.{goal}: {unknown('option', option, options)}")
+                raise DocumentError(f"{where}.{goal}: {unknown_option(goal, option, options)}")
             goals[goal].bind(np.flatnonzero(models == number), options.index(option))

@@ -7,12 +7,12 @@ from pydantic import Field
 
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Label
+from selector.knowledge import unknown_option
 from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions, Problem
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
-from selforg.registry import unknown
 
 
 @STRATEGIES.register
@@ -41,7 +41,8 @@ class Fixed(DecisionStrategy):
     def _prepare(self) -> None:
         name, known = self.option, self.problem.options
         if name not in known:
-            raise DocumentError(f"strategy Fixed: goal {self.problem.goal}: {unknown('option', name, known)}")
+            goal = self.problem.goal
+            raise DocumentError(f"strategy Fixed: goal {goal}: {unknown_option(goal, name, known)}")
         self._order = self.problem.scores.copy()
         self._order[known.index(name)] = np.inf
 

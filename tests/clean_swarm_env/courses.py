@@ -21,7 +21,7 @@ from selector.knowledge import load_knowledge
 long_course = pytest.mark.skipif(
     os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="takes minutes in plain Python; the short courses do run"
 )
-OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")
+OPTIONS = ("RepulsionFernandez-view2.0", "RepulsionFernandez-view1.5", "RepulsionGradient-view1.5")
 
 
 def mission(name: str = "table1", **changes) -> MissionConfig:

@@ -5,7 +5,7 @@ import pytest
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
-from selector.knowledge import Option, knowledge_from, learned_from, library_options, load_knowledge
+from selector.knowledge import Option, knowledge_from, learned_from, library_options, load_knowledge, unknown_option
 from tests.selector.refusing import refusal
 
 GOAL = "AvoidCollision"
@@ -103,6 +103,19 @@ def test_knowledge_that_the_library_cannot_build_names_goal_and_option():
     option = {"configuration": "RepulsionGradient", "name": "near", "score": 1.0, "parameters": {"view": 1.0}}
     with pytest.raises(DocumentError, match=r"k\.yaml: goals\.G\.near: .*RepulsionGradient\.yaml: .*parameter 'view'"):
         Library().check(knowledge_from({"goals": {"G": [option]}}, "k.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("goal", "name", "where"),
+    [
+        (GOAL, "ORCA", "avoidance, exploring, transport"),
+        (GOAL, "Patrol", ""),
+        (f"ExplorationPatrol+{GOAL}", "Finds+ORCA", "exploring"),
+    ],
+)
+def test_an_unknown_option_says_which_knowledge_has_it(goal, name, where):
+    found = f"; it is in the knowledge {where} (--knowledge)" if where else ""
+    assert unknown_option(goal, name, ("Off",)) == f"unknown option '{name}' (known: Off){found}"
 
 
 @pytest.mark.parametrize("content", [[1], {"Avoid": [1]}, "Avoid"])

@@ -82,6 +82,11 @@ class NamedDecider:
         """Whether it is a strategy that could learn, and has learned nothing."""
         return self.spec is not None and named(self.spec().name).can_learn()
 
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """The goals that it was made for; none if any."""
+        return tuple(self.meant_for.split(JOINT) if isinstance(self.meant_for, str) else self.meant_for or ())
+
     def decides(self, asked: str | None) -> AskedGoal:
         """Return the goals whose options it chooses if one is `asked` for, or none."""
         return self.goal or asked or self.meant_for

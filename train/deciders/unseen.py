@@ -2,32 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.world.task import task_class
+from selector.coordination.model import CoordinatorModel
+from selector.documents.fields import JOINT
 from selector.documents.find import files_of
 from train.deciders.named import NamedDecider
 
 
 def remarks_of(
-    label: str,
-    named: NamedDecider,
-    goals: Mapping[str, Sequence[str]],
-    missions: Sequence[MissionConfig],
-    directories: Sequence[Path] = (),
+    label: str, named: NamedDecider, missions: Sequence[MissionConfig], directories: Sequence[Path] = ()
 ) -> list[str]:
-    """Return what is to be said of a policy on missions that coordinate `goals`: goal -> options."""
+    """Return what is to be said of a policy on missions."""
     new = unseen(named.training, missions, directories)
-    told = [f"{label}: was never trained with {', '.join(new)}; what it does there was not measured"] if new else []
-    own = named.meant_for or ()
-    kept = [goal for goal, options in goals.items() if own and goal not in own and len(options) > 1]
-    decided = " and ".join(goal for goal in goals if goal in own)
-    if named.training and kept and decided:
-        told.append(f"{label}: decides {decided} only; of {' and '.join(kept)} robots hold the option of highest score")
-    return told
+    return [f"{label}: was never trained with {', '.join(new)}; what it does there was not measured"] if new else []
+
+
+def decided_and_held(label: str, decided: Sequence[str], models: Iterable[CoordinatorModel]) -> list[str]:
+    """Return a line on the goals that a decider decides and the options that robots hold of others; none without such.
+
+    Args:
+        label: begins the line.
+        decided: the goals.
+        models: of all goals of the mission.
+
+    """
+    others = [model for model in models if model.goal not in decided and len(model.options) > 1]
+    held = [f"{model.goal} held {model.options[int(model.scores.argmax())]}" for model in others]
+    return [f"{label}: {'; '.join([' and '.join(decided), *held])}"] if held else []
+
+
+def undecided(named: NamedDecider, mission: MissionConfig, directories: Sequence[Path] = ()) -> str:
+    """Return which goals a decider was made for that the mission does not let it decide, and the way out.
+
+    Nothing for goals that the robots could not coordinate either if their document were another one, as Transport where
+    there is one station of each kind.
+    """
+    kind, own = task_class(mission), named.goals
+    wider, coordinated = kind.opened(mission), kind.goals(mission, directories)
+    lacking = [goal for goal in kind.goals(wider, directories) if goal in own and goal not in coordinated]
+    decided = JOINT.join(goal for goal in coordinated if goal in own)
+    if not lacking:
+        return ""
+    alone = f"--goal {decided} lets it decide that alone; " if decided else ""
+    robot = f"network: {{robot: {wider.network.robot}}} in the mission, with knowledge of the goal"
+    return f"was made to decide {' and '.join(lacking)}, which these robots do not choose options for: {alone}{robot}"
 
 
 def unseen(

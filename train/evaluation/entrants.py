@@ -19,7 +19,7 @@ from selector.documents.trust import BASELINE
 from train.analysis.verdict import RANDOM
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FILED, FIXED, decider_named
-from train.deciders.unseen import remarks_of
+from train.deciders.unseen import decided_and_held, remarks_of, undecided
 
 UNTAUGHT = "has learned nothing and learns nothing; --learn with --family, or `clean-swarm train bandit`, teaches it"
 """What is said of a strategy that could learn."""
@@ -108,7 +108,6 @@ def remarks_on(
     have learned nothing.
     """
     told, usual = [], DecidedGoal(batch, goal).problem.goal
-    goals = {each.model.goal: each.model.options for each in batch.worlds.coordinators}
     for entrant in entrants:
         named = decider_named(entrant.members[0], directories)
         decided = DecidedGoal(batch, named.decides(goal))
@@ -118,7 +117,27 @@ def remarks_on(
         missing = [option for options in parts for option in options if option not in named.knows]
         if missing:
             told.append(f"{entrant.label}: never takes {', '.join(missing)}, which it was trained without")
-        told += remarks_of(entrant.label, named, {} if goal else goals, missions or [batch.mission], directories)
+        told += remarks_of(entrant.label, named, missions or [batch.mission], directories)
         if named.learns:
             told.append(f"{entrant.label}: {UNTAUGHT}")
+    return told + ([] if goal else decisions_of(entrants, batch, None, directories))
+
+
+def decisions_of(
+    entrants: Sequence[Entrant], batch: Batch, goal: str | None = None, directories: Sequence[Path] = ()
+) -> list[str]:
+    """Return of each strategy that was made for some goals of a batch which goals it decides, and what others hold."""
+    models, told = [each.model for each in batch.worlds.coordinators], list[str]()
+    for entrant in entrants:
+        named = decider_named(entrant.members[0], directories)
+        if named.goals:
+            told += decided_and_held(entrant.label, DecidedGoal(batch, named.decides(goal)).names, models)
     return told
+
+
+def check_goals(given: Sequence[str], mission: MissionConfig, directories: Sequence[Path]) -> None:
+    """Raise an error of one line for a strategy that was made for goals that a mission does not let it decide."""
+    for entrant in entrants_of(given, ()):
+        for member in entrant.members:
+            if why := undecided(decider_named(member, directories), mission, directories):
+                raise ConfigurationError(f"--strategy {entrant.label}: {why}")

@@ -23,7 +23,15 @@ from train.analysis.robustness_report import RobustnessReport, durations_over
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Choosers, Done, Evaluation
-from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
+from train.evaluation.entrants import (
+    UNTAUGHT,
+    check_fit,
+    check_goals,
+    decisions_of,
+    entrants_of,
+    remarks_on,
+    with_baselines,
+)
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
 from train.reports.family_tables import family_tables, robustness_tables
 from train.reports.text_table import Publication
@@ -69,6 +77,8 @@ class FamilyEvaluation(Evaluation):
             missions = (request.scenarios or self.family.scenarios) * request.worlds * max(len(request.strategies), 1)
             check_needs(self.family.largest, missions, request.machine, min(TASK_SCENARIOS, missions))
             first = self.family.scenario(0, 0, "test").mission.model_copy(update={"store": ""})
+            if request.goal is None:
+                check_goals(request.strategies, first, request.directories)
             self.batch = Batch(first, directories=request.directories)
         self.mission = self.family.mission.model_copy(update={"store": ""})
         self.problem = DecidedGoal(self.batch, request.goal).problem
@@ -174,7 +184,10 @@ class FamilyEvaluation(Evaluation):
             tables = robustness_tables(found, ranking)
             return Publication(*named, found.verdict(ranking), tables, found.content, draw_robustness(found))
         report = family_report_of(runs)
-        return Publication(*named, report.verdict, family_tables(report), report.content, draw_family(report))
+        first, *others = family_tables(report)
+        decided = decisions_of(self.entrants, self.batch, self.request.goal, self.request.directories)
+        tables = [replace(first, notes=(*first.notes, *decided)), *others]
+        return Publication(*named, report.verdict, tables, report.content, draw_family(report))
 
     def runs(self, records: Sequence[RunRecord], conditions: Mapping[str, tuple[str, ...]]) -> FamilyRuns:
         """Return the finished runs; `conditions`: see there."""

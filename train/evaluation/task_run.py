@@ -21,6 +21,7 @@ from clean_swarm_env.world.task import coordinators_of
 from selector.configurations.library import library_of
 from selector.documents.errors import validated
 from selector.documents.trust import BASELINE, is_import
+from selector.knowledge import unknown_option
 from selector.strategies.unlearned import MaxScore
 from selforg.registry import unknown
 from train.analysis.family_report import FamilyRuns, family_report_of
@@ -180,7 +181,7 @@ def _taken(request: TaskRun, mission: MissionConfig) -> tuple[str, str]:
         best = MaxScore(model.problem, np.zeros(1, dtype=np.uint64)).select(np.zeros((1, 0)))[0]
         return model.goal, model.options[best]
     if request.option not in model.options:
-        raise ConfigurationError(f"goal {model.goal}: {unknown('option', request.option, model.options)}")
+        raise ConfigurationError(f"goal {model.goal}: {unknown_option(model.goal, request.option, model.options)}")
     return model.goal, request.option
 
 

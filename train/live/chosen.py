@@ -21,12 +21,13 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
+from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
 from train.deciders.named import FIXED, POLICY, decider_named
-from train.deciders.unseen import remarks_of, unseen
+from train.deciders.unseen import decided_and_held, remarks_of, undecided, unseen
 from train.evaluation.base import DIGEST
 from train.running.run_folder import fingerprints, held_files
 
@@ -148,11 +149,12 @@ def usual(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[str, s
     """
     if knowledge_of(mission, directories).learned:  # as advice has it
         return STRATEGY, ""
-    options, trained = _goals(mission, directories), decider_named(TRAINED)
+    options = {model.goal: model.options for model in _models(mission, directories)}
+    trained = decider_named(TRAINED)
     cleans, jams = mission.items.rows > 0, mission.robots.count >= MANY
     if not cleans or not {AVOIDING, NEVER} <= {f"{FIXED}:{option}" for option in options.get(GOAL, ())}:
         return STRATEGY, ""
-    if set(options) & set(trained.meant_for or ()) > {GOAL} and not unseen(trained.training, [mission]):
+    if set(options) & set(trained.goals) > {GOAL} and not unseen(trained.training, [mission]):
         return TRAINED, NEVER if jams else ""
     return AVOIDING, STRATEGY if jams else ""
 
@@ -160,12 +162,15 @@ def usual(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[str, s
 def remarks(play: PlayedMission) -> list[str]:
     """Return what the policy of a play never saw, and goals that it leaves alone."""
     mission, named = play.scenario.mission, decider_named(play.member, play.directories)
-    return remarks_of(play.member, named, _goals(mission, play.directories), [mission], play.directories)
+    why = undecided(named, mission, play.directories)
+    told = [*remarks_of(play.member, named, [mission], play.directories), *([f"{play.member}: {why}"] if why else [])]
+    models = _models(mission, play.directories)
+    decided = [model.goal for model in models if model.goal in named.goals]
+    return told + (decided_and_held(play.member, decided, models) if decided else [])
 
 
-def _goals(mission: MissionConfig, directories: tuple[Path, ...]) -> dict[str, tuple[str, ...]]:
-    known, library = knowledge_of(mission, directories), library_of(directories)
-    return {model.goal: model.options for model in coordinators_of(mission, known, library, directories)}
+def _models(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[CoordinatorModel, ...]:
+    return coordinators_of(mission, knowledge_of(mission, directories), library_of(directories), directories)
 
 
 def playable(directories: tuple[Path, ...]) -> list[str]:

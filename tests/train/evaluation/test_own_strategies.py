@@ -3,6 +3,7 @@
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from tests.selector.strategies.policies import untrained
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.models import LOADERS
 from train.deciders.named import NamedDecider, decider_named
-from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on
+from train.evaluation.entrants import UNTAUGHT, check_fit, decisions_of, entrants_of, remarks_on
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.repeat import steps_of
 from train.request import Request
@@ -78,9 +79,12 @@ def test_mistakes_are_one_line(folder, member, message):
     assert "\n" not in str(told.value)
 
 
-def test_a_family_without_the_options_of_a_policy_is_one_line():
+def test_a_family_without_the_options_of_a_policy_is_one_line(tmp_path):
+    (tmp_path / "one.yaml").write_text("goals: {AvoidCollision: [{name: ORCA, score: 1.0}]}")
     with pytest.raises(DocumentError, match="--strategy policy:general: policy: AvoidCollision: options: ") as told:
-        FamilyEvaluation(Request("yards", ("policy:general",), 0, 1, directories=(TRAINED,)))
+        FamilyEvaluation(
+            Request("table1", ("policy:general",), 0, 1, str(tmp_path / "one.yaml"), directories=(TRAINED,))
+        )
     assert "\n" not in str(told.value)
 
 
@@ -102,9 +106,11 @@ def test_without_a_goal_a_policy_decides_its_own_and_says_so():
     batch, both = Batch(family="clustered"), "AvoidCollision+ExplorationPatrol"
     entrants = entrants_of(("fixed:ORCA", "policy:exploring-ppo"), batch.options["AvoidCollision"])
     told = "policy:exploring-ppo: decides ExplorationPatrol, not AvoidCollision; see --goal"
-    kept = "decides ExplorationPatrol only; of AvoidCollision robots hold the option of highest score"
-    assert remarks_on(entrants, batch) == [told, f"policy:exploring-ppo: {kept}"]
+    kept = ["policy:exploring-ppo: ExplorationPatrol; AvoidCollision held ORCA"]
+    assert remarks_on(entrants, batch) == [told, *kept]
     assert remarks_on(entrants[1:], batch, "ExplorationPatrol") == []
+    assert decisions_of(entrants, batch, "ExplorationPatrol") == kept
+    assert decisions_of(entrants_of(("policy:one", "fsm:recent-finds"), ()), batch) == []
     check_fit(entrants, batch, None, ())
     with pytest.raises(DocumentError, match="goals: expected AvoidCollision, ExplorationPatrol, got Explor"):
         check_fit(entrants[1:], batch, both, ())
@@ -209,6 +215,31 @@ def models(folder):
         opset = [onnx.helper.make_opsetid("", 17)]
         onnx.save(onnx.helper.make_model(graph, opset_imports=opset, ir_version=10), folder / "model.onnx")
     return sorted(path.name for path in folder.glob("model.*"))
+
+
+@pytest.mark.parametrize(
+    ("family", "strategy", "goal", "line"),
+    [
+        ("table1", "policy:one", None, "ExplorationPatrol, .*: --goal AvoidCollision lets it decide that alone; "),
+        ("table1", "fsm:recent-finds", None, "; network: {robot: cleaning-patrol} in the mission, with knowledge"),
+        (
+            "table1",
+            "policy:exploring-ppo",
+            None,
+            r"ExplorationPatrol, .* do not choose options for: network: {robot: cleaning-patrol}",
+        ),
+        ("table1", "policy:one", "AvoidCollision", ""),
+        ("clustered", "policy:one", None, ""),
+    ],
+)
+def test_a_policy_for_goals_that_a_mission_does_not_let_it_decide_is_an_error(
+    family, strategy, goal, line, monkeypatch
+):
+    stop = RuntimeError("the batch is made")
+    monkeypatch.setattr("train.evaluation.family.Batch", Mock(side_effect=stop))
+    with pytest.raises(DocumentError if line else RuntimeError, match=line or str(stop)) as told:
+        FamilyEvaluation(Request(family, (strategy,), 0, 1, goal=goal))
+    assert "\n" not in str(told.value)
 
 
 @pytest.mark.extra

@@ -104,7 +104,7 @@ def test_wrong_scores_are_put_right_by_missions_and_a_later_process_profits_at_o
     others = ("--strategy", f"fixed:{NEAR}", "--strategy", f"fixed:{FAR}")
     done(*words, *others, "--store", "s.sqlite", "--output", "later")
     rows = figures(tmp_path / "later")
-    by_score, far, near = rows[0::4], rows[2::4], rows[3::4]
+    by_score, near, far = rows[0::4], rows[2::4], rows[3::4]
     assert by_score == near != far
     done(*words, "--output", "expert")
     assert figures(tmp_path / "expert")[0::2] == far
