@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from selector.documents.errors import DocumentError, impossible, shown, validated
+from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import JOINT, Closed, DocumentName, Label, Name, NonNegative, Number, checked_name
 from selector.documents.find import all_files, files_of, find_file
 from selector.documents.plain import plain, short
@@ -32,11 +32,24 @@ class Definition(Closed):
     @property
     def meaning(self) -> str:
         """Both in a line."""
-        return plain(f"{self.configuration} {dict(sorted(self.parameters.items()))}")
+        return plain(f"{self.configuration} {dict(sorted(self.parameters.items()))}".lstrip())
 
     def same(self, other: "Definition") -> bool:
         """Return whether two options are one thing, whatever their scores."""
         return (self.configuration, self.parameters) == (other.configuration, other.parameters)
+
+
+Definitions = Mapping[str, Mapping[str, Definition]]
+"""Goal -> option -> what its name stands for."""
+
+
+def check_same(where: str, trained: Definitions, here: Definitions) -> None:
+    """Raise DocumentError, which begins with `where`, for a name that stands for another option `here`."""
+    for goal, options in trained.items():
+        for name, one in options.items():
+            other = here.get(goal, {}).get(name, one)
+            if not one.same(other):
+                raise DocumentError(f"{where}: {goal}: option {name!r}: expected {one.meaning}, got {other.meaning}")
 
 
 class Option(Definition):
@@ -46,6 +59,11 @@ class Option(Definition):
     """How well the option serves the goal, by the expert [-]; the option of the highest score is taken."""
     name: Label = ""
     """Name, unique among the options of a goal; the key of the configuration unless given."""
+
+    @property
+    def definition(self) -> Definition:
+        """What the name stands for."""
+        return Definition(configuration=self.configuration, parameters=self.parameters)
 
     @model_validator(mode="before")
     @classmethod
@@ -61,23 +79,15 @@ class _ListedOption(Option):
     configuration: Label = ""
     """Key of the configuration; empty for an option of the library."""
 
-    @model_validator(mode="after")
-    def _defined_once(self) -> Self:
-        if not self.name:
-            raise impossible("name", "the name of an option of the library, or a configuration", "neither")
-        if self.parameters and not self.configuration:
-            raise impossible("parameters", "a configuration beside them", "none")
-        return self
-
     def defined(self, library: Mapping[str, Option], where: str) -> Option:
         """Return the option with what it stands for; DocumentError if the library has none, or another of its name."""
         known = library.get(self.name)
-        if known is None and not self.configuration:
+        if known is None and self.configuration:
+            return Option(**self.model_dump())
+        if known is None:
             own = "one of your own needs a configuration"
             raise DocumentError(f"{where}: {unknown('option', self.name, tuple(library))}; {own}")
-        if known is None:
-            return Option(**self.model_dump())
-        if self.configuration and not self.same(known):
+        if (self.configuration or self.parameters) and not self.same(known):
             expected = f"expected {known.meaning}, as in the library, got {self.meaning}"
             raise DocumentError(f"{where}: option {self.name!r}: {expected}; give it another name")
         return known.model_copy(update={"score": self.score})

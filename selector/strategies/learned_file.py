@@ -3,9 +3,12 @@
 from pathlib import Path
 from typing import Any, Literal
 
+from pydantic import Field
+
 from selector.documents.arrays import check_same_names, load_arrays, save_arrays
 from selector.documents.errors import DocumentError, shown, validated, within
 from selector.documents.fields import Closed, Name
+from selector.knowledge import Definition, check_same
 from selector.strategies.registry import StrategySpec
 from selector.strategies.strategy import ROW_STATE, DecisionStrategy
 
@@ -27,6 +30,8 @@ class LearnedDescription(Closed):
     """Name of the goal."""
     options: tuple[str, ...]
     """(O,) names of the options."""
+    definitions: dict[Name, dict[Name, Definition]] = Field(default_factory=dict)
+    """Goal -> option -> what the names stand for; none if nobody knows."""
     features: tuple[str, ...]
     """(F,) names of the features of a context."""
 
@@ -49,6 +54,7 @@ def save_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
         parameters=strategy.parameters,
         goal=problem.goal,
         options=problem.options,
+        definitions={goal: dict(options) for goal, options in problem.definitions.items()},
         features=problem.features,
     )
     arrays = strategy.state_dict() if whole else strategy.learned()
@@ -80,6 +86,7 @@ def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
         if wanted != held:
             expected = f"expected the order {', '.join(wanted)}"
             raise DocumentError(f"{where}: {what}: {expected}, got {', '.join(held)}")
+    check_same(where, description.definitions, problem.definitions)
     with within(where):
         if whole:
             strategy.load_state(arrays)

@@ -22,11 +22,12 @@ from pydantic import Field, model_validator
 
 from selector.documents.arrays import check_same_names
 from selector.documents.errors import DocumentError, shown, validated
-from selector.documents.fields import Closed, JointName, Name, Number, Positive
+from selector.documents.fields import JOINT, Closed, JointName, Name, Number, Positive
 from selector.documents.find import find_file
 from selector.documents.plain import plain
 from selector.documents.reading import read_bytes, read_json
 from selector.documents.writing import write_whole
+from selector.knowledge import Definition
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel
 from selforg.elementary import hyperbolic_tangent
@@ -45,6 +46,8 @@ class PolicySpec(Closed):
     goals: dict[JointName, Annotated[tuple[JointName, ...], Field(min_length=1)]] = Field(default_factory=dict)
     """Goal of self-organisation -> names of its options, in the order of the network's outputs; none if it only drives.
     Several goals that are decided as one have one name here, joined by `+`."""
+    definitions: dict[Name, dict[Name, Definition]] = Field(default_factory=dict)
+    """Goal -> option -> what it was trained with; missions whose option of that name is another are refused."""
     holds: dict[JointName, Annotated[int, Field(strict=True, ge=1, le=1_000_000)]] = Field(default_factory=dict)
     """Goal -> decision periods for which a robot keeps an option; 1 for goals that are not named."""
     terms: tuple[Name, ...] = ()
@@ -79,9 +82,13 @@ class PolicySpec(Closed):
         for goal in self.holds:
             if goal not in self.goals:
                 raise ValueError(f"holds: {unknown('goal', goal, tuple(self.goals))}")
-        for goal, options in self.goals.items():
+        for joint, options in self.goals.items():
             if len(set(options)) < len(options):
-                raise ValueError(f"goals: {goal}: expected each option once, got {list(options)}")
+                raise ValueError(f"goals: {joint}: expected each option once, got {list(options)}")
+            for k, goal in enumerate(joint.split(JOINT)):
+                names = {option.split(JOINT)[k] for option in options}
+                if lacking := sorted(names - self.definitions.get(goal, {}).keys()):
+                    raise ValueError(f"definitions: {goal}: expected those of all its options, got none of {lacking}")
         for name in ("mean", "variance"):
             count = len(getattr(self, name))
             if count != len(self.observations):

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from selector.knowledge import Knowledge, believed
+from selector.knowledge import Definitions, Knowledge, believed
 from selforg.arrays import Flags, Floats, Ints
 
 
@@ -21,6 +21,7 @@ class Problem:
         features: (F,) names of the components of a context, each different.
         rewards: (3, O) count, mean and variance of the rewards known at the beginning; zeros unless given, and
             where no reward is known.
+        definitions: what names of options stand for, by the goals that are decided as one; none if nobody knows.
 
     Raises:
         ValueError: a name is given twice, the scores cannot be compared, or no rewards are such.
@@ -32,6 +33,7 @@ class Problem:
     scores: Floats
     features: tuple[str, ...] = ()
     rewards: Floats = field(default_factory=lambda: np.zeros((3, 1)))
+    definitions: Definitions = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         scores = np.array(self.scores, dtype=np.float64)
@@ -59,8 +61,8 @@ class Problem:
     @classmethod
     def of(cls, knowledge: Knowledge, goal: str, features: tuple[str, ...] = ()) -> "Problem":
         """Return the problem of choosing among the options of a goal in expert knowledge."""
-        names = tuple(option.name for option in knowledge.options(goal))
-        return cls(goal, names, knowledge.scores(goal), features, knowledge.rewards(goal))
+        meant = {option.name: option.definition for option in knowledge.options(goal)}
+        return cls(goal, tuple(meant), knowledge.scores(goal), features, knowledge.rewards(goal), {goal: meant})
 
     def only(self, options: tuple[str, ...]) -> "Problem":
         """Return the problem of choosing among some of the options, in this order."""

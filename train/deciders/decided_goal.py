@@ -73,7 +73,8 @@ class DecidedGoal:
         if len(names) > 1:
             options = tuple(JOINT.join(each) for each in product(*self.parts))
             scores = np.array([sum(each) for each in product(*(models[name].scores for name in names))])
-            self.problem = Problem(JOINT.join(names), options, scores, batch.observer.names)
+            meant = {name: models[name].problem.definitions[name] for name in names}
+            self.problem = Problem(JOINT.join(names), options, scores, batch.observer.names, definitions=meant)
 
     def decide(self, decider: Decider, observations: Observations) -> NDArray[Any]:
         """Return the actions of a batch whose decider sees `observations` (R, F); a recording notes its opinions."""

@@ -85,7 +85,8 @@ class NamedDecider:
     @property
     def goals(self) -> tuple[str, ...]:
         """The goals that it was made for; none if any."""
-        return tuple(self.meant_for.split(JOINT) if isinstance(self.meant_for, str) else self.meant_for or ())
+        made = self.goal or self.meant_for or ()
+        return tuple(made.split(JOINT) if isinstance(made, str) else made)
 
     def decides(self, asked: str | None) -> AskedGoal:
         """Return the goals whose options it chooses if one is `asked` for, or none."""

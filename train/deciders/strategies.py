@@ -10,6 +10,7 @@ import numpy as np
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
+from selector.knowledge import check_same
 from selector.strategies.choosing import shares
 from selector.strategies.policy_file import Network, TrainedPolicy
 from selector.strategies.problem import Problem
@@ -78,6 +79,7 @@ class PolicyDecider(Decider):
     def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints) -> None:
         super().__init__(problem, teams)
         spec, self._rows = policy.spec, len(teams)
+        check_same("policy", spec.definitions, problem.definitions)
         self._spec, asked = spec, set(problem.goal.split(JOINT))
         self._decided = [joint for joint in spec.goals if set(joint.split(JOINT)) <= asked]
         self._network = Network(policy)

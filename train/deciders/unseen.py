@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.task import task_class
 from selector.coordination.model import CoordinatorModel
+from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
 from selector.documents.find import files_of
 from train.deciders.named import NamedDecider
@@ -23,35 +24,40 @@ def remarks_of(
     return [f"{label}: was never trained with {', '.join(new)}; what it does there was not measured"] if new else []
 
 
-def decided_and_held(label: str, decided: Sequence[str], models: Iterable[CoordinatorModel]) -> list[str]:
-    """Return a line on the goals that a decider decides and the options that robots hold of others; none without such.
+def decided_and_held(
+    label: str, named: NamedDecider, decided: Sequence[str], models: Sequence[CoordinatorModel]
+) -> list[str]:
+    """Return a line on what a decider that was made for some goals decides, and what robots hold of the others.
+
+    None where there is one goal.
 
     Args:
         label: begins the line.
-        decided: the goals.
+        named: the decider.
+        decided: the goals that it decides.
         models: of all goals of the mission.
 
     """
-    others = [model for model in models if model.goal not in decided and len(model.options) > 1]
-    held = [f"{model.goal} held {model.options[int(model.scores.argmax())]}" for model in others]
-    return [f"{label}: {'; '.join([' and '.join(decided), *held])}"] if held else []
+    held = [f"{one.goal} held {one.options[int(one.scores.argmax())]}" for one in models if one.goal not in decided]
+    told = f"{label}: decides {'; '.join([' and '.join(decided), *held])}"
+    return [told] if named.goals and decided and len(models) > 1 else []
 
 
-def undecided(named: NamedDecider, mission: MissionConfig, directories: Sequence[Path] = ()) -> str:
-    """Return which goals a decider was made for that the mission does not let it decide, and the way out.
+def check_decides(named: NamedDecider, mission: MissionConfig, directories: Sequence[Path] = ()) -> None:
+    """Raise the error of a decider that was made for goals that the mission does not let it decide.
 
-    Nothing for goals that the robots could not coordinate either if their document were another one, as Transport where
-    there is one station of each kind.
+    Goals do not count that the robots could not coordinate by another document either, as Transport where there is one
+    station of each kind.
     """
     kind, own = task_class(mission), named.goals
     wider, coordinated = kind.opened(mission), kind.goals(mission, directories)
     lacking = [goal for goal in kind.goals(wider, directories) if goal in own and goal not in coordinated]
     decided = JOINT.join(goal for goal in coordinated if goal in own)
-    if not lacking:
-        return ""
-    alone = f"--goal {decided} lets it decide that alone; " if decided else ""
-    robot = f"network: {{robot: {wider.network.robot}}} in the mission, with knowledge of the goal"
-    return f"was made to decide {' and '.join(lacking)}, which these robots do not choose options for: {alone}{robot}"
+    if lacking:
+        what = f"was made to decide {' and '.join(lacking)}, which these robots do not choose options for"
+        alone = f"--goal {decided} lets it decide that alone; " if decided else ""
+        robot = f"network: {{robot: {wider.network.robot}}} in the mission, with knowledge of the goal"
+        raise DocumentError(f"{what}: {alone}{robot}")
 
 
 def unseen(

@@ -19,7 +19,7 @@ from selector.documents.trust import BASELINE
 from train.analysis.verdict import RANDOM
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FILED, FIXED, decider_named
-from train.deciders.unseen import decided_and_held, remarks_of, undecided
+from train.deciders.unseen import check_decides, decided_and_held, remarks_of
 
 UNTAUGHT = "has learned nothing and learns nothing; --learn with --family, or `clean-swarm train bandit`, teaches it"
 """What is said of a strategy that could learn."""
@@ -70,19 +70,27 @@ def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
     return found
 
 
-def check_fit(entrants: Sequence[Entrant], batch: Batch, goal: str | None, directories: Sequence[Path]) -> None:
-    """Raise an error of one line for a strategy that does not exist or does not fit a batch with options as actions.
+def check_fit(entrants: Sequence[Entrant], batch: Batch, goal: str | None, directories: Sequence[Path]) -> list[str]:
+    """Return which goals strategies decide that were made for some; `goal` is the one that is asked for, None without.
 
-    `goal` is that which is asked for, None without one.
+    Raises:
+        ValueError: a strategy does not exist, does not fit a batch with options as actions, or was made for goals that
+            the mission does not let it decide.
+
     """
-    teams, terms = np.zeros(batch.rows, dtype=np.int64), batch.mission.terms
+    teams, terms, told = np.zeros(batch.rows, dtype=np.int64), batch.mission.terms, list[str]()
+    models = [coordinator.model for coordinator in batch.worlds.coordinators]
     for entrant in entrants:
         for member in entrant.members:
             with within(f"--strategy {entrant.label}"):
                 named = decider_named(member, directories)
+                if not goal:
+                    check_decides(named, batch.mission, directories)
                 decided = DecidedGoal(batch, named.decides(goal))
                 seen = Observer(batch.worlds, batch.progress, named.observation(terms)).names
                 decided.check(named.build(replace(decided.problem, features=seen), teams))
+        told += decided_and_held(entrant.label, named, decided.names, models)
+    return told
 
 
 def with_baselines(entrants: Sequence[Entrant], options: Sequence[str], mission: MissionConfig) -> list[Entrant]:
@@ -102,17 +110,15 @@ def remarks_on(
     directories: Sequence[Path] = (),
     missions: Sequence[MissionConfig] = (),
 ) -> list[str]:
-    """Return which goals strategies decide, if not the usual one, and which options of a batch they never take.
+    """Return which options of a batch strategies never take.
 
     And what of `missions` (unless given, that of the batch) policies never saw, and which strategies could learn, but
     have learned nothing.
     """
-    told, usual = [], DecidedGoal(batch, goal).problem.goal
+    told = []
     for entrant in entrants:
         named = decider_named(entrant.members[0], directories)
         decided = DecidedGoal(batch, named.decides(goal))
-        if set(decided.problem.goal.split(JOINT)) != set(usual.split(JOINT)):
-            told.append(f"{entrant.label}: decides {decided.problem.goal}, not {usual}; see --goal")
         parts = decided.parts if named.knows else ()
         missing = [option for options in parts for option in options if option not in named.knows]
         if missing:
@@ -120,24 +126,4 @@ def remarks_on(
         told += remarks_of(entrant.label, named, missions or [batch.mission], directories)
         if named.learns:
             told.append(f"{entrant.label}: {UNTAUGHT}")
-    return told + ([] if goal else decisions_of(entrants, batch, None, directories))
-
-
-def decisions_of(
-    entrants: Sequence[Entrant], batch: Batch, goal: str | None = None, directories: Sequence[Path] = ()
-) -> list[str]:
-    """Return of each strategy that was made for some goals of a batch which goals it decides, and what others hold."""
-    models, told = [each.model for each in batch.worlds.coordinators], list[str]()
-    for entrant in entrants:
-        named = decider_named(entrant.members[0], directories)
-        if named.goals:
-            told += decided_and_held(entrant.label, DecidedGoal(batch, named.decides(goal)).names, models)
     return told
-
-
-def check_goals(given: Sequence[str], mission: MissionConfig, directories: Sequence[Path]) -> None:
-    """Raise an error of one line for a strategy that was made for goals that a mission does not let it decide."""
-    for entrant in entrants_of(given, ()):
-        for member in entrant.members:
-            if why := undecided(decider_named(member, directories), mission, directories):
-                raise ConfigurationError(f"--strategy {entrant.label}: {why}")

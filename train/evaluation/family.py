@@ -23,15 +23,7 @@ from train.analysis.robustness_report import RobustnessReport, durations_over
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Choosers, Done, Evaluation
-from train.evaluation.entrants import (
-    UNTAUGHT,
-    check_fit,
-    check_goals,
-    decisions_of,
-    entrants_of,
-    remarks_on,
-    with_baselines,
-)
+from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
 from train.reports.family_tables import family_tables, robustness_tables
 from train.reports.text_table import Publication
@@ -54,6 +46,7 @@ class FamilyEvaluation(Evaluation):
         goal: the goal that the strategies choose options for.
         options: its options.
         entrants: the strategies.
+        decided: lines on the goals that some of them decide.
         variants: families under which they run; see `variants_of`.
 
     """
@@ -77,8 +70,6 @@ class FamilyEvaluation(Evaluation):
             missions = (request.scenarios or self.family.scenarios) * request.worlds * max(len(request.strategies), 1)
             check_needs(self.family.largest, missions, request.machine, min(TASK_SCENARIOS, missions))
             first = self.family.scenario(0, 0, "test").mission.model_copy(update={"store": ""})
-            if request.goal is None:
-                check_goals(request.strategies, first, request.directories)
             self.batch = Batch(first, directories=request.directories)
         self.mission = self.family.mission.model_copy(update={"store": ""})
         self.problem = DecidedGoal(self.batch, request.goal).problem
@@ -87,7 +78,7 @@ class FamilyEvaluation(Evaluation):
         self.entrants = entrants_of(request.strategies, self.options)
         if self.beside_baselines and not (request.scoring or request.store.learn):
             self.entrants = with_baselines(self.entrants, self.options, self.mission)
-        check_fit(self.entrants, self.batch, request.goal, request.directories)
+        self.decided = check_fit(self.entrants, self.batch, request.goal, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
         self.stem = f"{self.family.name}-seed{request.seed}"
@@ -185,8 +176,7 @@ class FamilyEvaluation(Evaluation):
             return Publication(*named, found.verdict(ranking), tables, found.content, draw_robustness(found))
         report = family_report_of(runs)
         first, *others = family_tables(report)
-        decided = decisions_of(self.entrants, self.batch, self.request.goal, self.request.directories)
-        tables = [replace(first, notes=(*first.notes, *decided)), *others]
+        tables = [replace(first, notes=(*first.notes, *self.decided)), *others]
         return Publication(*named, report.verdict, tables, report.content, draw_family(report))
 
     def runs(self, records: Sequence[RunRecord], conditions: Mapping[str, tuple[str, ...]]) -> FamilyRuns:

@@ -18,6 +18,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import Size
 from clean_swarm_env.learning.joined import family_batches
 from selector.documents.errors import DocumentError
+from selector.knowledge import Definition, check_same
 from train.learning.config import TrainingConfig
 
 TORI_TRIED = 200
@@ -31,6 +32,7 @@ class Curriculum:
 
     Attributes:
         batches: the worlds.
+        definitions: goal -> option -> what its name stands for in all batches.
         validation: validation scenarios of each family.
 
     """
@@ -44,6 +46,7 @@ class Curriculum:
                 raise DocumentError(f"family {family.name}: mission.store: expected none in a training, see --store")
         self.batches: list[Batch] = []
         self._tori: list[list[Batch]] = []
+        self.definitions: dict[str, dict[str, Definition]] = {}
         for family, task in zip(families, config.tasks, strict=True):
             own = family_batches(
                 family,
@@ -57,6 +60,9 @@ class Curriculum:
             )
             self.batches += own
             self._tori += [list(alike) for _, alike in groupby(own, lambda batch: batch.mission.extent)]
+        for model in (coordinator.model for batch in self.batches for coordinator in batch.worlds.coordinators):
+            check_same("tasks", self.definitions, model.problem.definitions)
+            self.definitions.setdefault(model.goal, {}).update(model.problem.definitions[model.goal])
         self._families = families
         self.validation = {
             family.name: [family.scenario(VALIDATION_SEED, k, "train") for k in range(config.validation.scenarios)]

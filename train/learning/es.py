@@ -64,6 +64,7 @@ class EsTraining(MembersTraining):
         matrix = tables[self._rows_of(np.arange(len(problem.options)))].sum(axis=1).astype(np.float32)
         spec = PolicySpec(
             goals={problem.goal: problem.options},
+            definitions=problem.definitions,
             observations=problem.features,
             hidden=(),
             mean=self.scale.mean,

@@ -11,6 +11,7 @@ import safetensors.numpy
 
 from selector.documents.arrays import load_arrays, save_arrays
 from selector.documents.errors import DocumentError
+from selector.knowledge import Definition
 from selector.strategies.learned_file import description_of, load_strategy, save_strategy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, create
@@ -60,6 +61,10 @@ def test_what_was_learned_serves_any_number_of_robots(tmp_path, name):
     load_strategy(tmp_path / "learned", made(name, {"prior": 2.0}))  # a file is not used up
 
 
+def means(configuration):
+    return {"Goal": {"a": Definition(configuration=configuration)}}
+
+
 def other(**changes):
     return Problem(
         **({field: getattr(PROBLEM, field) for field in ("goal", "options", "scores", "features")} | changes)
@@ -81,10 +86,11 @@ def other(**changes):
             "options: expected the order b, a, c, got a, b, c",
         ),
         (lambda: made("UCB1", problem=other(features=("x",))), "features: knows y, which does not exist here"),
+        (lambda: made("UCB1", problem=other(definitions=means("B"))), "Goal: option 'a': expected A {}, got B {}"),
     ],
 )
 def test_a_file_of_something_else_says_what_differs(tmp_path, strategy, message):
-    save_strategy(tmp_path / "file", made("UCB1"))
+    save_strategy(tmp_path / "file", made("UCB1", problem=other(definitions=means("A"))))
     taker = strategy()
     before = taker.state_dict()
     assert re.search(message, refusal(load_strategy, tmp_path / "file", taker))

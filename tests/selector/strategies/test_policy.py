@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from selector.documents.errors import DocumentError
+from selector.knowledge import Definition
 from selector.strategies.policy_file import Network, TrainedPolicy, load_policy, save_policy
 from selector.strategies.problem import Problem
 from tests.selector.refusing import refusal
@@ -13,6 +14,7 @@ from train.deciders.strategies import PolicyDecider
 
 OPTIONS, OBSERVATIONS = ("a", "b", "c"), tuple(f"x{k}" for k in range(7))
 PROBLEM = Problem("Goal", OPTIONS, np.zeros(3), OBSERVATIONS)
+OTHER = {"Goal": {"b": Definition(configuration="B")}}
 TEAMS, CONTEXT = np.zeros(40, dtype=np.int64), np.random.default_rng(3).normal(size=(40, 7))
 
 
@@ -95,6 +97,10 @@ def test_what_is_written_is_read_again(tmp_path):
         (Problem("Goal+Other", ("a+x", "b+x"), np.zeros(2), OBSERVATIONS), "goals: expected Goal, Other, got Goal"),
         (Problem("Goal", ("d", "e"), np.zeros(2), OBSERVATIONS), "Goal: options: expected some of d, e, got a, b, c"),
         (Problem("Goal", OPTIONS, np.zeros(3), OBSERVATIONS[2:]), "observations: unknown component 'x0'"),
+        (
+            Problem("Goal", OPTIONS, np.zeros(3), OBSERVATIONS, definitions=OTHER),
+            "Goal: option 'b': expected A {}, got B {}",
+        ),
     ],
 )
 def test_a_policy_for_something_else_says_what_differs(tmp_path, problem, message):
@@ -133,7 +139,11 @@ def damage(directory):
         (lambda d: edit(d, goals={"Goal": ["a", "a"]}), "goals: Goal: expected each option once"),
         (lambda d: edit(d, goals={"Goal": []}), "goals.Goal"),
         (lambda d: edit(d, goals={}), "goals: expected at least one, or a vector, got none"),
-        (lambda d: edit(d, goals={"Goal": ["a", "b"], "More": ["c", "d"]}), "options.weight: expected"),
+        (lambda d: edit(d, goals={"Goal": ["a", "b"]}), "options.weight: expected"),
+        (
+            lambda d: edit(d, goals={"Goal": ["a", "d"]}),
+            r"definitions: Goal: expected those of all .*, got none of \['d'\]",
+        ),
         (lambda d: edit(d, terms=["evil:Term"]), "terms.0"),
         (lambda d: edit(d, hidden=[5]), r"weights: knows hidden\.1\.bias, hidden\.1\.weight, which"),
     ],

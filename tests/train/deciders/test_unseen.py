@@ -49,7 +49,9 @@ def test_play_says_it_and_takes_a_policy_by_itself_only_where_it_knows_its_way()
     assert undecided.startswith("policy:one: was made to decide ExplorationPatrol, which these robots do not choose")
     assert remarks(chosen("silent-zone", 1, 0, AVOIDING, ())) == []
     (decided,) = remarks(chosen("transport", 1, 0, "policy:exploring-ppo", ()))[-1:]
-    assert decided == "policy:exploring-ppo: ExplorationPatrol; Transport held Nearest; AvoidCollision held ORCA"
+    assert (
+        decided == "policy:exploring-ppo: decides ExplorationPatrol; Transport held Nearest; AvoidCollision held ORCA"
+    )
     known = load_mission("exploring")
     lossy = known.model_copy(update={"delivery": known.delivery.model_copy(update={"loss": 0.5})})
     assert [usual(with_room(mission), ())[0] for mission in (known, lossy)] == [TRAINED, AVOIDING]

@@ -1,5 +1,6 @@
 """Training: going on after a kill, what is trained on, what is paid for, mistakes in one line."""
 
+import json
 import signal
 import subprocess
 import sys
@@ -118,3 +119,16 @@ def test_a_training_that_cannot_be_is_one_line(tmp_path, kind, learner, changes,
     with pytest.raises(DocumentError, match=line) as told:
         BanditTraining(job(load_training(str(written(tmp_path, kind, **changes)), learner), tmp_path / "run"))
     assert "\n" not in str(told.value)
+
+
+def test_an_option_of_one_name_has_the_same_numbers_in_all_tasks(tmp_path):
+    for name, view in (("near", 1.0), ("far", 2.0)):
+        option = {"name": "Mine", "configuration": "ORCA", "score": 1.0, "parameters": {"view_distance": view}}
+        (tmp_path / f"{name}.yaml").write_text(json.dumps({"goals": {"AvoidCollision": [option]}}))
+    tasks = [{"family": "random", "worlds": 1, "knowledge": str(tmp_path / f"{name}.yaml")} for name in ("near", "far")]
+    config = load_training(str(written(tmp_path, "bandit", tasks=tasks)), "bandit")
+    message = (
+        "^tasks: AvoidCollision: option 'Mine': expected ORCA {'view_distance': 1.0}, got ORCA {'view_distance': 2.0}"
+    )
+    with pytest.raises(DocumentError, match=message):
+        Curriculum(config, 0)

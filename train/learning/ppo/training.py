@@ -116,6 +116,7 @@ class PpoTraining(Training):
             self.normal,
             self.curriculum.batches[0].observer.names,
             self.envs.options,
+            definitions={goal: self.curriculum.definitions[goal] for goal in self.envs.options},
             holds=self.settings.holds if self.envs.options else {},
             terms=terms if usual else (),
             observation={} if usual else observation.model_dump(mode="json"),
