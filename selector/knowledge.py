@@ -1,7 +1,6 @@
 """Expert knowledge: the options that can serve each goal, with scores by an expert and what was learned of them."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -59,11 +58,6 @@ class Option(Definition):
     """How well the option serves the goal, by the expert [-]; the option of the highest score is taken."""
     name: Label = ""
     """Name, unique among the options of a goal; the key of the configuration unless given."""
-
-    @property
-    def definition(self) -> Definition:
-        """What the name stands for."""
-        return Definition(configuration=self.configuration, parameters=self.parameters)
 
     @model_validator(mode="before")
     @classmethod
@@ -244,11 +238,9 @@ def library_options(goal: str, directories: Sequence[Path] = ()) -> tuple[Option
     """
     found: dict[str, Option] = {}
     for path in all_files("options", goal, directories):
-        for option in options_in(path):
-            known = found.setdefault(option.name, option)
-            if not option.same(known):
-                expected = f"expected {known.meaning}, as in another file, got {option.meaning}"
-                raise DocumentError(f"{shown(path)}: {option.name}: {expected}")
+        own = {option.name: option for option in options_in(path)}
+        check_same(shown(path), {goal: found}, {goal: own})
+        found |= own
     return tuple(found.values())
 
 
@@ -276,12 +268,12 @@ def unknown_option(goal: str, name: str, known: Sequence[str]) -> str:
 
     Names of several goals, and of their options, are joined by `+`.
     """
-    goals, holding = goal.split(JOINT), []
-    for other in files_of("knowledge"):
-        with suppress(DocumentError):  # of a plug-in, which its reader says
-            table = load_knowledge(other).table
-            names = {option.name for each in goals for option in table.get(each, ())}
-            holding += [other] if names.issuperset(name.split(JOINT)) else []
+    goals, wanted = goal.split(JOINT), set(name.split(JOINT))
+    holding = [
+        other
+        for other, table in ((other, load_knowledge(other).table) for other in files_of("knowledge"))
+        if wanted <= {option.name for each in goals for option in table.get(each, ())}
+    ]
     found = f"; it is in the knowledge {', '.join(holding)} (--knowledge)" if holding else ""
     return unknown("option", name, known) + found
 

@@ -61,7 +61,7 @@ class Problem:
     @classmethod
     def of(cls, knowledge: Knowledge, goal: str, features: tuple[str, ...] = ()) -> "Problem":
         """Return the problem of choosing among the options of a goal in expert knowledge."""
-        meant = {option.name: option.definition for option in knowledge.options(goal)}
+        meant = {option.name: option for option in knowledge.options(goal)}
         return cls(goal, tuple(meant), knowledge.scores(goal), features, knowledge.rewards(goal), {goal: meant})
 
     def only(self, options: tuple[str, ...]) -> "Problem":

@@ -154,5 +154,7 @@ def test_files_of_options_add_up_and_a_name_has_the_same_numbers_in_all(tmp_path
     ]  # fmt: skip
     assert library_options(GOAL, [tmp_path / "mine"]) == (*shipped, options[0].model_copy(update={"score": 0.0}))
     (tmp_path / "mine" / "options" / f"{GOAL}.yaml").write_text("plugin: {configuration: ORCA}")
-    message = rf"mine/options/{GOAL}.yaml: plugin: expected ORCA {{'view_distance': 7.0}}, as in .*, got ORCA {{}}"
+    message = (
+        rf"mine/options/{GOAL}.yaml: {GOAL}: option 'plugin': expected ORCA {{'view_distance': 7.0}}, got ORCA {{}}"
+    )
     assert re.search(message, refusal(library_options, GOAL, [tmp_path / "mine"]))

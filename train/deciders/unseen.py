@@ -10,7 +10,6 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.task import task_class
 from selector.coordination.model import CoordinatorModel
-from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
 from selector.documents.find import files_of
 from train.deciders.named import NamedDecider
@@ -43,8 +42,8 @@ def decided_and_held(
     return [told] if named.goals and decided and len(models) > 1 else []
 
 
-def check_decides(named: NamedDecider, mission: MissionConfig, directories: Sequence[Path] = ()) -> None:
-    """Raise the error of a decider that was made for goals that the mission does not let it decide.
+def undecided(named: NamedDecider, mission: MissionConfig, directories: Sequence[Path] = ()) -> str:
+    """Return which goals a decider was made for that the mission does not let it decide, and the way out; or nothing.
 
     Goals do not count that the robots could not coordinate by another document either, as Transport where there is one
     station of each kind.
@@ -53,11 +52,10 @@ def check_decides(named: NamedDecider, mission: MissionConfig, directories: Sequ
     wider, coordinated = kind.opened(mission), kind.goals(mission, directories)
     lacking = [goal for goal in kind.goals(wider, directories) if goal in own and goal not in coordinated]
     decided = JOINT.join(goal for goal in coordinated if goal in own)
-    if lacking:
-        what = f"was made to decide {' and '.join(lacking)}, which these robots do not choose options for"
-        alone = f"--goal {decided} lets it decide that alone; " if decided else ""
-        robot = f"network: {{robot: {wider.network.robot}}} in the mission, with knowledge of the goal"
-        raise DocumentError(f"{what}: {alone}{robot}")
+    what = f"was made to decide {' and '.join(lacking)}, which these robots do not choose options for"
+    alone = f"--goal {decided} lets it decide that alone; " if decided else ""
+    robot = f"network: {{robot: {wider.network.robot}}} in the mission, with knowledge of the goal"
+    return f"{what}: {alone}{robot}" if lacking else ""
 
 
 def unseen(

@@ -19,7 +19,7 @@ from selector.documents.trust import BASELINE
 from train.analysis.verdict import RANDOM
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FILED, FIXED, decider_named
-from train.deciders.unseen import check_decides, decided_and_held, remarks_of
+from train.deciders.unseen import decided_and_held, remarks_of, undecided
 
 UNTAUGHT = "has learned nothing and learns nothing; --learn with --family, or `clean-swarm train bandit`, teaches it"
 """What is said of a strategy that could learn."""
@@ -84,8 +84,8 @@ def check_fit(entrants: Sequence[Entrant], batch: Batch, goal: str | None, direc
         for member in entrant.members:
             with within(f"--strategy {entrant.label}"):
                 named = decider_named(member, directories)
-                if not goal:
-                    check_decides(named, batch.mission, directories)
+                if not goal and (why := undecided(named, batch.mission, directories)):
+                    raise ConfigurationError(why)
                 decided = DecidedGoal(batch, named.decides(goal))
                 seen = Observer(batch.worlds, batch.progress, named.observation(terms)).names
                 decided.check(named.build(replace(decided.problem, features=seen), teams))

@@ -176,8 +176,8 @@ class FamilyEvaluation(Evaluation):
             return Publication(*named, found.verdict(ranking), tables, found.content, draw_robustness(found))
         report = family_report_of(runs)
         first, *others = family_tables(report)
-        tables = [replace(first, notes=(*first.notes, *self.decided)), *others]
-        return Publication(*named, report.verdict, tables, report.content, draw_family(report))
+        first = replace(first, notes=(*first.notes, *self.decided))
+        return Publication(*named, report.verdict, [first, *others], report.content, draw_family(report))
 
     def runs(self, records: Sequence[RunRecord], conditions: Mapping[str, tuple[str, ...]]) -> FamilyRuns:
         """Return the finished runs; `conditions`: see there."""

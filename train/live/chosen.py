@@ -22,12 +22,12 @@ from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
 from selector.coordination.model import CoordinatorModel
-from selector.documents.errors import DocumentError, validated
+from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
 from train.deciders.named import FIXED, POLICY, decider_named
-from train.deciders.unseen import check_decides, decided_and_held, remarks_of, unseen
+from train.deciders.unseen import decided_and_held, remarks_of, undecided, unseen
 from train.evaluation.base import DIGEST
 from train.running.run_folder import fingerprints, held_files
 
@@ -163,10 +163,8 @@ def remarks(play: PlayedMission) -> list[str]:
     """Return what the policy of a play never saw, and goals that it leaves alone."""
     mission, named = play.scenario.mission, decider_named(play.member, play.directories)
     told, models = remarks_of(play.member, named, [mission], play.directories), _models(mission, play.directories)
-    try:
-        check_decides(named, mission, play.directories)
-    except DocumentError as error:
-        told.append(f"{play.member}: {error}")
+    if why := undecided(named, mission, play.directories):
+        told.append(f"{play.member}: {why}")
     decided = [model.goal for model in models if model.goal in named.goals]
     return told + decided_and_held(play.member, named, decided, models)
 

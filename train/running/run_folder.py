@@ -205,8 +205,8 @@ def fingerprints(directories: Sequence[Path] = ()) -> dict[str, str]:
         for kind in FINGERPRINTED
         for name, path in files_of(kind, directories).items()
     }
-    digests = {name: hashlib.sha256(b"".join(path.read_bytes() for path in paths)) for name, paths in found.items()}
-    return {name: digest.hexdigest() for name, digest in digests.items()}
+    contents = {name: b"".join(path.read_bytes() for path in paths) for name, paths in found.items()}
+    return {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
 
 
 def held_files(held: object, now: Mapping[str, str]) -> dict[str, str]:

@@ -33,7 +33,7 @@ def definitions_of(goals):
     found = {}
     for joint, options in goals.items():
         for k, goal in enumerate(joint.split("+")):
-            known = {option.name: option.definition for option in library_options(goal)}
+            known = {option.name: option for option in library_options(goal)}
             for name in (option.split("+")[k] for option in options):
                 found.setdefault(goal, {})[name] = known.get(name, Definition(configuration="A"))
     return found
