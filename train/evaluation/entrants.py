@@ -70,12 +70,19 @@ def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
     return found
 
 
+def check_goals(given: Sequence[str], mission: MissionConfig, directories: Sequence[Path]) -> None:
+    """Raise an error of one line for a strategy that was made for goals that a mission does not let it decide."""
+    for entrant in entrants_of(given, ()):
+        for member in entrant.members:
+            if why := undecided(decider_named(member, directories), mission, directories):
+                raise ConfigurationError(f"--strategy {entrant.label}: {why}")
+
+
 def check_fit(entrants: Sequence[Entrant], batch: Batch, goal: str | None, directories: Sequence[Path]) -> list[str]:
     """Return which goals strategies decide that were made for some; `goal` is the one that is asked for, None without.
 
     Raises:
-        ValueError: a strategy does not exist, does not fit a batch with options as actions, or was made for goals that
-            the mission does not let it decide.
+        ValueError: a strategy does not exist, or does not fit a batch with options as actions.
 
     """
     teams, terms, told = np.zeros(batch.rows, dtype=np.int64), batch.mission.terms, list[str]()
@@ -84,8 +91,6 @@ def check_fit(entrants: Sequence[Entrant], batch: Batch, goal: str | None, direc
         for member in entrant.members:
             with within(f"--strategy {entrant.label}"):
                 named = decider_named(member, directories)
-                if not goal and (why := undecided(named, batch.mission, directories)):
-                    raise ConfigurationError(why)
                 decided = DecidedGoal(batch, named.decides(goal))
                 seen = Observer(batch.worlds, batch.progress, named.observation(terms)).names
                 decided.check(named.build(replace(decided.problem, features=seen), teams))

@@ -23,7 +23,7 @@ from train.analysis.robustness_report import RobustnessReport, durations_over
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FIXED, decider_named
 from train.evaluation.base import Choosers, Done, Evaluation
-from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on, with_baselines
+from train.evaluation.entrants import UNTAUGHT, check_fit, check_goals, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
 from train.reports.family_tables import family_tables, robustness_tables
 from train.reports.text_table import Publication
@@ -70,6 +70,8 @@ class FamilyEvaluation(Evaluation):
             missions = (request.scenarios or self.family.scenarios) * request.worlds * max(len(request.strategies), 1)
             check_needs(self.family.largest, missions, request.machine, min(TASK_SCENARIOS, missions))
             first = self.family.scenario(0, 0, "test").mission.model_copy(update={"store": ""})
+            if request.goal is None:
+                check_goals(request.strategies, first, request.directories)
             self.batch = Batch(first, directories=request.directories)
         self.mission = self.family.mission.model_copy(update={"store": ""})
         self.problem = DecidedGoal(self.batch, request.goal).problem

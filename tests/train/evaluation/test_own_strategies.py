@@ -97,8 +97,7 @@ def test_strategies_that_have_learned_nothing_are_named():
 @pytest.mark.parametrize("family", files_of("families"))
 def test_the_policy_for_all_goals_fits_every_family(family):
     batch = Batch(load_family(family).scenario(0, 0, "test").mission)
-    asked = None if len(batch.options) > 1 else "AvoidCollision"  # else it is an error, which says so
-    check_fit(entrants_of(("policy:one",), ()), batch, asked, ())
+    check_fit(entrants_of(("policy:one",), ()), batch, None, ())
     decided = DecidedGoal(batch, decider_named("policy:one").decides(None)).problem.goal
     assert set(decided.split("+")) == set(batch.options)
 
@@ -225,7 +224,11 @@ def models(folder):
         ("table1", "policy:one", "AvoidCollision", ""),
     ],
 )
-def test_a_policy_for_goals_that_a_mission_does_not_let_it_decide_is_an_error(family, strategy, goal, line):
+def test_a_policy_for_goals_that_a_mission_does_not_let_it_decide_is_an_error(
+    family, strategy, goal, line, monkeypatch
+):
+    if line:  # before there are worlds, for which kernels compile
+        monkeypatch.delattr("train.evaluation.family.Batch")
     with pytest.raises(DocumentError, match=line) if line else nullcontext() as told:
         FamilyEvaluation(Request(family, (strategy,), 0, 1, goal=goal))
     assert told is None or "\n" not in str(told.value)
