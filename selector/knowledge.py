@@ -232,6 +232,8 @@ def believed(scores: Floats, rewards: Floats) -> Floats:
 def library_options(goal: str, directories: Sequence[Path] = ()) -> tuple[Option, ...]:
     """Return the options that the library has for a goal, with scores of 0: those of all files `options/GOAL.yaml`.
 
+    A name stands for one option (docs/decisions/0224-one-name-one-option.md).
+
     Raises:
         DocumentError: a file has a mistake, or another option under a name of an earlier file.
 

@@ -33,8 +33,8 @@ Configs = Annotated[
     list[Path] | None,
     typer.Option(
         help="Directory of your own files, with experiments/, families/, knowledge/, machines/, mechanisms/, "
-        "missions/, policies/, robots/, starts/, strategies/, studies/, training/; searched before the shipped ones; "
-        f"can be repeated; {MAY_NAME_CODE}.",
+        "missions/, options/, policies/, robots/, starts/, strategies/, studies/, training/; searched before the shipped "
+        f"ones; can be repeated; {MAY_NAME_CODE}.",
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
