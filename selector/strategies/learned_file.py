@@ -1,5 +1,6 @@
 """Files of learned strategies: saved, checked against another strategy, and loaded into it."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -30,7 +31,7 @@ class LearnedDescription(Closed):
     """Name of the goal."""
     options: tuple[str, ...]
     """(O,) names of the options."""
-    definitions: dict[Name, dict[Name, Definition]] = Field(default_factory=dict)
+    definitions: Mapping[Name, Mapping[Name, Definition]] = Field(default_factory=dict)
     """Goal -> option -> what the names stand for; none if nobody knows."""
     features: tuple[str, ...]
     """(F,) names of the features of a context."""
@@ -54,7 +55,7 @@ def save_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
         parameters=strategy.parameters,
         goal=problem.goal,
         options=problem.options,
-        definitions={goal: dict(options) for goal, options in problem.definitions.items()},
+        definitions=problem.definitions,
         features=problem.features,
     )
     arrays = strategy.state_dict() if whole else strategy.learned()

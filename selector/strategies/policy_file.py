@@ -9,7 +9,7 @@ of those of options, or beside them.
 import base64
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -46,7 +46,7 @@ class PolicySpec(Closed):
     goals: dict[JointName, Annotated[tuple[JointName, ...], Field(min_length=1)]] = Field(default_factory=dict)
     """Goal of self-organisation -> names of its options, in the order of the network's outputs; none if it only drives.
     Several goals that are decided as one have one name here, joined by `+`."""
-    definitions: dict[Name, dict[Name, Definition]] = Field(default_factory=dict)
+    definitions: Mapping[Name, Mapping[Name, Definition]] = Field(default_factory=dict)
     """Goal -> option -> what it was trained with; missions whose option of that name is another are refused."""
     holds: dict[JointName, Annotated[int, Field(strict=True, ge=1, le=1_000_000)]] = Field(default_factory=dict)
     """Goal -> decision periods for which a robot keeps an option; 1 for goals that are not named."""
