@@ -18,8 +18,8 @@ from rich.console import Console
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.load import load_family
 from selector.documents.fields import JOINT
-from train.advising.advice import AdviceEvaluation
-from train.advising.opening import Opened, document_of, opened
+from train.advising.evaluation import AdviceEvaluation
+from train.advising.opening import OpenedMission, document_of, open_mission
 from train.deciders.named import FIXED
 from train.evaluation import pipeline
 from train.evaluation.trial_task import TrialTask, scenario_named
@@ -31,7 +31,7 @@ SEED = 424_242
 STARTS, FIRST, TIMES = 100, 20, 2.0
 
 
-def excesses(wide: Opened, arm: str, file: Path, starts: range) -> list[float]:
+def excesses(wide: OpenedMission, arm: str, file: Path, starts: range) -> list[float]:
     """Return the excess of an arm on starts [s]."""
     family = wide.with_knowledge(file)
     drawn = tuple(scenario_named(family, SEED, scenario_name("test", k)) for k in starts)
@@ -41,7 +41,7 @@ def excesses(wide: Opened, arm: str, file: Path, starts: range) -> list[float]:
 
 def exhaustive(mission: str) -> dict[str, Any]:
     """Return the excess of every pair on the starts, of those far behind on the first ones only."""
-    wide = opened(load_family(mission), ())
+    wide = open_mission(load_family(mission), ())
     names = [f"{FIXED}:{first}" for first in wide.names(wide.goals[0])]
     for goal in wide.goals[1:]:
         names = [f"{name}{JOINT}{option}" for name in names for option in wide.names(goal)]

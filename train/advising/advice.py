@@ -1,4 +1,4 @@
-"""The evaluation that gives advice for a mission: a search for its best options, and a last round that judges them.
+"""The missions of an advice: a search for the best options of a mission, and a last round that judges them.
 
 All missions are in one journal. Which of them come next follows from those that are done; see `train.advising.search`.
 """
@@ -23,27 +23,26 @@ from selector.documents.find import files_of
 from selector.documents.writing import write_whole
 from selector.knowledge import Knowledge, Option
 from selforg.plugins import PluginError
-from train.advising.opening import Opened, arms_hold, document_of, opened, variants_of, without
-from train.advising.search import JAMMED, Found, Lacking, Search, arm_of, needed
+from train.advising.opening import OpenedMission, arms_hold, document_of, open_mission, variants_of, without
+from train.advising.search import JAMMED, AdviceSearch, Lacking, SearchResult, arm_of, needed
 from train.analysis.verdict import RANDOM
 from train.deciders.named import FIXED, MACHINE, POLICY, decider_named
 from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import Entrant, check_fit
 from train.evaluation.pipeline import mission_score
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named
-from train.reports.text_table import Publication
 from train.request import Request
 from train.running.needs import check_needs, needs_of
 from train.running.runs import RunRecord
 
 CPU = "cpu_ms"
 """Count of a mission: the time of its processor [ms]."""
-OPTIONS, NUMBERS = "options.yaml", "numbers.yaml"
+OPTIONS_FILE, NUMBERS_FILE = "options.yaml", "numbers.yaml"
 """Files with all options that race, and with the variants of the best ones, too; there the best have the highest score,
 so that a rule for one goal leaves them in place for the others."""
 NO_RULES = ("random-held",)
 """Machines that ship as chance."""
-OFF = "Off"
+NEVER = "Off"
 """The option that never avoids."""
 BROKE = "broke: "
 """Begins the count of missions that a plug-in broke off, before its error."""
@@ -80,8 +79,8 @@ class AdviceTask(TrialTask):
                     yield self.finished(scenario, result, 0.0, counts={f"{BROKE}{error}": 1})
 
 
-class AdviceEvaluation(Evaluation):
-    """Advice for a mission, a family or a task.
+class Advising(Evaluation):
+    """The missions of an advice for a mission, a family or a task.
 
     Args:
         request: the request, with the directory of the results.
@@ -99,7 +98,7 @@ class AdviceEvaluation(Evaluation):
             family = load_family(request.name, self.directories).with_knowledge(request.knowledge, self.directories)
             self._check_time(family, minutes)
             check_needs(family.largest, TASK_SCENARIOS, request.machine, TASK_SCENARIOS)
-            self.opened, self.choosers_that_fit = self._opened(opened(family, self.directories))
+            self.opened, self.choosers_that_fit = self._opened(open_mission(family, self.directories))
         self.family, self.mission = self.opened.family, self.opened.family.mission
         self.of_family = family.description != random_starts(family.mission).description
         self.goal = JOINT.join(self.opened.goals)
@@ -127,7 +126,7 @@ class AdviceEvaluation(Evaluation):
 
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the missions that the search needs next; once it is over, those of the last round."""
-        write_whole(self.folder / OPTIONS, document_of(self.opened.known.table, self.directories).encode())
+        write_whole(self.folder / OPTIONS_FILE, document_of(self.opened.known.table, self.directories).encode())
         search = self.search(done)
         try:
             self.judged(search.run(), done)
@@ -136,9 +135,9 @@ class AdviceEvaluation(Evaluation):
             return [task for arm, own in lacking.missing.items() for task in self._tasks_of(arm, own)]
         return []
 
-    def search(self, done: Done) -> Search:
+    def search(self, done: Done) -> AdviceSearch:
         """Return the search over missions that are done."""
-        return Search(
+        return AdviceSearch(
             self.opened,
             self.choosers_that_fit,
             self._vary,
@@ -155,11 +154,11 @@ class AdviceEvaluation(Evaluation):
     def entrants(self, winner: str, finalists: Sequence[str], choosers: Sequence[str]) -> list[str]:
         """Return the arms of the last round: the best, what it must beat, and what changes options on the way."""
         held = arms_hold(self.opened, winner)
-        off = [arm_of({**held, goal: OFF}) for goal in self.opened.goals if OFF in self.opened.names(goal)]
+        off = [arm_of({**held, goal: NEVER}) for goal in self.opened.goals if NEVER in self.opened.names(goal)]
         chance = [] if self.nothing_to_choose else [RANDOM]
         return list(dict.fromkeys([winner, *finalists, arm_of(self.opened.experts), *off, *chance, *choosers]))
 
-    def judged(self, found: Found, done: Done) -> tuple[dict[str, int], dict[str, int]]:
+    def judged(self, found: SearchResult, done: Done) -> tuple[dict[str, int], dict[str, int]]:
         """Return the arms of the last round that did all starts, with the worlds of each; and lost starts of the rest.
 
         Lacking says which missions are missing, of the first starts only while those are not done.
@@ -186,30 +185,18 @@ class AdviceEvaluation(Evaluation):
         """Return why a run is not one of this advice."""
         return record.mistake(self.family.name, self.request.seed, self.family.largest)
 
-    def publication(self, records: Sequence[RunRecord]) -> Publication:
-        """Return the advice."""
-        from train.advising.report import Advice  # waits: the runs need no tables
-
-        return Advice.of(self, {record.key: record for record in records}).publication
-
     def leading(self, costs: Mapping[str, Sequence[float]]) -> str:
         """Return who leads, in words."""
         return self.so_far.removeprefix("; ")
-
-    def conclude(self, records: Sequence[RunRecord]) -> None:
-        """Write what the advice is used with: knowledge, a family that has it, and a page with the two best."""
-        from train.advising.shipping import ship
-
-        ship(self, {record.key: record for record in records})
 
     def task(self, arm: str, scenario: str) -> TrialTask:
         """Return the task of one run of an arm."""
         return self._tasks_of(arm, [scenario])[0]
 
-    def _opened(self, wide: Opened) -> tuple[Opened, list[str]]:
+    def _opened(self, wide: OpenedMission) -> tuple[OpenedMission, list[str]]:
         """Return an opened mission without the options that no robot can have, and the rules and policies that fit."""
         with TemporaryDirectory() as folder:
-            file = Path(folder) / OPTIONS
+            file = Path(folder) / OPTIONS_FILE
 
             def batch(known: Knowledge) -> Batch:
                 write_whole(file, document_of(known.table, self.directories).encode())
@@ -223,7 +210,7 @@ class AdviceEvaluation(Evaluation):
                 built = batch(wide.known)
             return wide, [] if wide.combinations == 1 else self._fitting(wide, built)
 
-    def _fitting(self, wide: Opened, batch: Batch) -> list[str]:
+    def _fitting(self, wide: OpenedMission, batch: Batch) -> list[str]:
         """Return the rules and policies that decide a goal of the mission and fit it."""
         names = [f"{MACHINE}:{name}" for name in files_of("machines", self.directories) if name not in NO_RULES]
         names += [f"{POLICY}:{name}" for name in files_of("policies", self.directories)]
@@ -251,7 +238,7 @@ class AdviceEvaluation(Evaluation):
         by_name = {goal: {one.name: one for one in own} for goal, own in self.opened.known.table.items()}
         chosen = {goal: by_name[goal][name] for goal, name in held.items()}
         self._varied = variants_of(chosen, self.directories)
-        write_whole(self.folder / NUMBERS, document_of(self.table_with(held), self.directories).encode())
+        write_whole(self.folder / NUMBERS_FILE, document_of(self.table_with(held), self.directories).encode())
         return self._varied
 
     def table_with(self, held: Mapping[str, str]) -> dict[str, list[Option]]:
@@ -269,7 +256,7 @@ class AdviceEvaluation(Evaluation):
         names = {option.name for own in self._varied.values() for option in own}
         kind, _, options = arm.partition(":")
         varied = kind == FIXED and names & set(options.split(JOINT))
-        return self.folder.resolve() / (NUMBERS if varied or kind in (MACHINE, POLICY) else OPTIONS)
+        return self.folder.resolve() / (NUMBERS_FILE if varied or kind in (MACHINE, POLICY) else OPTIONS_FILE)
 
     def _tasks_of(self, arm: str, names: Sequence[str]) -> list[TrialTask]:
         """Return the tasks of scenarios of an arm."""

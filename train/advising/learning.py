@@ -22,9 +22,9 @@ from clean_swarm_env.world.task import task_class
 from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
 from selforg.plugins import named_plugins
-from train.advising.advice import AdviceEvaluation, seconds_of
+from train.advising.advice import seconds_of
+from train.advising.evaluation import FAMILY, AdviceEvaluation
 from train.advising.report import Advice, times
-from train.advising.shipping import FAMILY
 from train.analysis.family_report import excesses_of, unfinished_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import Ratio
@@ -39,12 +39,12 @@ from train.running.commands import FINISHED
 from train.running.finished_runs import JOURNAL, runs_of
 
 TRAINING, TRAININGS, JUDGED = "training.yaml", "training-{}", "judged"
-SEEDS = (1, 2, 3)
+TRAINING_SEEDS = (1, 2, 3)
 TEMPLATE = "one"
 """Training that ships for all goals of cleaning, whose settings trainings of such missions have."""
 OF_PPO = 0.4
 """Decisions of a training in the time in which missions without learning make one [-]."""
-LEAST, MOST = 20_000, 5_000_000
+LEAST_DECISIONS, MOST_DECISIONS = 20_000, 5_000_000
 """Bounds of the decisions of a training."""
 CHECKPOINTS = 4
 LEAST_JUDGED = 40
@@ -57,16 +57,16 @@ def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Consol
     """Train a selector for so many minutes of processors in all, judge it, and say what came out; the exit code."""
     check_installed("ppo")
     folder = evaluation.folder
-    advice = Advice.of(evaluation, {record.key: record for record in runs_of(folder / JOURNAL)})
+    advice = evaluation.advice(runs_of(folder / JOURNAL))
     write_whole(folder / TRAINING, as_yaml(training_of(advice, minutes).model_dump(mode="json")).encode())
     words = [sys.executable, "-m", "clean_swarm_env", *(f"--import={name}" for name in named_plugins())]
     words += ["train", "ppo", "--config", str(folder / TRAINING)]
     words += [word for path in evaluation.directories for word in ("--configs", str(path))]
-    with ThreadPoolExecutor(min(len(SEEDS), evaluation.request.machine.workers)) as pool:
-        codes = list(pool.map(lambda seed: _trained(words, seed, folder), SEEDS))
+    with ThreadPoolExecutor(min(len(TRAINING_SEEDS), evaluation.request.machine.workers)) as pool:
+        codes = list(pool.map(lambda seed: _trained(words, seed, folder), TRAINING_SEEDS))
     if any(codes):
         return max(codes)
-    best = min(SEEDS, key=lambda seed: _validated(folder / TRAININGS.format(seed)))
+    best = min(TRAINING_SEEDS, key=lambda seed: _validated(folder / TRAININGS.format(seed)))
     return _judge(evaluation, advice, best, console)
 
 
@@ -83,7 +83,7 @@ def training_of(advice: Advice, minutes: float) -> TrainingConfig:
     seconds = sum(map(seconds_of, advice.done.values()))
     mission, ticks = evaluation.mission, sum(one.result.ticks * one.result.robots for one in advice.done.values())
     rate = OF_PPO * ticks / (mission.decision_period * mission.world.control_rate) / max(seconds, 1e-3)
-    wanted = int(np.clip(60.0 * minutes * rate / len(SEEDS), LEAST, MOST))
+    wanted = int(np.clip(60.0 * minutes * rate / len(TRAINING_SEEDS), LEAST_DECISIONS, MOST_DECISIONS))
     return TrainingConfig.model_validate(
         {
             "name": f"{evaluation.family.name}-selector",

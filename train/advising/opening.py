@@ -30,7 +30,7 @@ MOST_VARIANTS = 12
 
 
 @dataclass(frozen=True)
-class Opened:
+class OpenedMission:
     """A family whose robots coordinate all goals that they could."""
 
     family: FamilyConfig
@@ -61,7 +61,7 @@ class Opened:
         return self.family.model_copy(update={"mission": self.family.mission.model_copy(update=changes)})
 
 
-def opened(family: FamilyConfig, directories: tuple[Path, ...]) -> Opened:
+def open_mission(family: FamilyConfig, directories: tuple[Path, ...]) -> OpenedMission:
     """Return a family opened; DocumentError if its mission has a mistake."""
     own, kind = knowledge_of(family.mission, directories), task_class(family.mission)
     mission, library = kind.opened(family.mission), library_of(directories)
@@ -84,10 +84,10 @@ def opened(family: FamilyConfig, directories: tuple[Path, ...]) -> Opened:
     known = Knowledge(table, own.source, learned)
     experts = {goal: one.options[int(one.scores.argmax())] for goal in table for one in [Problem.of(known, goal)]}
     changed = family.model_copy(update={"mission": mission})
-    return Opened(changed, known, experts, dropped)
+    return OpenedMission(changed, known, experts, dropped)
 
 
-def without(wide: Opened, build: Callable[[Knowledge], object]) -> Opened:
+def without(wide: OpenedMission, build: Callable[[Knowledge], object]) -> OpenedMission:
     """Return an opened mission without those options of the library with which `build` fails.
 
     Raises:
@@ -109,7 +109,7 @@ def without(wide: Opened, build: Callable[[Knowledge], object]) -> Opened:
     return replace(wide, known=known, dropped=dropped)
 
 
-def arms_hold(wide: Opened, arm: str) -> dict[str, str]:
+def arms_hold(wide: OpenedMission, arm: str) -> dict[str, str]:
     """Return goal -> the option that an arm of fixed options holds."""
     return dict(zip(wide.goals, arm.partition(":")[2].split(JOINT), strict=True))
 

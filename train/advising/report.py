@@ -20,9 +20,9 @@ from clean_swarm_env.config.families import scenario_name
 from selector.documents.fields import JOINT
 from selector.knowledge import LearnedScore, LearnedScores, Option
 from selforg.arrays import Floats
-from train.advising.advice import BROKE, OFF, AdviceEvaluation, seconds_of
+from train.advising.advice import BROKE, NEVER, Advising, seconds_of
 from train.advising.opening import arms_hold
-from train.advising.search import JAMMED, Found, Round, Search, arm_of
+from train.advising.search import JAMMED, AdviceSearch, Round, SearchResult, arm_of
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import TOLD, Interval, Ratio, about_number, corrected_ps
@@ -34,7 +34,7 @@ from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family
 from train.reports.text_table import EMPTY_CELL, Grid, Publication
 
-WORTH = 0.05
+WORTH_LEARNING = 0.05
 """Gain of the best combination of each start, in hindsight, from which on training a selector may be worth it [-]."""
 
 
@@ -49,15 +49,15 @@ class Advice:
 
     """
 
-    evaluation: AdviceEvaluation
-    search: Search
-    found: Found
+    evaluation: Advising
+    search: AdviceSearch
+    found: SearchResult
     runs: FamilyRuns
     stopped: Mapping[str, int]
     done: Done
 
     @classmethod
-    def of(cls, evaluation: AdviceEvaluation, done: Done) -> Advice:
+    def of(cls, evaluation: Advising, done: Done) -> Advice:
         """Return the advice of an evaluation whose missions are all done."""
         search = evaluation.search(done)
         found = search.run()
@@ -125,7 +125,7 @@ class Advice:
         """Whether the best combination of each start is shown to gain something worth while."""
         ratio = self.hindsight
         told = ratio is not None and ratio.p is not None and ratio.p < ALPHA and ratio.sign < 0.0
-        return told and ratio is not None and (ratio.ratio or 1.0) <= 1.0 - WORTH
+        return told and ratio is not None and (ratio.ratio or 1.0) <= 1.0 - WORTH_LEARNING
 
     @property
     def sentences(self) -> list[str]:
@@ -168,7 +168,9 @@ class Advice:
     @property
     def _beside(self) -> str:
         opened, winner, parts, lost = self.evaluation.opened, self.found.winner, list[str](), list[str]()
-        off = {arm_of({**self.held, goal: OFF}): "never avoiding" for goal in opened.goals if OFF in opened.names(goal)}
+        off = {
+            arm_of({**self.held, goal: NEVER}): "never avoiding" for goal in opened.goals if NEVER in opened.names(goal)
+        }
         said = {**off, arm_of(opened.experts): "the experts' scores", RANDOM: "a random choice"}
         for arm, name in said.items():
             if arm in self.stopped:

@@ -22,21 +22,21 @@ import numpy as np
 from clean_swarm_env.config.families import scenario_name
 from selector.knowledge import ENOUGH, Option
 from selforg.arrays import Flags, Floats
-from train.advising.opening import Opened, arms_hold, joined
+from train.advising.opening import OpenedMission, arms_hold, joined
 from train.deciders.named import FIXED
 from train.running.runs import RunKey, RunRecord
 
-LOOK = 8
+LOOK_STARTS = 8
 """Starts of the first look, which tells how long missions take."""
-CHECKED = 3
+CHECK_STARTS = 3
 """Starts on which scores that are known already are checked."""
 TRUSTED = 0.5
 """Rank correlation of known scores and this check from which on the scores are trusted [-]."""
-LEFT = 3
+FINALISTS = 3
 """Arms with which a race ends."""
 JAMMED = 10
 """Starts after which an arm stops that left half of them unfinished, if another one did not."""
-SHARES = {"goals": 0.35, "together": 0.15, "numbers": 0.12, "choosers": 0.06}
+BUDGET_SHARES = {"goals": 0.35, "together": 0.15, "numbers": 0.12, "choosers": 0.06}
 """Part of the budget for each part of the search; the last round gets the rest."""
 FEWEST_STARTS, MOST_STARTS = 3, 32
 """Bounds of the starts of a round."""
@@ -76,7 +76,7 @@ class Lacking(Exception):
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """What a search found."""
 
     winner: str
@@ -94,13 +94,13 @@ class Found:
 
 
 @dataclass
-class Search:
+class AdviceSearch:
     """A search over the arms of an opened mission.
 
     Raises Lacking where it needs missions that are not done.
     """
 
-    opened: Opened
+    opened: OpenedMission
     choosers: Sequence[str]
     """Rules and policies that fit."""
     varied: Callable[[Mapping[str, str]], Mapping[str, Sequence[Option]]]
@@ -124,30 +124,30 @@ class Search:
     _spent: float = 0.0
     _missions: int = 0
 
-    def run(self) -> Found:
+    def run(self) -> SearchResult:
         """Return what the search finds."""
         held = dict(self.opened.experts)
-        look = self._round("first look", [arm_of(held)], LOOK)
+        look = self._round("first look", [arm_of(held)], LOOK_STARTS)
         if self.opened.combinations == 1:
-            return Found(look.arms[0], look.arms[0], look.arms, (), 0, LAST_FEWEST)
+            return SearchResult(look.arms[0], look.arms[0], look.arms, (), 0, LAST_FEWEST)
         best = self._goals_alone(held)
         arms = [arm_of(dict(zip(best, names, strict=True))) for names in product(*best.values())]
         experts = arm_of(self.opened.experts)
         if len(best) > 1:
             arms = self._race(
-                "together", [*dict.fromkeys((*arms, experts))], self._starts(SHARES["together"], 2 * len(arms))
+                "together", [*dict.fromkeys((*arms, experts))], self._starts(BUDGET_SHARES["together"], 2 * len(arms))
             )
         together = next((one for one in self.rounds if one.title == "together"), self.rounds[-1])
         leader, variants = arms[0], 0
         if more := self._variants(leader):
-            count = self._starts(SHARES["numbers"], 2 * len(more))
+            count = self._starts(BUDGET_SHARES["numbers"], 2 * len(more))
             arms = self._race("numbers", [*arms[:2], *more, *([] if experts in arms[:2] else [experts])], count)
             variants = len(more)
         choosers = self._choosers()
-        finalists = (arms[0], *(arm for arm in _portfolio(together, arms[0]) if arm != arms[0]))[:LEFT]
+        finalists = (arms[0], *(arm for arm in _portfolio(together, arms[0]) if arm != arms[0]))[:FINALISTS]
         left = (self.budget - self._spent) / (self._price * self.entrants(arms[0], finalists, choosers))
         starts = int(np.clip(left, LAST_FEWEST, LAST_MOST))
-        return Found(arms[0], leader, finalists, choosers, variants, starts)
+        return SearchResult(arms[0], leader, finalists, choosers, variants, starts)
 
     @property
     def leads(self) -> str:
@@ -173,7 +173,7 @@ class Search:
         three goals or more two are left of each, or else too many combinations would have to race.
         """
         options = {goal: self.opened.names(goal) for goal in self.opened.goals}
-        rounds = {goal: len(own) * max(np.ceil(np.log2(len(own) / LEFT)), 1.0) for goal, own in options.items()}
+        rounds = {goal: len(own) * max(np.ceil(np.log2(len(own) / FINALISTS)), 1.0) for goal, own in options.items()}
         order = [*options, *list(options)[:-1]]
         best: dict[str, list[str]] = {}
         beside: dict[str, dict[str, str]] = {}
@@ -181,12 +181,12 @@ class Search:
             partners = {other: name for other, name in held.items() if other != goal}
             if beside.get(goal) == partners:
                 continue
-            part = SHARES["goals"] * rounds[goal] / sum(rounds[each] for each in order)
+            part = BUDGET_SHARES["goals"] * rounds[goal] / sum(rounds[each] for each in order)
             tried = self._tried(goal, held, part * self.budget / (self._price * rounds[goal] * FEWEST_STARTS))
             arms = {arm_of({**held, goal: name}): name for name in tried}
             count = self._starts(part, int(rounds[goal]))
             found = self._race(goal, list(arms), count) if len(arms) > 1 else list(arms)
-            best[goal] = [arms[arm] for arm in found][: LEFT if len(options) < 3 else LEFT - 1]
+            best[goal] = [arms[arm] for arm in found][: FINALISTS if len(options) < 3 else FINALISTS - 1]
             beside[goal], held[goal] = partners, best[goal][0]
         return best
 
@@ -196,20 +196,22 @@ class Search:
         if able >= 1.0:
             return tried
         scores = dict(zip(self.opened.names(goal), self.opened.known.scores(goal).tolist(), strict=True))
-        kept = sorted(tried, key=lambda name: (name != held[goal], -scores[name]))[: max(int(len(scores) * able), LEFT)]
+        kept = sorted(tried, key=lambda name: (name != held[goal], -scores[name]))[
+            : max(int(len(scores) * able), FINALISTS)
+        ]
         self.left_out |= set(tried) - set(kept)
         return kept
 
     def _trusted(self, goal: str, names: list[str], held: Mapping[str, str]) -> list[str]:
         """Return the best third of options whose scores are known from missions, if a check agrees; else all."""
         count, mean = self.opened.known.rewards(goal)[:2]
-        if len(names) <= LEFT or count.min() < ENOUGH:
+        if len(names) <= FINALISTS or count.min() < ENOUGH:
             return names
-        checked = self._round(f"{goal}, check", [arm_of({**held, goal: name}) for name in names], CHECKED)
+        checked = self._round(f"{goal}, check", [arm_of({**held, goal: name}) for name in names], CHECK_STARTS)
         agree = np.corrcoef(_ranks(-mean), _ranks(checked.means))[0, 1]
         if not agree >= TRUSTED:
             return names
-        kept = {names[place] for place in (-mean).argsort(kind="stable")[: max(len(names) // 3, LEFT)]}
+        kept = {names[place] for place in (-mean).argsort(kind="stable")[: max(len(names) // 3, FINALISTS)]}
         return [name for name in names if name in kept or name == held[goal]]
 
     def _race(self, title: str, arms: Sequence[str], count: int) -> list[str]:
@@ -217,9 +219,9 @@ class Search:
         experts = self.opened.experts
         while True:
             done = self._round(title, arms, count)
-            if len(arms) <= LEFT:
+            if len(arms) <= FINALISTS:
                 return done.order
-            half = done.order[: max(len(arms) // 2, LEFT)]
+            half = done.order[: max(len(arms) // 2, FINALISTS)]
             half += [arm for arm in _portfolio(done, half[0])[:2] if arm not in half]
             half += [arm for arm in arms if arm == arm_of(experts) and arm not in half]
             if len(half) == len(arms):
@@ -239,7 +241,9 @@ class Search:
             kinds.setdefault(name.partition(":")[0], []).append(name)
         if all(len(own) == 1 for own in kinds.values()):
             return tuple(self.choosers)
-        order = self._round("choosers", self.choosers, self._starts(SHARES["choosers"], len(self.choosers))).order
+        order = self._round(
+            "choosers", self.choosers, self._starts(BUDGET_SHARES["choosers"], len(self.choosers))
+        ).order
         return tuple(next(name for name in order if name in own) for own in kinds.values())
 
     def _round(self, title: str, arms: Sequence[str], count: int) -> Round:

@@ -41,7 +41,7 @@ def advise_command(
     if not 0.0 < training <= MOST_MINUTES:
         raise ConfigurationError(f"--training: expected a positive number up to {MOST_MINUTES:g}, got {training:g}")
     check_named(given.directories, families=mission, knowledge=given.values["knowledge"])
-    from train.advising.advice import AdviceEvaluation  # these import SciPy and Numba
+    from train.advising.evaluation import AdviceEvaluation  # these import SciPy and Numba
     from train.evaluation import pipeline
     from train.running.run_folder import default_directory
 

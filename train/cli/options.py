@@ -33,7 +33,7 @@ Configs = Annotated[
     list[Path] | None,
     typer.Option(
         help="Directory of your own files, with experiments/, families/, knowledge/, machines/, mechanisms/, "
-        "missions/, options/, policies/, robots/, starts/, strategies/, studies/, training/; searched before the shipped "
+        "missions/, options/, policies/, robots/, starts/, strategies/, training/; searched before the shipped "
         f"ones; can be repeated; {MAY_NAME_CODE}.",
     ),
 ]

@@ -42,7 +42,7 @@ def few(monkeypatch):
     """Let the library have a few options only, so that a mission is searched in seconds."""
     monkeypatch.setattr(opening, "library_options", lambda *given: library_options(*given)[-2:])
     monkeypatch.setattr(opening, "MOST_VARIANTS", 2)
-    for name, starts in {"LOOK": 2, "FEWEST_STARTS": 1, "LAST_FEWEST": 5}.items():
+    for name, starts in {"LOOK_STARTS": 2, "FEWEST_STARTS": 1, "LAST_FEWEST": 5}.items():
         monkeypatch.setattr(search, name, starts)
 
 

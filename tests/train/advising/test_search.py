@@ -7,8 +7,8 @@ import numpy as np
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.world.mission import MissionResult
 from selector.knowledge import Knowledge, LearnedScore, Option
-from train.advising.opening import Opened
-from train.advising.search import JAMMED, LAST_FEWEST, Lacking, Search, arm_of
+from train.advising.opening import OpenedMission
+from train.advising.search import JAMMED, LAST_FEWEST, AdviceSearch, Lacking, arm_of
 from train.running.runs import RunRecord
 
 GOALS = {"Explore": 8, "Avoid": 11}
@@ -29,7 +29,7 @@ def invented(seed, *, learned=None):
         )
     known = Knowledge(table, learned=learned(costs) if learned else {})
     experts = {goal: max(own, key=lambda one: one.score).name for goal, own in table.items()}
-    return Opened(load_family("table1"), known, experts, {}), costs
+    return OpenedMission(load_family("table1"), known, experts, {}), costs
 
 
 def cost_of(arm, costs):
@@ -59,7 +59,7 @@ class Missions:
 
     def search(self, minutes=5.0, choosers=("fsm:rule",)):
         """A search over what is done."""
-        return Search(
+        return AdviceSearch(
             self.wide,
             choosers,
             lambda held: {},

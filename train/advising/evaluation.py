@@ -1,7 +1,11 @@
-"""What an advice leaves in its folder: knowledge with the scores of all options, a family that has it, and a page."""
+"""The evaluation that gives advice, and what it leaves in its folder.
+
+That is knowledge with the scores of all options, a family that has it, and a page with the two best side by side.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -9,19 +13,37 @@ from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
-from train.advising.advice import AdviceEvaluation
+from train.advising.advice import Advising
 from train.advising.opening import document_of
 from train.advising.report import Advice
-from train.evaluation.base import Done
 from train.evaluation.repeat import record_run
 from train.replay.page_file import write_page
+from train.reports.text_table import Publication
+from train.running.runs import RunRecord
 
 KNOWLEDGE, FAMILY, REPLAY = "knowledge.yaml", "families.yaml", "replay.html"
 
 
-def ship(evaluation: AdviceEvaluation, done: Done) -> None:
+class AdviceEvaluation(Advising):
+    """Advice for a mission, a family or a task."""
+
+    def publication(self, records: Sequence[RunRecord]) -> Publication:
+        """Return the advice."""
+        return self.advice(records).publication
+
+    def conclude(self, records: Sequence[RunRecord]) -> None:
+        """Write what the advice is used with."""
+        ship(self.advice(records))
+
+    def advice(self, records: Sequence[RunRecord]) -> Advice:
+        """Return the advice that follows from all runs."""
+        return Advice.of(self, {record.key: record for record in records})
+
+
+def ship(advice: Advice) -> None:
     """Write what an advice is used with."""
-    advice, folder = Advice.of(evaluation, done), evaluation.folder
+    evaluation = advice.evaluation
+    folder = evaluation.folder
     learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in advice.learned.items()}
     robot = evaluation.mission.network.robot
     text = document_of(
