@@ -95,7 +95,7 @@ def goals_of(mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, 
     return first
 
 
-def opened(mission: MissionConfig) -> MissionConfig:
+def coordinating_more(mission: MissionConfig) -> MissionConfig:
     """Return a mission whose robots also choose how they explore, and with several stations of a kind how they carry.
 
     Documents that are not those of the shipped cleaning robot stay.
