@@ -27,7 +27,7 @@ from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.missions import CleaningMissions
 from clean_swarm_env.tasks.cleaning.movers import Movers
-from clean_swarm_env.tasks.cleaning.robot import CargoMemory, goals_of, network_of_robots
+from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more, goals_of, network_of_robots
 from clean_swarm_env.tasks.cleaning.rounds import Rounds
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
