@@ -6,22 +6,25 @@ has registered. A package may hold folders of files, such as `families`, beside 
 """
 
 import os
+import reprlib
 import sys
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from functools import cache, wraps
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from inspect import getattr_static
 from pathlib import Path
 from threading import RLock
 from traceback import extract_tb
-from types import ModuleType
-from typing import Any, ParamSpec, TypeVar
+from types import FunctionType, ModuleType
+from typing import Any, TypeAlias
 
-P = ParamSpec("P")
-R = TypeVar("R")
-
+Promises: TypeAlias = Mapping[str, tuple[Any, ...]]
+"""Part of a class -> what is expected in words, in which {0} is the object; a function that tells whether that is so of
+the object, the answer and the arguments; the numbers of the arguments that are arrays which stay as they are."""
 GROUP = "clean_swarm"
 """Group of the entry points by which installed packages name their plug-ins."""
 NAMED = "CLEAN_SWARM_IMPORT"
@@ -29,6 +32,8 @@ NAMED = "CLEAN_SWARM_IMPORT"
 OURS = ("selforg", "selector", "clean_swarm_env", "train", "configs")
 OF_FILE = "file "
 """Beginning of the name of a module that is no more than a file."""
+MOST_LETTERS = 400
+"""Letters of an error of a plug-in that fit a line."""
 
 _lock = RLock()
 
@@ -133,46 +138,78 @@ def origin_of(module: str) -> str:
 
 def is_own(cls: Any) -> bool:  # noqa: ANN401
     """Return whether a class or a function is none of ours."""
-    return cls.__module__.partition(".")[0] not in OURS
+    return (cls.__module__ or "").partition(".")[0] not in OURS
 
 
 @contextmanager
-def errors_in_a_line(place: str) -> Iterator[None]:
-    """Let whatever goes wrong in a plug-in become one line with its place in the files of the plug-in."""
+def errors_in_a_line(place: str, code: Any = None) -> Iterator[None]:  # noqa: ANN401  (a function)
+    """Let whatever goes wrong in a plug-in become one line with its place in the files of the plug-in.
+
+    `code` of ours that works for a plug-in may say itself what is wrong, by an error of ours.
+    """
     try:
         yield
     except (PluginError, KeyboardInterrupt):
         raise
     except BaseException as error:  # an exit within a plug-in would end the command as if it had done its work
+        if isinstance(error, ValueError) and not (code is None or is_own(code) or is_own(type(error))):
+            raise
         frames = [(frame.filename, frame.lineno) for frame in extract_tb(error.__traceback__)]
         if isinstance(error, SyntaxError):
             frames.append((error.filename or "", error.lineno))
         own = tuple(map(str, _own_files(place)))
         where = [f"{file}:{line}" for file, line in frames if own and file.startswith(own)]
-        kind = "" if isinstance(error, ModuleNotFoundError) else f"{type(error).__name__}: "
-        raise PluginError(f"{[place, *where][-1]}: {kind}{' '.join(str(error).split())}") from error
+        kind, said = "" if isinstance(error, ModuleNotFoundError) else f"{type(error).__name__}: ", ""
+        with suppress(BaseException):  # an error of a plug-in's own class may fail to say what went wrong
+            said = textwrap.shorten(str(error), MOST_LETTERS, placeholder=" ...")
+        raise PluginError(f"{[place.removeprefix(OF_FILE), *where][-1]}: {kind}{said}") from error
 
 
-def guarded(function: Callable[P, R], place: str) -> Callable[P, R]:
-    """Return a function of the module `place`, whose errors become one line."""
+@cache
+def guard(cls: type) -> None:
+    """Let errors of a plug-in's class become one line in each part that classes of ours have too, and check promises.
+
+    Parts are methods, class methods and properties; `promises` of a class of ours say what is expected of them.
+    """
+    ours = {"__init__"}.union(*(vars(one) for one in cls.__mro__ if not is_own(one)))
+    promises: Promises = getattr(cls, "promises", {})
+    for name in ours.intersection(dir(cls)):
+        part = getattr_static(cls, name)
+        function = getattr(part, "__func__", getattr(part, "fget", part))
+        if isinstance(part, staticmethod) or not isinstance(function, FunctionType):
+            continue  # formulas are compiled
+        if is_own(function) or name in promises:
+            called = _guarded(function, name, *promises.get(name, ("", lambda *_: True)))
+            setattr(cls, name, called if part is function else type(part)(called))
+
+
+def _guarded(
+    function: Callable[..., Any], part: str, expected: str, kept: Callable[..., bool], *reads: int
+) -> Callable[..., Any]:
+    """Return a part of a plug-in's class whose errors become one line, and which keeps its promise."""
 
     @wraps(function)
-    def called(*given: P.args, **more: P.kwargs) -> R:
-        with errors_in_a_line(place):
-            return function(*given, **more)
+    def called(one: Any, /, *given: Any, **more: Any) -> Any:  # noqa: ANN401  (whatever the part takes)
+        arguments = (*given, *more.values())
+        with contract(one, part, *(arguments[number] for number in reads), code=function):
+            answer = function(one, *given, **more)
+            if not kept(one, answer, *arguments):
+                got = "others" if answer is None else _told(answer)
+                raise broken(one, part, f"expected {expected.format(one)}, got {got}")
+        return answer
 
     return called
 
 
 @contextmanager
-def contract(owner: object, part: str, *inputs: Any) -> Iterator[None]:  # noqa: ANN401  (arrays)
+def contract(owner: object, part: str, *inputs: Any, code: Any = None) -> Iterator[None]:  # noqa: ANN401  (arrays)
     """Let an error of a plug-in's object become one line, and a change of its input arrays an error, and undo it."""
     import numpy as np  # finding names and files takes no numbers
 
     before = [array.copy() for array in inputs]
     changed = []
     try:
-        with errors_in_a_line(_named(owner).__module__):
+        with errors_in_a_line(_named(owner).__module__, code):
             yield
     finally:
         for array, kept in zip(inputs, before, strict=True):
@@ -185,18 +222,32 @@ def contract(owner: object, part: str, *inputs: Any) -> Iterator[None]:  # noqa:
 
 def check_answer(owner: object, part: str, answer: Any, shape: tuple[int, ...]) -> None:  # noqa: ANN401
     """Raise PluginError unless the answer of a plug-in's object is finite numbers of a shape."""
-    import numpy as np
+    if not are_numbers(answer, *shape):
+        raise broken(owner, part, f"expected finite numbers {shape}, got {_told(answer)}")
+
+
+def are_numbers(answer: Any, *shape: int) -> bool:  # noqa: ANN401
+    """Return whether the answer of a plug-in's object is finite numbers of a shape."""
+    import numpy as np  # finding names and files takes no numbers
 
     given = np.asarray(answer)
-    if given.shape != shape or given.dtype.kind not in "biuf" or not np.isfinite(given).all():
-        got = f"{given.dtype} {given.shape}" + (" with NaN or infinity" if given.shape == shape else "")
-        raise broken(owner, part, f"expected finite numbers {shape}, got {got}")
+    return given.shape == shape and given.dtype.kind in "biuf" and bool(np.isfinite(given).all())
 
 
 def broken(owner: Any, part: str, what: str) -> PluginError:  # noqa: ANN401  (a class, a function, or an object)
     """Return the error of a class, a function or an object of a plug-in that does not keep its contract."""
     named = _named(owner)
     return PluginError(f"{origin_of(named.__module__)}: {named.__name__}{part and f'.{part}'}: {what}")
+
+
+def _told(answer: Any) -> str:  # noqa: ANN401
+    """Return in a few words what a plug-in's object has answered."""
+    if isinstance(answer, Mapping):
+        return ", ".join(f"{name}: {_told(value)}" for name, value in answer.items()) or "nothing"
+    if not getattr(answer, "shape", ()):
+        return reprlib.repr(answer)
+    not_finite = answer.dtype.kind == "f" and not are_numbers(answer, *answer.shape)
+    return f"{answer.dtype} {answer.shape}" + (" with NaN or infinity" if not_finite else "")
 
 
 def _named(owner: Any) -> Any:  # noqa: ANN401

@@ -69,6 +69,8 @@ class Registry(Generic[Base]):
         if name in self._classes:
             raise ValueError(f"{self.kind} {name!r} is registered already, by {self._classes[name].__module__}")
         self._classes[name] = entry
+        if isinstance(entry, type) and plugins.is_own(entry):
+            plugins.guard(entry)
         return cls
 
     def names(self) -> tuple[str, ...]:

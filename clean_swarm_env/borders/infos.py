@@ -44,7 +44,7 @@ ALIVE = "alive"
 def team_infos(batch: Batch) -> InfoColumns:
     """Return the values of each world that are the same for all its robots."""
     worlds, progress, task = batch.worlds, batch.progress, batch.worlds.task
-    values = task.measured()
+    values = task.result()
     times = [ticks * worlds.period for ticks in progress.elapsed.tolist()]
     completed = task.completed(values) if task.measures else progress.outcome == COMPLETED
     columns: InfoColumns = {

@@ -23,7 +23,6 @@ from clean_swarm_env.learning.given import config_from
 from clean_swarm_env.learning.progress import COLLISIONS, EVENTS, Period, open_period
 from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission_end import COMPLETED
-from clean_swarm_env.world.task_parts import check_numbers
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import DocumentError, unknown_key
 from selector.documents.fields import Closed, Number, Share
@@ -225,7 +224,6 @@ class MeasureRewards:
             for end in batch.finished:  # such a world has gone on until the end of the period
                 now[:, end.world] = list(end.result.measures.values())
             own = np.repeat(self._prices @ (now - self._before), self._worlds.robots)
-        check_numbers(own, rewards.shape, f"task {self._worlds.task.name}: reward")
         paid = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
         rewards[:] = np.where(batch.took_part, paid, 0.0)
         for term, weight in self._further:
@@ -233,7 +231,7 @@ class MeasureRewards:
 
     def _measured(self) -> Floats:
         """Return the present measures (K, W)."""
-        values = self._worlds.task.measured()
+        values = self._worlds.task.result()
         return np.stack([values[measure.name] for measure in self._worlds.task.measures])
 
 

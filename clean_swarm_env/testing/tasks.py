@@ -69,6 +69,6 @@ def _steps(cls: type, batch: Batch) -> list[Any]:
     for _ in range(PERIODS):
         with contract(cls, ""):
             step = batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
-            measures = list(batch.worlds.task.measured().values())
+            measures = list(batch.worlds.task.result().values())
         seen += [step.observations.copy(), step.rewards.copy(), batch.worlds.physics.positions.copy(), *measures]
     return seen

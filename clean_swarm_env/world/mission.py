@@ -183,20 +183,20 @@ class Course:
 
 def result_of(worlds: Worlds, world: int) -> MissionResult:
     """Return the result of a world up to now."""
-    task, values = worlds.task, worlds.task.measured()
+    task, values = worlds.task, worlds.task.result()
     ticks, done = int(worlds.ticks[world]), int(task.item_arrays().done[world])
     time = max(ticks, 1) * worlds.period
     events, samples = worlds.collisions.events[world], worlds.collisions.samples[world]
     return MissionResult(
         completed=bool(task.completed(values)[world]),
-        duration_s=round(task.duration(world), 9),
+        duration_s=round(float(task.duration(world)), 9),
         collision_samples_per_s=tuple((samples / time).tolist()),
         collision_events_per_s=tuple((events / time).tolist()),
         garbage_done=done,
         robots=int(worlds.team.joined[world]),
         ticks=ticks,
         items_per_min=60.0 * done / time,
-        cost_s=task.cost(world, values),
-        unavoidable_s=task.unavoidable(world),
+        cost_s=float(task.cost(world, values)),
+        unavoidable_s=float(task.unavoidable(world)),
         measures={name: float(own[world]) for name, own in values.items()},
     )

@@ -8,24 +8,27 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
-from types import FunctionType
-from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, create_model
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.measure import Measure
+from clean_swarm_env.world.promises import TASK_PROMISES
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.shown_task import ShownTask
-from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart, check_numbers
+from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
 from clean_swarm_env.world.view import World
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import network_of
+from selector.documents.errors import validated
 from selector.knowledge import Knowledge
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
@@ -33,7 +36,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.plugins import guarded, is_own
+from selforg.plugins import Promises, is_own
 
 AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of things: gradients at one place are one thing."""
@@ -74,6 +77,7 @@ class Task(ShownTask, ABC, Generic[S, T]):
 
     """
 
+    promises: ClassVar[Promises] = TASK_PROMISES
     State: ClassVar[type[TaskState]] = TaskState
     measures: ClassVar[tuple[Measure, ...]] = ()
     baseline: ClassVar[str] = "random walk, a new direction every 2 s"
@@ -100,11 +104,8 @@ class Task(ShownTask, ABC, Generic[S, T]):
     _walk: Annotated[Floats, "R 2", KEPT]
 
     def __init_subclass__(cls) -> None:
-        """Take the name from the class, settings and state from the brackets of the base class; guard own methods."""
+        """Take the name from the class, settings and state from the brackets of the base class."""
         super().__init_subclass__()
-        for name, part in [*vars(cls).items()] if is_own(cls) else ():
-            if isinstance(part, FunctionType) and hasattr(Task, name):
-                setattr(cls, name, guarded(part, cls.__module__))
         if "name" not in vars(cls):
             cls.name = cls.__name__
         for base in getattr(cls, "__orig_bases__", ()):
@@ -114,6 +115,9 @@ class Task(ShownTask, ABC, Generic[S, T]):
                         cls.Settings = given
                     elif isinstance(given, type) and issubclass(given, TaskState):
                         cls.State = given
+        if is_own(cls):
+            given = {name: getattr(cls, name) for name in attributes_of_tasks().model_fields}
+            validated(attributes_of_tasks(), given, f"task {cls.name}")
 
     def __init__(self, world: World) -> None:
         self.world = world
@@ -129,8 +133,6 @@ class Task(ShownTask, ABC, Generic[S, T]):
         self.state = self.State(sizes)  # type: ignore[assignment]
         self.asked, self._walk = np.zeros((world.rows, 2)), np.zeros((world.rows, 2))
         self.around = self.things()
-        for thing in self.around:
-            check_numbers(thing.places, (world.worlds, thing.count, 2), f"task {self.name}: things: {thing.channel}")
 
     # ---- what a task says; only `result` is required
 
@@ -185,15 +187,6 @@ class Task(ShownTask, ABC, Generic[S, T]):
         commands.commanded[:] = True
 
     # ---- what the worlds call
-
-    def measured(self) -> Mapping[str, Floats]:
-        """Return `result`; ConfigurationError unless it has finite values (W,) of all measures."""
-        values, names = self.result(), [measure.name for measure in self.measures]
-        for name in dict.fromkeys((*names, *values)):
-            if name not in values or (names and name not in names):
-                raise ConfigurationError(f"task {self.name}: result: expected the measures {names}, got {[*values]}")
-            check_numbers(values[name], (self.world.worlds,), f"task {self.name}: result: {name}")
-        return values
 
     @classmethod
     def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
@@ -297,7 +290,16 @@ class Task(ShownTask, ABC, Generic[S, T]):
 
     def headline(self, world: int) -> str:
         """Return what there is to say of a world in one line: its measures."""
-        return ", ".join(f"{name} {values[world]:.3g}" for name, values in self.measured().items())
+        return ", ".join(f"{name} {values[world]:.3g}" for name, values in self.result().items())
+
+
+@cache
+def attributes_of_tasks() -> type[BaseModel]:
+    """Return a model of what a task says in attributes of its class."""
+    hints = {name: hint for name, hint in get_type_hints(Task).items() if get_origin(hint) is ClassVar}
+    fields: dict[str, Any] = {name: (*get_args(hint), ...) for name, hint in hints.items() if name != "promises"}
+    strict = ConfigDict(strict=True, allow_inf_nan=False, arbitrary_types_allowed=True, revalidate_instances="always")
+    return create_model("Attributes", __config__=strict, **fields)
 
 
 def task_class(mission: MissionConfig) -> type[Task[Any, Any]]:

@@ -21,15 +21,6 @@ PLACE_TRIES = 10_000
 """Draws for one place before the placement fails."""
 
 
-def check_numbers(values: object, shape: tuple[int, ...], where: str) -> None:
-    """Raise ConfigurationError unless values that a task returned are finite numbers of this shape."""
-    got = np.asarray(values)
-    if got.shape != shape:
-        raise ConfigurationError(f"{where}: expected shape {shape}, got {got.shape}")
-    if got.dtype.kind not in "biuf" or not np.isfinite(got).all():
-        raise ConfigurationError(f"{where}: expected finite numbers, got others")
-
-
 @dataclass(frozen=True)
 class Things:
     """Things of one kind, which robots sense as gradients of a channel.
@@ -183,7 +174,6 @@ class WorldStart:
     def put_robots(self, places: Floats, headings: Floats | None = None) -> None:
         """Put the robots at places (robots, 2) [m] with headings (robots,) [rad], any unless given."""
         if not self.given:
-            check_numbers(places, (self.robots, 2), "put_robots: places")
             turned = self.rng.uniform(-np.pi, np.pi, size=self.robots) if headings is None else headings
             self.poses[:] = np.column_stack((places, turned))
 

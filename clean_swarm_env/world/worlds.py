@@ -29,7 +29,6 @@ from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.knowledge import unknown_option
 from selforg.arrays import OUTSIDE, Flags, Floats, Ints
-from selforg.plugins import check_answer, is_own
 from selforg.registry import unknown
 from selforg.sealing import sealed, unsealed
 
@@ -99,11 +98,7 @@ class Worlds:
     @property
     def done(self) -> Flags:
         """(W,) whether the task of a world is done, and nothing more will come."""
-        done = np.asarray(self.task.done())
-        if done.shape != (self.worlds,) or done.dtype != np.bool_:
-            expected = f"task {self.task.name}: done: expected bool {(self.worlds,)}"
-            raise ConfigurationError(f"{expected}, got {done.dtype} {done.shape}")
-        return done
+        return self.task.done()
 
     def rows_of(self, world: int) -> Ints:
         """Return the rows (N,) of the robots of a world."""
@@ -208,8 +203,6 @@ class Worlds:
             task.follow(self._driven, self.team.working)
             minds.follow(self._driven, self.team.working)
         task.before_moving(minds.commands)
-        if is_own(type(task)):
-            check_answer(task, "commands", minds.commands.vectors, (self.rows, 2))
         floor.move(minds.commands.packed, now)
         self._clock.advance()
         task.after_moving()

@@ -16,6 +16,7 @@ from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import Keys
 from selforg.arrays import Ints
+from selforg.plugins import guard
 from selforg.registry import Registry, UnknownNameError
 
 STRATEGIES: Registry[DecisionStrategy] = Registry("strategy", base=DecisionStrategy)
@@ -98,6 +99,7 @@ def named(name: str) -> type[DecisionStrategy]:
         found = imported(name, "strategy")
         if not (isinstance(found, type) and issubclass(found, DecisionStrategy)):
             raise DocumentError(f"strategy {name}: expected a subclass of DecisionStrategy, got {found!r}")
+        guard(found)
         return found
     try:
         return STRATEGIES.find(name)

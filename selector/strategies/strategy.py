@@ -2,7 +2,6 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from contextlib import nullcontext
 from typing import Any, ClassVar, final, get_origin, get_type_hints
 
 import numpy as np
@@ -15,7 +14,7 @@ from selector.documents.fields import Closed
 from selector.strategies.problem import Decisions, Outcomes, Problem, readable, whole_numbers
 from selector.strategies.streams import Keys, uniforms
 from selforg.arrays import Flags, Floats, Ints
-from selforg.plugins import contract, is_own
+from selforg.plugins import Promises, are_numbers
 
 
 class DecisionStrategy(ABC):
@@ -61,6 +60,22 @@ class DecisionStrategy(ABC):
 
     """
 
+    promises: ClassVar[Promises] = {
+        **dict.fromkeys(
+            ("__init__", "update"),
+            (
+                "a state of finite arrays by name, with the {0.groups} groups first",
+                lambda one, *_: all(
+                    are_numbers(state, one.groups, *state.shape[1:]) for state in one.learned().values()
+                ),
+            ),
+        ),
+        "select": (
+            "chances above 0 and up to 1",
+            lambda one, *_: one.chance.shape == (one.rows,) and ((one.chance > 0.0) & (one.chance <= 1.0)).all(),
+        ),
+        "opinions": ("opinions that are numbers", lambda one, thought, *_: not np.isnan(thought).any()),
+    }
     Parameters: ClassVar[type[Closed]] = Closed
     """Model of the parameters, made of the annotated attributes."""
     draws_per_decision: ClassVar[int] = 0
@@ -134,8 +149,7 @@ class DecisionStrategy(ABC):
         draws = uniforms(self.keys[deciding], self.counters[deciding], count)
         draws.flags.writeable = False
         groups = self.group_of[deciding]
-        with contract(self, "_select") if is_own(type(self)) else nullcontext():
-            options = self._checked(Decisions(deciding, groups, seen, can_serve, draws))
+        options = self._checked(Decisions(deciding, groups, seen, can_serve, draws))
         self.counters[deciding] += np.uint64(1)
         return options
 

@@ -17,6 +17,7 @@ from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.mechanisms.spreading import SpreadGradient
 from selforg.mechanisms.steering.base import SteeringMechanism
 from selforg.parameters import AtLeastZero, Finite
+from selforg.plugins import Promises, are_numbers, check_answer, is_own
 from selforg.registry import Registry
 
 Call: TypeAlias = Callable[[float, Ints], None]
@@ -31,6 +32,19 @@ class Action:
     of the host.
     """
 
+    promises: ClassVar[Promises] = {
+        "act": (
+            "finite commands",
+            lambda action, _, now, rows, started, commands: are_numbers(commands.vectors, *commands.vectors.shape),
+            1,
+            2,
+        ),
+        "steer": (
+            "finite commands",
+            lambda action, _, now, rows, commands: are_numbers(commands.vectors, *commands.vectors.shape),
+            1,
+        ),
+    }
     sources: Sequence[Source] = ()
 
     example: ClassVar[Mapping[str, Any]] = {}
@@ -98,6 +112,8 @@ class Steer(Action):
 
     def steer(self, now: float, rows: Ints, commands: Commands) -> None:
         self.mechanism.steer(now, rows, commands.packed.words)
+        if is_own(type(self.mechanism)):
+            check_answer(self.mechanism, "steer", commands.vectors, commands.vectors.shape)
 
 
 @ACTIONS.register

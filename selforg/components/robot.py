@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
 
 from selforg.arrays import READ, Floats, Ints
 from selforg.commands import Commands
@@ -15,7 +14,6 @@ from selforg.components.actions import Action
 from selforg.components.sensors import SensorComponent, VectorReadings, VectorSensor
 from selforg.components.sources import MovementSource, Source
 from selforg.network.network import BehaviourNetwork
-from selforg.plugins import check_answer, contract, is_own
 
 Actions = Mapping[str, Action | Sequence[Action]]
 
@@ -62,8 +60,6 @@ class OrganisedRobots:
         self._asked_late = [_each_once(self._sensed, [action]) for _, action in self.actions]
         self._vector_readings = _by_source(self.sensors, self.network.readings)
         self._others = [(column, one) for column, one in self.sensors if not isinstance(one, VectorSensor)]
-        self._of_plugins: list[SensorComponent | Action] = [one for _, one in self._others if is_own(type(one))]
-        self._of_plugins += [action for _, action in self.actions if is_own(type(action))]
         self._shown = None
         self._acted: list[tuple[Action, Ints]] = []
         self._all, self._dim = np.arange(network.rows), dim
@@ -89,9 +85,7 @@ class OrganisedRobots:
             vectors.write(rows)
         readings = self.network.readings
         for column, component in self._others:
-            readings[rows, column] = (
-                component.read(rows) if component not in self._of_plugins else _read(component, rows)
-            )
+            readings[rows, column] = component.read(rows)
         if self._shown is not None:
             show(rows, readings, *self._shown)
 
@@ -111,12 +105,7 @@ class OrganisedRobots:
                 continue
             for source in sources:
                 source.ask(now, acting)
-            if action in self._of_plugins:
-                with contract(action, "act", acting, started):
-                    action.act(now, acting, started, commands)
-                check_answer(action, "act", commands.vectors, commands.vectors.shape)
-            else:
-                action.act(now, acting, started, commands)
+            action.act(now, acting, started, commands)
             self._acted.append((action, acting))
 
     def steer(self, now: float, commands: Commands) -> None:
@@ -129,14 +118,6 @@ class OrganisedRobots:
         for action, acting in self._acted:
             action.leave(now, acting)
         self._acted = []
-
-
-def _read(sensor: SensorComponent, rows: Ints) -> npt.NDArray[np.generic]:
-    """Return the readings (K,) of a plug-in's sensor; PluginError unless it keeps its contract."""
-    with contract(sensor, "read", rows):
-        readings = sensor.read(rows)
-    check_answer(sensor, "read", readings, (len(rows),))
-    return readings
 
 
 def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | Action]) -> list[Source]:

@@ -16,6 +16,7 @@ from selforg.components.memory import Remembered
 from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source, Surroundings
 from selforg.network.model.behaviours import SensorKind
 from selforg.parameters import AtLeastZero, Finite
+from selforg.plugins import Promises, are_numbers
 from selforg.registry import Registry
 
 MOST_RAYS: Final = 360
@@ -107,6 +108,9 @@ class SensorComponent(ABC):
 
     """
 
+    promises: ClassVar[Promises] = {
+        "read": ("finite numbers, one of each row", lambda sensor, answer, rows: are_numbers(answer, len(rows)), 0)
+    }
     kind: SensorKind = "number"
     kind_of: ClassVar[str | None] = None
     """Name of the parameter (a `Remembered`) that decides the kind of the sensor; None: `kind` does."""

@@ -16,7 +16,6 @@ from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store.columns import GOAL_RADIUS, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
 from selforg.mechanisms.base import MovementMechanism
 from selforg.mechanisms.decisions.base import DecisionMechanism
-from selforg.plugins import check_answer, contract, is_own
 
 EVERYTHING_IN_VIEW = Filter()
 CLOCK_TOLERANCE = 1e-6
@@ -64,7 +63,6 @@ class MovementSource(Source):
         self.active = np.zeros(rows, dtype=np.bool_)
         self._asked = np.full(rows, -np.inf)
         self._holds = np.full(rows, self.hold)
-        self._own = is_own(type(mechanism))
         self.parts = getattr(mechanism, "parts", ())
 
     def forget(self, rows: Ints) -> None:
@@ -82,12 +80,7 @@ class MovementSource(Source):
                 shares = 0.5 + drawn / (2.0 * np.pi)  # of a circle: random numbers from 0 to 1
                 times = self.hold * exponentials(logarithms(shares) / (1.0 - self.exponent))
                 self._holds[rows] = np.minimum(times, self.longest)
-        if not self._own:
-            self.mechanism.move_into(now, rows, self.vectors, self.active)
-            return
-        with contract(self.mechanism, "move_into", rows, self.mechanism.poses.positions):
-            self.mechanism.move_into(now, rows, self.vectors, self.active)
-        check_answer(self.mechanism, "move_into", self.vectors[rows], (len(rows), self.vectors.shape[1]))
+        self.mechanism.move_into(now, rows, self.vectors, self.active)
 
 
 class GoalSource(Source):

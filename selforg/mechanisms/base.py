@@ -18,6 +18,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.columns import SEE_MOVING, SEE_STATIC
 from selforg.mechanisms.causes import Causes
+from selforg.plugins import Promises, are_numbers
 from selforg.randomness import DirectionStream
 from selforg.registry import Registry
 
@@ -103,6 +104,13 @@ class MovementMechanism(Mechanism):
 
     """
 
+    promises: ClassVar[Promises] = {
+        "move_into": (
+            "finite vectors",
+            lambda mechanism, _, now, rows, vectors, active: are_numbers(vectors[rows], len(rows), vectors.shape[1]),
+            1,
+        )
+    }
     _all_rows: Annotated[Ints, "N", READ]
     _vectors: Annotated[Floats, "N D", SCRATCH]
     _active: Annotated[Flags, "N", SCRATCH]

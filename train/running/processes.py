@@ -5,6 +5,7 @@ Why not a pool or a queue of the standard library: docs/decisions/0068-runs-from
 
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
 from collections import deque
@@ -178,8 +179,9 @@ def work(connection: Connection, permission: Permission) -> None:
         threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()
     with permitting(permission), suppress(EOFError, OSError):  # the parent closes the pipe after the last task
         while True:
-            task: Work = connection.recv()
-            try:
+            packed = connection.recv_bytes()
+            try:  # reading a task may import plug-ins, which fail
+                task: Work = pickle.loads(packed)
                 with listening(connection.send):
                     for record in task.each():
                         connection.send(record)

@@ -19,7 +19,6 @@ from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import inlined, long_kernel
 from selforg.compiler.records import Words
 from selforg.mechanisms.steering.base import OTHER_COLUMNS
-from selforg.plugins import check_answer, contract, is_own
 
 Observations = NDArray[np.float32]
 
@@ -74,13 +73,7 @@ class Observer:
         rows = self._rows[: search(around.words, self._worlds.minds.poses.packed.words, worlds, self._rows)]
         self._seen.fill(0.0)
         for term, components in self._own:
-            if not is_own(type(term)):
-                term.write(rows, self._seen.T[components])
-                continue
-            with contract(term, "write", rows):
-                term.write(rows, self._seen.T[components])
-            written = self._seen[rows, components]
-            check_answer(term, "write", written, written.shape)
+            term.write(rows, self._seen.T[components])
         write_observations(around.words, worlds, self._first, self._seen, self._weights, observations)
 
 

@@ -14,6 +14,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Packed
+from selforg.plugins import Promises, are_numbers
 from selforg.registry import Registry
 
 RowWriter = Callable[[Around, int, Floats], None]
@@ -70,6 +71,10 @@ class Term(ABC):
 
     """
 
+    promises: ClassVar[Promises] = {
+        "__init__": ("names of components", lambda term, *_: all(isinstance(name, str) for name in term.components)),
+        "write": ("finite numbers", lambda term, _, rows, out: are_numbers(out[:, rows], len(out), len(rows)), 0),
+    }
     name: ClassVar[str]
     numbers_rows: ClassVar[bool] = False
     components: tuple[str, ...] = ()

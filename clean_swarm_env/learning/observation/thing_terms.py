@@ -8,9 +8,10 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.ground import Ground
-from clean_swarm_env.world.task_parts import check_numbers, kinds_of
+from clean_swarm_env.world.task_parts import kinds_of
 from selforg.arrays import Flags, Floats, Ints
 from selforg.elementary import unit_vectors
+from selforg.plugins import check_answer
 
 WAY = ("seen", "distance", "ahead", "left")
 
@@ -89,7 +90,7 @@ class TaskTerm(Term):
         shown = [values.reshape(len(values), -1) for values in self.observed.worlds.task.observe().values()]
         if shown:
             values = np.concatenate(shown, axis=1).T
-            check_numbers(values, out.shape, f"task {self.observed.worlds.task.name}: observe")
+            check_answer(self.observed.worlds.task, "observe", values, out.shape)
             out[:] = np.clip(values, -1.0, 1.0)
 
 

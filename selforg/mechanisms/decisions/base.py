@@ -19,6 +19,7 @@ from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight
 from selforg.mechanisms.base import LookOptions, Mechanism
 from selforg.mechanisms.spreading import Carried, Spreader
+from selforg.plugins import Promises, are_numbers
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,15 @@ class DecisionMechanism(Mechanism):
 
     """
 
+    promises: ClassVar[Promises] = {
+        "_decide": (
+            "finite values, and numbers of the states {0.states}",
+            lambda mechanism, _, now, rows, values, states, decided: (
+                are_numbers(values, len(rows)) and np.isin(states, range(len(mechanism.states))).all()
+            ),
+            1,
+        )
+    }
     states: tuple[str, ...] = ("None",)
 
     values: Annotated[Floats, "N", KEPT]

@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 
 from selforg.compiler.decorators import inlined
 from selforg.parameters import AtLeastZero, Finite, UpToOne
+from selforg.plugins import Promises, are_numbers
 from selforg.registry import Registry
 
 BOOLEAN_RULE, THRESHOLD_RULE, LINEAR_RULE, GREEDY_RULE, EQUAL_RULE = range(5)
@@ -28,6 +29,10 @@ class Activator(ABC):
     another, by its `kind` and `parameters`.
     """
 
+    promises: ClassVar[Promises] = {
+        "__init__": ("a kind that is one of our rules", lambda one, *_: one.kind in range(EQUAL_RULE + 1)),
+        "parameters": ("three finite numbers", lambda one, answer: are_numbers(answer, 3)),
+    }
     low: UpToOne = 0.0
     high: UpToOne = 1.0
     kind: ClassVar[int]

@@ -99,7 +99,8 @@ def of_the_world(self, rows, out):
 )
 def test_a_term_that_breaks_its_contract_is_one_line(write, said, monkeypatch):
     members = {"name": "mine", "components": ("mine",), "write": write, "__doc__": "Mine.", "__module__": __name__}
-    monkeypatch.setitem(TERMS._classes, "mine", cls := type("mine", (Term,), members))
+    monkeypatch.setattr(TERMS, "_classes", dict(TERMS._classes))
+    cls = TERMS.register(type("mine", (Term,), members))
     with pytest.raises(ValueError, match=said) as raised:
         check_term(cls)
     assert "\n" not in str(raised.value)

@@ -1,14 +1,17 @@
 """Every task as an environment passes the checks of the cleaning environment, at every border and with all actions."""
 
+import sys
+
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
 import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
-from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env import Batch, clean_swarm_v0
 from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState, Things
 from clean_swarm_env.testing import check_task
+from selforg.plugins import PluginError
 from tests.clean_swarm_env.courses import begun
 
 SECONDS = 4.0
@@ -54,24 +57,124 @@ class Waiting(Task[TaskSettings, TaskState]):
 @pytest.mark.parametrize(
     ("members", "said"),
     [
-        ({"result": lambda self: {}}, r"result: expected the measures \['waited'\]"),
-        ({"result": lambda self: {"waited": np.full(self.world.worlds, np.nan)}}, "result: waited: expected finite"),
-        ({"result": lambda self: {"waited": np.zeros(9)}}, r"result: waited: expected shape \(1,\), got \(9,\)"),
+        ({"result": lambda self: {}}, r"Mine.result: .* \(1,\) by name, those of the measures, got nothing"),
+        ({"result": lambda self: {"waited": np.full(self.world.worlds, np.nan)}}, r"waited: float64 \(1,\) with NaN"),
+        ({"result": lambda self: {"waited": np.zeros(9)}}, r"Mine.result: .*, got waited: float64 \(9,\)"),
         ({"result": lambda self: {"waited": self.world.ticks.sum() + 0.0 * self.world.ticks}}, "same bits alone"),
         ({"reward": lambda self: LUCK.random(self.world.rows)}, "AssertionError|same bits"),
         ({"after_moving": lambda self: self.nothing}, "AttributeError: 'Mine' object has no attribute 'nothing'"),
-        ({"things": lambda self: 7}, "TypeError"),
-        ({"observe": lambda self: {"near": np.full(self.world.rows, np.nan)}}, "observe: expected finite"),
-        ({"observe": lambda self: {"near": np.zeros(3)}}, r"observe: expected shape \(1, \d+\), got \(1, 3\)"),
-        ({"things": lambda self: (Things("goal", np.zeros((2, 2))),)}, r"things: goal: expected shape \(1, 2, 2\)"),
-        ({"place": lambda self, start: start.put_robots(np.full((4, 2), np.inf))}, "put_robots: places: expected"),
+        ({"observe": lambda self: {"near": np.full(self.world.rows, np.nan)}}, "Mine.observe: .* with NaN"),
+        ({"observe": lambda self: {"near": np.zeros(3)}}, r"Mine.observe: .* got near: float64 \(3,\)"),
     ],
 )  # fmt: skip
 def test_a_task_that_breaks_its_contract_is_one_line(members, said, monkeypatch):
-    monkeypatch.setitem(TASKS._classes, "Mine", type("Mine", (Waiting,), {**members, "__module__": __name__}))
+    cls = registered(members, monkeypatch)
     with pytest.raises(ValueError, match=said) as raised:
-        check_task(TASKS.find("Mine"))
+        check_task(cls)
     assert "\n" not in str(raised.value)
+
+
+def registered(members, monkeypatch):
+    """A task of a plug-in that waits, but for some of its members."""
+    monkeypatch.setattr(TASKS, "_classes", dict(TASKS._classes))
+    return TASKS.register(type("Mine", (Waiting,), {**members, "__module__": __name__}))
+
+
+def put(array, value, place=slice(None)):
+    array[place] = value
+
+
+AT = {"things": lambda self: (Things("goal", np.zeros((self.world.worlds, 1, 2)), moves=True),)}
+"""A task with a thing."""
+WRONG = {
+    "things": [
+        lambda self: [], lambda self: None, lambda self: {}, lambda self: 7, lambda self: (1, 2),
+        lambda self: Things("goal", np.zeros((self.world.worlds, 1, 2))),
+        lambda self: (Things("goal", np.zeros((2, 2))),),
+        lambda self: (Things("goal", [[[0.0, 0.0]]]),),
+        lambda self: (Things(7, np.zeros((self.world.worlds, 1, 2))),),
+        lambda self: (Things("goal", np.full((self.world.worlds, 1, 2), np.nan)),),
+    ],
+    "sizes": [lambda self: None, lambda self: {"K": -1}, lambda self: {"K": 1.5}, lambda self: {"R": 3}],
+    "place": [
+        lambda self, start: put(start.poses, np.nan),
+        lambda self, start: start.put_robots(np.full((start.robots, 2), np.inf)),
+        lambda self, start: start.put_robots(np.ones((start.robots, 2)), np.full(start.robots, np.nan)),
+        lambda self, start: setattr(start, "poses", None),
+        lambda self, start: put(self.around[0].places, np.nan),
+    ],
+    "known": [
+        lambda self: None, lambda self: [1], lambda self: {"carrying": np.zeros(3)},
+        lambda self: {"carrying": np.full(self.world.rows, np.nan)},
+    ],
+    "start_tick": [
+        lambda self: np.array([99]), lambda self: np.array([-1]), lambda self: np.array([0.0]), lambda self: [0, 1],
+        lambda self: np.array([[0, 1]]), lambda self: np.array([1, 0]), lambda self: np.array([1, 1]),
+        lambda self: np.array([True]), lambda self: np.array([0], dtype=np.int32), lambda self: np.arange(4)[::2],
+    ],
+    "command": [lambda self, commands: put(commands.vectors, np.inf)],
+    "bend": [
+        lambda self, commands: put(commands.vectors, np.nan, 0),
+        lambda self, commands: setattr(commands, "vectors", np.zeros(3)),
+    ],
+    "before_moving": [lambda self, commands: put(commands.vectors, np.nan)],
+    "after_moving": [lambda self: put(self.around[0].places, np.nan), lambda self: put(self.world.positions, np.nan)],
+    "done": [lambda self: None, lambda self: np.zeros(self.world.worlds), lambda self: np.zeros(9, bool)],
+    "observe": [lambda self: None, lambda self: {"near": 1.0}, lambda self: {7: np.zeros(self.world.rows)}],
+    "reward": [lambda self: np.full(self.world.rows, np.nan), lambda self: np.zeros(3), lambda self: "x"],
+    "cost": [lambda self, world, values, wrong=wrong: wrong for wrong in (np.nan, -5.0, "x", None, np.zeros(2))],
+    "unavoidable": [lambda self, world, wrong=wrong: wrong for wrong in (np.nan, -5.0, None)],
+    "duration": [lambda self, world, wrong=wrong: wrong for wrong in (np.inf, -5.0, "x")],
+    "completed": [lambda self, values: 7, lambda self, values: np.zeros(self.world.worlds)],
+    "headline": [lambda self, world: 7],
+    "goals": [classmethod(lambda cls, *_: 7), classmethod(lambda cls, *_: ())],
+    "__init__": [lambda self, world: None],
+}  # fmt: skip
+"""Part of a task -> functions that answer wrongly."""
+
+
+@pytest.mark.parametrize(("part", "number"), [(part, k) for part, wrong in WRONG.items() for k in range(len(wrong))])
+def test_an_answer_that_a_task_may_not_give_is_one_line_that_names_it(part, number, monkeypatch):
+    cls = registered({**AT, part: WRONG[part][number]}, monkeypatch)
+    with pytest.raises(PluginError, match=rf"Mine\.{part}: expected ") as raised:
+        lived(cls)
+    assert "\n" not in str(raised.value)
+
+
+def lived(cls):
+    """Let a task go through a mission, and ask for all that is told of it."""
+    batch = Batch(mission_of(cls.name, 2.0))
+    batch.reset([1])
+    while not batch.finished:
+        batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
+    batch.worlds.task.headline(0)
+
+
+class Mute(BaseException):
+    """What cannot even say what went wrong."""
+
+    def __str__(self):
+        sys.exit(0)
+
+
+@pytest.mark.parametrize("part", ["__init__", "place", "known", "done", "reward", "goals", "buffers", "check"])
+@pytest.mark.parametrize("error", [SystemExit(0), Mute(), KeyError("lost"), RecursionError()])
+def test_nothing_that_a_task_raises_ends_the_program_or_goes_by_another_name(part, error, monkeypatch):
+    def broken(*_):
+        raise error
+
+    members = {part: classmethod(broken) if part in ("goals", "buffers", "check") else broken}
+    with pytest.raises(ValueError, match=rf"test_conformance.py:\d+: {type(error).__name__}:"):
+        lived(registered(members, monkeypatch))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("measures", 7), ("measures", (7,)), ("terms", None), ("fewest", "x"), ("apart", np.nan), ("mission", 7)],
+)
+def test_an_attribute_of_another_type_is_one_line(name, value):
+    with pytest.raises(ValueError, match=f"^task Mine: {name}.*: expected "):
+        type("Mine", (Waiting,), {name: value, "__module__": __name__})
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # remarks on observations, such as not being normalised pictures

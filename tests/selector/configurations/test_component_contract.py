@@ -95,7 +95,7 @@ def test_an_activator_keeps_its_contract_and_what_it_does_not_take_is_refused(cl
 @pytest.mark.parametrize(
     ("members", "said"),
     [
-        ({"kind": 7}, "Odd.kind: expected one of our rules, got 7"),
+        ({"kind": 7}, "Odd.__init__: expected a kind that is one of our rules"),
         ({"parameters": (np.nan, 0.0, 1.0)}, "Odd.parameters: expected two finite numbers and the sign"),
         ({"parameters": (1.0, 0.0, 0.5)}, "Odd.parameters: expected two finite numbers and the sign"),
     ],

@@ -2,6 +2,7 @@
 
 import gc
 import pickle
+import sys
 from copy import deepcopy
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ import pytest
 from clean_swarm_env.testing import check_strategy
 from clean_swarm_env.testing.strategies import FEATURES, KEYS, PROBLEM, SHARED_BY
 from selector.strategies.bandits.value_table import ValueTable
+from selector.strategies.choosing import best
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
@@ -33,8 +35,8 @@ def test_a_strategy_keeps_its_contract(name):
 def broken(monkeypatch, **members):
     """Register a strategy that takes the highest score, but for some of its members."""
     cls = type("Mine", (MaxScore,), {**members, "__module__": __name__})
-    monkeypatch.setitem(STRATEGIES._classes, "Mine", cls)
-    return cls
+    monkeypatch.setattr(STRATEGIES, "_classes", dict(STRATEGIES._classes))
+    return STRATEGIES.register(cls)
 
 
 @pytest.mark.parametrize(
@@ -47,17 +49,48 @@ def broken(monkeypatch, **members):
         (lambda self, decisions: LUCK.integers(0, 4, len(decisions.rows)), "the same for the same seed"),
         (lambda self, decisions: decisions.context.fill(0), "ValueError: assignment destination is read-only"),
         (lambda self, decisions: self.luck, "AttributeError: 'Mine' object has no attribute 'luck'"),
+        (lambda self, decisions: sys.exit(0), "SystemExit: 0"),
+        (lambda self, decisions: self.chance.fill(np.nan) or best(self._opinions(decisions), decisions.allowed),
+         "Mine.select: expected chances above 0 and up to 1"),
     ],
-)
+)  # fmt: skip
 def test_a_strategy_that_breaks_its_contract_is_one_line(select, said, monkeypatch):
     with pytest.raises(ValueError, match=said) as raised:
         check_strategy(broken(monkeypatch, _select=select))
     assert "\n" not in str(raised.value)
 
 
-def test_a_strategy_whose_learned_arrays_or_state_are_wrong_is_one_line(monkeypatch):
-    with pytest.raises(PluginError, match=r"Mine\._first_state: expected groups as the first axis of .*many"):
-        check_strategy(broken(monkeypatch, _first_state=lambda self: {"many": np.zeros((self.groups + 1, 2))}))
+@pytest.mark.parametrize(
+    ("members", "said"),
+    [
+        ({"_first_state": lambda self: {"many": np.zeros((self.groups + 1, 2))}}, "Mine.__init__: expected a state"),
+        ({"_first_state": lambda self: {"nan": np.full((self.groups, 2), np.nan)}}, "Mine.__init__: expected a state"),
+        ({"_first_state": lambda self: None}, "TypeError: 'NoneType' object is not iterable"),
+        ({"_prepare": lambda self: sys.exit(0)}, "SystemExit: 0"),
+        ({"_first_state": lambda self: {"many": np.zeros((self.groups, 2))},
+          "_update": lambda self, outcomes: self.many.fill(np.inf)}, "Mine.update: expected a state of finite"),
+    ],
+)  # fmt: skip
+def test_a_strategy_whose_learned_arrays_are_wrong_is_one_line(members, said, monkeypatch):
+    with pytest.raises(PluginError, match=said):
+        check_strategy(broken(monkeypatch, **members))
+
+
+@pytest.mark.parametrize(
+    ("think", "said"),
+    [
+        (lambda self, decisions: np.zeros(77), "ValueError: could not broadcast"),
+        (lambda self, decisions: np.nan, "Mine.opinions: expected opinions that are numbers"),
+        (lambda self, decisions: sys.exit(0), "SystemExit: 0"),
+    ],
+)
+def test_a_strategy_whose_opinions_are_wrong_is_one_line(think, said, monkeypatch):
+    strategy = broken(monkeypatch, _opinions=think)(PROBLEM, KEYS[:2])
+    with pytest.raises(PluginError, match=said):
+        strategy.opinions(np.zeros((2, FEATURES)))
+
+
+def test_a_strategy_whose_state_is_wrong_is_one_line(monkeypatch):
     lucky = {
         "_prepare": lambda self: setattr(self, "seen", 0),
         "_select": lambda self, d: (setattr(self, "seen", self.seen + 1), np.full(len(d.rows), self.seen % 3))[1],

@@ -320,12 +320,12 @@ def test_a_file_of_a_plugin_has_a_name_of_its_own(installed):
         (
             READ,
             "return np.full(len(rows), np.nan)",
-            "my-swarm 0.1.0: Pushed.read: expected finite numbers (24,), got float64 (24,) with NaN or infinity",
+            "my-swarm 0.1.0: Pushed.read: expected finite numbers, one of each row, got float64 (24,) with NaN",
         ),
         (
             READ,
             "return np.zeros(3)",
-            "my-swarm 0.1.0: Pushed.read: expected finite numbers (24,), got float64 (3,)",
+            "my-swarm 0.1.0: Pushed.read: expected finite numbers, one of each row, got float64 (3,)",
         ),
         (
             READ,
@@ -335,19 +335,31 @@ def test_a_file_of_a_plugin_has_a_name_of_its_own(installed):
         (
             "return {NEAREST: nearest_neighbours(self.world.positions, self.world.ground).mean(axis=1)}",
             "return {NEAREST: np.full(self.world.worlds, np.nan)}",
-            "task KeepApart: result: distance to the nearest neighbour: expected",
+            "those of the measures, got distance to the nearest neighbour: float64 (4,) with NaN or infinity",
         ),
         (
             "vectors[rows] = 0.0",
             "vectors[rows] = np.nan",
-            "my-swarm 0.1.0: KeepDistance.move_into: expected finite numbers (24, 2), got float64 (24, 2) with NaN",
+            "my-swarm 0.1.0: KeepDistance.move_into: expected finite vectors",
         ),
-        (TASK, "def bend(self, commands): commands.vectors[:] = np.nan", "KeepApart.commands: expected finite numbers"),
-        (TASK, "def done(self): return np.zeros(4)", "task KeepApart: done: expected bool (4,), got float64 (4,)"),
+        (
+            TASK,
+            "def bend(self, commands): commands.vectors[:] = np.nan",
+            "KeepApart.bend: expected finite commands",
+        ),
+        (
+            TASK,
+            "def done(self): return np.zeros(4)",
+            "KeepApart.done: expected an array of bool (4,), got float64",
+        ),
         (TASK, "def after_moving(self): raise KeyError('lost')", "my_swarm/__init__.py:71: KeyError: 'lost'"),
         (TASK, "def done(self): __import__('sys').exit(0)", "my_swarm/__init__.py:71: SystemExit: 0"),
         (TASK, "def place(self, start): raise type('Own', (BaseException,), {})(7)", "__init__.py:71: Own: 7"),
-        ("return {NEAREST: ", "return {'other': np.ones(4), NEAREST: ", "result: expected the measures ['distance"),
+        (
+            "return {NEAREST: ",
+            "return {'other': np.ones(4), NEAREST: ",
+            "measures, got other: float64 (4,), distance",
+        ),
     ],
 )
 def test_a_plugin_that_breaks_its_contract_is_one_line(installed, old, new, said):
