@@ -32,7 +32,7 @@ NAMED = "CLEAN_SWARM_IMPORT"
 OURS = ("selforg", "selector", "clean_swarm_env", "train", "configs")
 OF_FILE = "file "
 """Beginning of the name of a module that is no more than a file."""
-MOST_LETTERS = 400
+MOST_SAID = 400
 """Letters of an error of a plug-in that fit a line."""
 
 _lock = RLock()
@@ -161,7 +161,7 @@ def errors_in_a_line(place: str, code: Any = None) -> Iterator[None]:  # noqa: A
         where = [f"{file}:{line}" for file, line in frames if own and file.startswith(own)]
         kind, said = "" if isinstance(error, ModuleNotFoundError) else f"{type(error).__name__}: ", ""
         with suppress(BaseException):  # an error of a plug-in's own class may fail to say what went wrong
-            said = textwrap.shorten(str(error), MOST_LETTERS, placeholder=" ...")
+            said = textwrap.shorten(str(error), MOST_SAID, placeholder=" ...")
         raise PluginError(f"{[place.removeprefix(OF_FILE), *where][-1]}: {kind}{said}") from error
 
 
@@ -194,7 +194,7 @@ def _guarded(
         with contract(one, part, *(arguments[number] for number in reads), code=function):
             answer = function(one, *given, **more)
             if not kept(one, answer, *arguments):
-                got = "others" if answer is None else _told(answer)
+                got = "others" if answer is None else _words_for(answer)
                 raise broken(one, part, f"expected {expected.format(one)}, got {got}")
         return answer
 
@@ -223,7 +223,7 @@ def contract(owner: object, part: str, *inputs: Any, code: Any = None) -> Iterat
 def check_answer(owner: object, part: str, answer: Any, shape: tuple[int, ...]) -> None:  # noqa: ANN401
     """Raise PluginError unless the answer of a plug-in's object is finite numbers of a shape."""
     if not are_numbers(answer, *shape):
-        raise broken(owner, part, f"expected finite numbers {shape}, got {_told(answer)}")
+        raise broken(owner, part, f"expected finite numbers {shape}, got {_words_for(answer)}")
 
 
 def are_numbers(answer: Any, *shape: int) -> bool:  # noqa: ANN401
@@ -240,10 +240,10 @@ def broken(owner: Any, part: str, what: str) -> PluginError:  # noqa: ANN401  (a
     return PluginError(f"{origin_of(named.__module__)}: {named.__name__}{part and f'.{part}'}: {what}")
 
 
-def _told(answer: Any) -> str:  # noqa: ANN401
+def _words_for(answer: Any) -> str:  # noqa: ANN401
     """Return in a few words what a plug-in's object has answered."""
     if isinstance(answer, Mapping):
-        return ", ".join(f"{name}: {_told(value)}" for name, value in answer.items()) or "nothing"
+        return ", ".join(f"{name}: {_words_for(value)}" for name, value in answer.items()) or "nothing"
     if not getattr(answer, "shape", ()):
         return reprlib.repr(answer)
     not_finite = answer.dtype.kind == "f" and not are_numbers(answer, *answer.shape)

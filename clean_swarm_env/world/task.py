@@ -19,7 +19,6 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.measure import Measure
-from clean_swarm_env.world.promises import TASK_PROMISES
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.shown_task import ShownTask
 from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
@@ -36,7 +35,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.plugins import Promises, is_own
+from selforg.plugins import is_own
 
 AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of things: gradients at one place are one thing."""
@@ -77,7 +76,6 @@ class Task(ShownTask, ABC, Generic[S, T]):
 
     """
 
-    promises: ClassVar[Promises] = TASK_PROMISES
     State: ClassVar[type[TaskState]] = TaskState
     measures: ClassVar[tuple[Measure, ...]] = ()
     baseline: ClassVar[str] = "random walk, a new direction every 2 s"

@@ -371,6 +371,7 @@ def test_a_plugin_that_breaks_its_contract_is_one_line(installed, old, new, said
     ("new", "said", "workers"),
     [
         ("return first + 99", "Second._select: expected options 0..", 1),
+        ("raise SystemExit(0)", "__init__.py:54: SystemExit: 0", 2),
         (
             "decisions.context[:] = 0.0\n        return first",
             "__init__.py:54: ValueError: assignment destination is read",
@@ -385,6 +386,15 @@ def test_a_strategy_that_breaks_its_contract_is_one_line_from_a_worker_too(insta
     assert code == 2
     assert said in err.splitlines()[-1]
     assert "Traceback" not in err
+
+
+def test_a_plugin_that_only_a_worker_cannot_import_is_one_line(installed):
+    head = "if __import__('multiprocessing').current_process().name.startswith('Spawn'):\n    raise SystemExit(0)\n"
+    rewrite(installed, (FORMULA, PLAIN), ("\nNEAREST = ", f"\n{head}\nNEAREST = "))
+    words = ("--strategy", "fixed", "--strategy", "Second", "--scenarios", "2", "--workers", "2")
+    code, _, err = run(commands.command, installed, "evaluate", "--family", "parting", *words)
+    assert (code, "Traceback" in err) == (2, False)
+    assert "__init__.py:20: SystemExit: 0" in err.splitlines()[-1]
 
 
 @pytest.mark.parametrize("name", ["a:b.py", ".", "..a", ""])
