@@ -113,7 +113,7 @@ class _KnowledgeFile(Closed):
     goals: dict[Name, Annotated[tuple[_ListedOption, ...], Field(min_length=1)]]
     """Options by goal."""
     learned: LearnedScores = Field(default={})
-    """Rewards of options, as `clean-swarm learn knowledge export --context` writes them."""
+    """Rewards of options, as `clean-swarm knowledge export --context` writes them."""
 
     @model_validator(mode="after")
     def _unique_names(self) -> Self:

@@ -72,7 +72,7 @@ def test_help_is_quick_because_heavy_libraries_wait():
 
 
 OF_EXTRAS = (
-    *("optuna", "cmaes", "unified_planning", "onnxruntime", "cv2", "dask"),
+    *("unified_planning", "onnxruntime", "cv2", "dask"),
     *("pygame", "torch", "stable_baselines3"),
 )
 """What `pip install .` does not bring."""

@@ -79,7 +79,7 @@ class Memory:
     def check_new(self) -> None:
         """Raise StoreError if the store holds what this run would learn, which would count twice."""
         if self.learns and self.held():
-            advice = "take another --seed, continue with --resume, or `clean-swarm learn knowledge reset --source` it"
+            advice = "take another --seed, continue with --resume, or `clean-swarm knowledge reset --source` it"
             raise StoreError(f"{self._store.name}: holds what {self.source!r} learned already; {advice}")
 
     def now(self) -> Knowledge:

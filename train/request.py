@@ -25,7 +25,7 @@ class Request:
     """What a user asks of a command that does missions; a command reads the settings that it has options for."""
 
     name: str
-    """Experiment, family, training or study, by name or by path."""
+    """Experiment, family or training, by name or by path."""
     strategies: tuple[str, ...] = ()
     """Strategies to compare; see `entrants_of`."""
     seed: int = 0
@@ -46,8 +46,6 @@ class Request:
     """Names of the conditions of an experiment to run; empty: all."""
     store: StoreRequest = NO_STORE
     """The knowledge store."""
-    scoring: bool = False
-    """Whether every option of a goal is run and scored for the store."""
     output: Path | None = None
     """Directory of the results; a new one below results/ unless given."""
     resume: bool = False

@@ -9,6 +9,7 @@ import numpy as np
 from clean_swarm_env.config.families import Split, scenario_name
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
+from docs.comparison.headroom import race
 from docs.comparison.loop import LoopedFamily, LoopedMissions, LoopManifest
 from docs.comparison.running import run
 from selforg.arrays import Floats
@@ -55,8 +56,7 @@ def make_loop(manifest: LoopManifest, label: str, folder: Path) -> LoopedRuns:
     words = [word for strategy in ("fixed", *asked.beside) for word in ("--strategy", strategy)]
     kept = ("--goal", asked.goal, "--resume", "--output")
     drill = folder / f"{label}-training"
-    sizes = ("--searched", manifest.training, "--judged", 2, "--seed", manifest.training_seed)
-    run("study", "headroom", file, "--kinds", *sizes, *kept, drill)
+    race(file, asked.goal, drill, searched=manifest.training, judged=2, seed=manifest.training_seed)
     own_seeds = manifest.seeds[:1] if asked.reordered else manifest.seeds
     for seed in own_seeds:
         count = ("--scenarios", manifest.missions, "--seed", seed)

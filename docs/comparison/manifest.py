@@ -51,7 +51,7 @@ class Screening(Closed):
 
 
 class Race(Closed):
-    """The race of all options of the goals, joined, on training scenarios: `clean-swarm study headroom --kinds`."""
+    """The race of all options of the goals, joined, on training scenarios; see `HeadroomEvaluation`."""
 
     searched: Scenarios
     finalists: Count

@@ -13,8 +13,9 @@ import numpy as np
 
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.load import load_family
+from docs.comparison.headroom import race
 from docs.comparison.manifest import Numbers
-from docs.comparison.running import run, written
+from docs.comparison.running import written
 from selector.documents.fields import JOINT
 from selector.knowledge import Option, load_knowledge
 from train.analysis.flips import ALPHA
@@ -64,8 +65,7 @@ def race_numbers(numbers: Numbers, folder: Path, family: str, goals: str) -> dic
         }
         place = folder / f"numbers-of-{family}-{goal}"
         file = _knowledge(place, {**others, **fixed, goal: every})
-        sizes = ("--searched", numbers.searched, "--finalists", numbers.finalists, "--seed", numbers.seed)
-        _race(family, goals, file, place, sizes)
+        _race(family, goals, file, place, searched=numbers.searched, finalists=numbers.finalists, seed=numbers.seed)
         library = {one.name for one in known.options(goal)}
         best, first = _best_and_known(place, held, goal, library)
         ratio = None
@@ -73,8 +73,7 @@ def race_numbers(numbers: Numbers, folder: Path, family: str, goals: str) -> dic
             place = folder / f"numbers-of-{family}-{goal}-again"
             pair = [one for one in every if one.name in (best, first)]
             file = _knowledge(place, {**others, **fixed, goal: pair})
-            sizes = ("--searched", numbers.confirmed, "--finalists", 2, "--seed", numbers.fresh)
-            _race(family, goals, file, place, sizes)
+            _race(family, goals, file, place, searched=numbers.confirmed, finalists=2, seed=numbers.fresh)
             own, other = (_excesses(place, held | {goal: name}) for name in (best, first))
             ratio = Ratio.of(own, other)
         found[goal] = Won(first, best, ratio)
@@ -128,10 +127,9 @@ def _knowledge(place: Path, goals: Mapping[str, list[Option] | tuple[Option, ...
     return written(place.with_name(f"{place.name}.knowledge.yaml"), {"goals": content})
 
 
-def _race(family: str, goals: str, knowledge: Path, output: Path, sizes: tuple[object, ...]) -> None:
+def _race(family: str, goals: str, knowledge: Path, output: Path, **sizes: int) -> None:
     if not (output / "summary.json").exists():
-        asked = ("--kinds", "--goal", goals, "--knowledge", knowledge, "--judged", 2)
-        run("study", "headroom", family, *asked, *sizes, "--output", output, "--resume")
+        race(family, goals, output, judged=2, knowledge=knowledge, **sizes)
 
 
 def _best_and_known(place: Path, held: Mapping[str, str], goal: str, library: set[str]) -> tuple[str, str]:

@@ -10,6 +10,8 @@ from pathlib import Path
 from rich.console import Console
 
 from clean_swarm_env.config.load import load_family
+from docs.comparison import headroom
+from docs.comparison.claims import family_runs
 from docs.comparison.manifest import Ablations, Learner, Manifest, Variant
 from docs.comparison.raced_numbers import Won, knowledge_with, race_numbers
 from docs.comparison.running import run, written
@@ -23,8 +25,7 @@ from selector.knowledge import load_knowledge
 from train.analysis.family_report import excesses_of
 from train.analysis.intervals import Ratio
 from train.deciders.named import FIXED, MACHINE, POLICY
-from train.evaluation.claims import family_runs
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.family import AloneEvaluation
 from train.evaluation.pipeline import evaluate
 from train.learning.config import TrainingConfig
 from train.learning.training import HISTORY_FILE
@@ -38,12 +39,6 @@ TOLD = "told"
 """Label of a machine that sees what no robot can know."""
 TRUE_TERMS = ("true_season", "finds", "recent_finds", "stops", "loads")
 """Terms that machines on written families see, beside the usual ones."""
-
-
-class AloneEvaluation(FamilyEvaluation):
-    """The evaluation of strategies alone: `Off` and `Random` were screened."""
-
-    beside_baselines = False
 
 
 @dataclass(frozen=True)
@@ -177,18 +172,9 @@ def _race(folder: Path, manifest: Manifest, family: str) -> None:
     """Race the options of the goals on training scenarios."""
     output, race = _race_folder(folder, family), manifest.race
     if manifest.families[family].best is None and not (output / "summary.json").exists():
-        sizes = (
-            "--searched",
-            manifest.families[family].searched or race.searched,
-            "--finalists",
-            race.finalists,
-            "--judged",
-            2,
-            "--seed",
-            race.seed,
-        )
-        goal = ("--goal", manifest.goal_on(family))
-        run("study", "headroom", family, "--kinds", *goal, *sizes, "--output", output, "--resume")
+        searched = manifest.families[family].searched or race.searched
+        sizes = {"searched": searched, "finalists": race.finalists, "judged": 2, "seed": race.seed}
+        headroom.race(family, manifest.goal_on(family), output, **sizes)
 
 
 def _trained(folder: Path, learners: Mapping[str, Learner]) -> dict[str, list[Path]]:

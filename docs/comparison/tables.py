@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.load import load_family
+from docs.comparison.claims import family_runs
+from docs.comparison.headroom import scenario_kinds
 from docs.comparison.manifest import Manifest
 from docs.comparison.raced_numbers import numbers_table
 from docs.comparison.runs import (
@@ -35,8 +37,6 @@ from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import Estimate
 from train.analysis.verdict import RANDOM, interval_words, listed
 from train.deciders.named import FIXED
-from train.evaluation.claims import family_runs
-from train.evaluation.headroom import scenario_kinds
 from train.reports.text_table import EMPTY_CELL, interval_cell, markdown_table
 
 NOT_WORSE = 1.02

@@ -1,7 +1,7 @@
 """Takes the results of README and pages from docs/figures.json: `python -m docs.figures.numbers`, which writes them.
 
     python -m docs.figures.numbers --check            # says what differs, writes nothing
-    python -m docs.figures.numbers --take exploring/rule [--command "clean-swarm study ..." --inputs FILE...]
+    python -m docs.figures.numbers --take exploring/rule [--command "clean-swarm evaluate ..." --inputs FILE...]
     python -m docs.figures.numbers --keep exploring/rule --because "only a description changed"
 
 `--take` reads a block that somebody filled by hand, after its command has run again; `--command` and `--inputs` are

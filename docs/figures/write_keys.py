@@ -23,7 +23,7 @@ from selector.documents.fields import LARGEST_NUMBER
 FILE = Path(__file__).parents[1] / "keys.md"
 HEAD = """# Keys of missions, families and experiments
 
-All keys of the files that `clean-swarm evaluate`, `play` and `study` read, with the values that they may have. Any key
+All keys of the files that `clean-swarm evaluate`, `play` and `advise` read, with the values that they may have. Any key
 may be left out unless it is *needed*; an unknown key is an error. The `mission` of a family or an experiment is a name,
 keys of its own, or a name and what changes: `{base: three-rooms, time_limit: 6000.0}`. `clean-swarm list missions` and
 `clean-swarm list families` name those that ship.

@@ -35,7 +35,6 @@ CALLED = {
     "action-classes": ("Actions in code", "action in code"),
     "activator-classes": ("Activators in code", "activator in code"),
     "training": ("Trainings", "training"),
-    "studies": ("Studies", "study"),
     "starts": ("Start configurations", "start configurations"),
 }
 """Kind -> title of the page that lists its names, and what one of them is, in the order of the menu."""
@@ -52,7 +51,6 @@ COMMANDS = {
     "mechanisms": "clean-swarm look draw {name}",
     "policies": "clean-swarm play crowded-exploring --strategy policy:{name}",
     "robots": "clean-swarm look draw {name}",
-    "studies": "clean-swarm tune {name}",
     "strategy-classes": "clean-swarm evaluate --family table1 --strategy {name} --scenarios 2",
 }
 """Kind -> the line that starts or shows a name of it."""

@@ -51,7 +51,6 @@ KINDS = {
     "robots": FileKind("robot"),
     "starts": FileKind("set of start configurations"),
     "strategies": FileKind("learned strategy", ".safetensors"),
-    "studies": FileKind("study"),
     "training": FileKind("training"),
 }
 """Folder of a directory of configurations -> the kind of file that it holds."""

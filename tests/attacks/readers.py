@@ -14,14 +14,12 @@ from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import coordinated_goals, load_network
 from selector.documents.errors import DocumentError, validated, within
-from selector.documents.find import load_file
 from selector.documents.parameters import check_parameters_used, resolved
 from selector.documents.reading import read_mapping
 from selector.knowledge import load_knowledge, options_in
 from selector.store import contents
 from selector.strategies.machine_file import load_machine
 from train.learning.config import load_training
-from train.studies.config import StudyConfig
 
 MOST_SECONDS, MOST_BYTES = 5.0, 300e6
 
@@ -50,7 +48,6 @@ READERS: dict[str, Callable[[Path], object]] = {
     "missions": lambda path: load_mission(str(path)),
     "options": options_in,
     "robots": read_robot,
-    "studies": lambda path: load_file("studies", str(path), StudyConfig),
     "training": lambda path: load_training(str(path), "bandit"),
 }
 KINDS = tuple(READERS)

@@ -20,7 +20,7 @@ KNOWLEDGE = ("k1.yaml", "k2.yaml", "inf.yaml", "nan.json", "dup.json")
 
 def words_for(path):
     if path.name in KNOWLEDGE:
-        return ("learn", "knowledge", "import", path, "--store", "store.sqlite")
+        return ("knowledge", "import", path, "--store", "store.sqlite")
     if path.name == "starts.json":
         return ("evaluate", "--starts", path)
     return ("evaluate", *(("--family",) if path.name.startswith("fam") else ()), path, *CONFIGS)

@@ -42,7 +42,6 @@ from train.cli.listing import names_of
 from train.learning.config import TrainingConfig
 from train.live.server import LiveServer
 from train.live.session import Session
-from train.studies.config import StudyConfig
 
 PAGES = [path.relative_to(ROOT).as_posix() for path in sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])]
 TRAINS = re.compile("stable_baselines3|clean_swarm_env.sb3")
@@ -172,7 +171,6 @@ LOADERS = {
     "knowledge": load_knowledge,
     "mechanisms": lambda name, directories: Library(directories).configuration(name),
     "missions": load_mission,
-    "studies": lambda name, directories: load_file("studies", name, StudyConfig, directories),
     "training": lambda name, directories: load_file("training", name, TrainingConfig, directories),
 }
 """Folder of a directory of configurations -> what reads a file of it."""
@@ -327,7 +325,7 @@ def test_the_commands_on_knowledge_run_in_their_order(folder):
 
 STORY = ("README.md", "docs/commands.md", *(page for page in PAGES if page.startswith("docs/tutorials/")))
 """Pages that run one after the other in one directory; what ran there already does not run again."""
-FEWER = {"docs/scores.md": r"30|20|10", "docs/tuning.md": r"20"}
+FEWER = {"docs/scores.md": r"30|20|10"}
 """Pages that run in a directory of their own -> numbers of missions in whose place are 2."""
 IN_STORY = {"docs/commands.md": r"100|10"}
 """The same for pages of the story; the README and the tutorials run whole."""
@@ -365,17 +363,13 @@ def run_page(page, folder, ran, many="never"):
 @pytest.mark.extra
 @pytest.mark.parametrize("page", STORY)
 def test_a_page_runs_whole(page, story):
-    for extra in ("stable_baselines3", "optuna"):
-        pytest.importorskip(extra, reason="needs the extras 'train' and 'tune'")
+    pytest.importorskip("stable_baselines3", reason="needs the extra 'train'")
     run_page(page, *story, IN_STORY.get(page, "never"))
 
 
 @pytest.mark.long
-@pytest.mark.extra
 @pytest.mark.parametrize("page", FEWER)
 def test_a_page_runs_with_fewer_missions(page, tmp_path):
-    for extra in ("optuna",):
-        pytest.importorskip(extra, reason="needs the extra 'tune'")
     run_page(page, tmp_path, set(), FEWER[page])
     if page == "docs/scores.md":
         choices = map(json.loads, (tmp_path / "first" / "choices.jsonl").read_text().splitlines())

@@ -80,7 +80,7 @@ def test_the_page_of_versions_has_the_numbers_of_the_code():
     assert numbers["[environments](environment.md)"] == clean_swarm_v0.CleanSwarm.metadata["name"].rpartition("_")[2]
     assert int(numbers["[states](environment.md#copies-and-states)"]) == STATE_VERSION
     assert int(numbers["[recordings](recordings.md)"]) == FORMAT_VERSION == written
-    assert int(numbers["[results](commands.md), trainings, studies"]) == RESULTS_FORMAT
+    assert int(numbers["[results](commands.md), trainings"]) == RESULTS_FORMAT
     assert int(numbers["[policies](strategies.md#trained-policies)"]) == PolicySpec.model_fields["version"].default
     assert int(numbers["learned [strategies](strategies.md)"]) == VERSION
     assert int(numbers["[stores](knowledge.md)"]) == SCHEMA

@@ -19,7 +19,7 @@ from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
 from selforg.plugins import PluginError, import_named
-from train.cli import advise, evaluate, knowledge, listing, look, play, repeat, study, train, warm
+from train.cli import advise, evaluate, knowledge, listing, look, play, repeat, train, warm
 from train.cli.options import error_console, print_error
 from train.running.commands import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -51,7 +51,7 @@ def _interruptions_reported() -> Iterator[None]:
         raise typer.Exit(INTERRUPTED) from None
 
 
-PANELS = ("run", "look", "learn", "study")
+PANELS = ("run", "look", "learn")
 """Groups of commands in the help, in this order."""
 
 
@@ -89,23 +89,12 @@ COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
         "video": (look.video_command, "a run as a video (1 min)"),
         "report": (look.report_command, "results as a page with charts (seconds)"),
     },
-    "learn": {},
-    "study": {"tune": (study.tune_command, "parameters and scores of options, by missions (10 to 60 min)")},
 }
 """Panel -> command -> its function, and what it is for with its usual time."""
 GROUPS: dict[str, tuple[str, dict[str, Any]]] = {
     "look": (
         "picture, draw: a run or a document as a file (seconds)",
         {"picture": look.picture_command, "draw": look.draw_command},
-    ),
-    "learn": ("knowledge: stored scores of options (seconds)", {}),
-    "study": (
-        "the value of choosing, in three ways (1 to 60 min)",
-        {
-            "score": study.score_command,
-            "headroom": study.headroom_command,
-            "claims": study.claims_command,
-        },
     ),
 }
 """Group, in the panel of its name -> what it is for, and its commands."""
@@ -117,13 +106,13 @@ for _name, (_summary, _below) in GROUPS.items():
     for _own, _command in _below.items():
         groups[_name].command(_own)(_command)
     app.add_typer(groups[_name], name=_name, short_help=_summary, rich_help_panel=_name)
-groups["learn"].add_typer(knowledge.app, name="knowledge")
-app.add_typer(
-    train.app,
-    name="train",
-    short_help="ppo, bandit, es, design: which option to choose (2 to 60 min)",
-    rich_help_panel="learn",
-)
+LEARNING = {
+    "train": (train.app, "ppo, bandit, es, design: which option to choose (2 to 60 min)"),
+    "knowledge": (knowledge.app, "stored scores of options: show, import, export, reset (seconds)"),
+}
+"""Group of the panel "learn" -> its commands, and what it is for."""
+for _name, (_group_of, _summary) in LEARNING.items():
+    app.add_typer(_group_of, name=_name, short_help=_summary, rich_help_panel="learn")
 
 
 def run_app() -> None:

@@ -1,4 +1,4 @@
-"""`clean-swarm learn knowledge`: show, import and export the knowledge store, and forget a run."""
+"""`clean-swarm knowledge`: show, import and export the knowledge store, and forget a run."""
 
 from pathlib import Path
 from typing import Annotated

@@ -75,7 +75,6 @@ LINES = {
     "starts": "start configurations of experiments",
     "strategies": "strategies that have learned: --strategy learned:NAME",
     "strategy-classes": "ways to choose and to learn: --strategy NAME",
-    "studies": "searches for parameters: tune NAME",
     "tasks": "what robots do, also a mission and a family each: run NAME",
     "terms": "what robots can observe: terms of an observation",
     "training": "trainings: train ppo|bandit|es|design --config NAME",

@@ -33,8 +33,8 @@ Configs = Annotated[
     list[Path] | None,
     typer.Option(
         help="Directory of your own files, with experiments/, families/, knowledge/, machines/, mechanisms/, "
-        "missions/, options/, policies/, robots/, starts/, strategies/, training/; searched before the shipped "
-        f"ones; can be repeated; {MAY_NAME_CODE}.",
+        "missions/, options/, policies/, robots/, starts/, strategies/, training/; searched before the shipped ones; "
+        f"can be repeated; {MAY_NAME_CODE}.",
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
@@ -42,7 +42,7 @@ Output = Annotated[Path | None, typer.Option(help="Directory for the results; a 
 RunStore = Annotated[
     str | None,
     typer.Option(
-        help="Begin with what this knowledge store knows; see `learn knowledge`.",
+        help="Begin with what this knowledge store knows; see `knowledge`.",
         metavar="FILE",
     ),
 ]
@@ -119,11 +119,6 @@ REPORTING = (*KEEPING, "every_table", "figure")
 BOUNDS = {"scenarios": (1, MOST_SCENARIOS), "seed": (0, MOST_SEED), "workers": (1, 1000), "threads": (1, 1000)}
 """Least and largest number."""
 
-Family = Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")]
-Situations = Annotated[str, typer.Option(help="Components of the observation; the largest tells a robot's situation.")]
-SITUATIONS = "free_far,free_near,carrying_far,carrying_near"
-"""Situations unless others are given."""
-
 
 @dataclass(frozen=True)
 class GivenOptions:
@@ -137,7 +132,7 @@ class GivenOptions:
         return tuple(self.values["configs"] or ())
 
     def request(self, name: str, **more: Any) -> "Request":  # noqa: ANN401  (fields of a request)
-        """Return the request for an experiment, a family, a training or a study, with `more` of its fields."""
+        """Return the request for an experiment, a family or a training, with `more` of its fields."""
         from clean_swarm_env.learning.warm_up import usable_cpus
         from clean_swarm_env.recording.recorder import RecordSettings  # these import Numba
         from train.memory import StoreRequest
@@ -146,7 +141,7 @@ class GivenOptions:
         from train.running.run_folder import RECORDINGS
 
         value = self.values.get
-        learns = value("learn", value("store") is not None)
+        learns = value("learn", False)
         record = value("record") or value("minds")
         workers = value("workers") or (usable_cpus() if "workers" in self.values else 1)
         settings = {
@@ -227,14 +222,6 @@ def check_figure(option: str, file: Path | None) -> None:
         raise ConfigurationError(f"{option}: {file}: no such directory as {file.parent}")
     if file.is_dir() or not os.access(file.parent, os.W_OK):
         raise ConfigurationError(f"{option}: {file}: cannot be written")
-
-
-def situations_in(text: str) -> tuple[str, ...]:
-    """Return the names in the text of an option --situations; ConfigurationError if there is none."""
-    names = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
-    if not names:
-        raise ConfigurationError("--situations: expected components of the observation, got none")
-    return names
 
 
 def wide_console() -> Console:

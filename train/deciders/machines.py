@@ -1,11 +1,9 @@
-"""Deciders by rules: an option for each situation of a robot, or a finite state machine.
+"""Deciders without strategies: one option, or a finite state machine.
 
-Shapes: R rows, F components of an observation; S situations, or states; T transitions of the state that has most.
+Shapes: R rows, F components of an observation; S states; T transitions of the state that has most.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,28 +12,24 @@ from selector.strategies.machine_file import StateMachine
 from selector.strategies.problem import Problem
 from selector.strategies.streams import Keys, row_keys, uniforms
 from selforg.arrays import Ints
-from train.deciders.decider import OptionDecider, columns_of
+from train.deciders.decider import OptionDecider
 
 
-class RuleDecider(OptionDecider):
-    """All rows decide by one rule.
+class FixedDecider(OptionDecider):
+    """All rows hold one option.
 
     Args:
-        situations: components of the observation; the largest one gives the situation of a robot. Empty: S is 1.
-        rule: (S,) option for each situation.
+        option: its number.
         problem, teams: see `Decider`.
 
     """
 
-    def __init__(self, situations: tuple[str, ...], rule: Sequence[int], problem: Problem, teams: Ints) -> None:
+    def __init__(self, option: int, problem: Problem, teams: Ints) -> None:
         super().__init__(problem, teams)
-        self._columns, self._rule = columns_of(problem, situations, "context"), np.array(rule, dtype=np.int64)
+        self._option = option
 
     def _choose(self, observations: Observations) -> Ints:
-        if not len(self._columns):
-            return np.full(len(observations), self._rule[0])
-        chosen: Ints = self._rule[observations[:, self._columns].argmax(axis=1)]
-        return chosen
+        return np.full(len(observations), self._option)
 
 
 class MachineDecider(OptionDecider):

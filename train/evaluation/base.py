@@ -9,7 +9,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import fmean
-from types import MappingProxyType
 from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -112,7 +111,6 @@ class Evaluation(ABC):
         context: under which a store keeps rewards of such missions.
         so_far: what is known before all runs are done, which follows how many are kept.
         expected: number of runs, as far as it is known before the first ones.
-        scored: condition -> goal -> option, where runs of fixed options are scored for the store.
 
     """
 
@@ -125,7 +123,6 @@ class Evaluation(ABC):
     context: str
     so_far = ""
     expected = 0
-    scored: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 
     def __init__(self, request: Request) -> None:
         self.request = request
@@ -134,7 +131,7 @@ class Evaluation(ABC):
     @property
     def learns_in_turn(self) -> bool:
         """Whether missions run one after the other, and each chooses its options by the results of the earlier ones."""
-        return self.memory is not None and self.memory.learns and not self.scored
+        return self.memory is not None and self.memory.learns
 
     def identify(self, identity: Mapping[str, Any], **beside: object) -> None:
         """Make the manifest of an identity, with further entries `beside` it."""

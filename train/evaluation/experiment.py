@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
+from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
@@ -15,7 +15,6 @@ from clean_swarm_env.tasks.cleaning.starts_file import load_starts
 from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
 from selector.documents.errors import shown, within
-from selector.documents.fields import LARGEST_NUMBER
 from selector.knowledge import load_knowledge
 from selector.strategies.registry import StrategySpec, named
 from selforg.network.planning.planner import check_planner
@@ -53,20 +52,16 @@ class ExperimentEvaluation(Evaluation):
         super().__init__(request)
         directories = self.directories
         chosen = with_conditions(load_experiment(request.name, directories), request.conditions)
-        self.scored = {}
-        if request.scoring:
-            chosen, self.scored = by_option(chosen, directories)
         self.experiment, self.starts = with_starts(chosen, request)
         self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}{self.starts.stem}"
         check_mission(self.experiment, directories, request.name)
-        if request.store.learn and not request.scoring:
+        if request.store.learn:
             raise ConfigurationError("--learn: expected --family, whose strategies choose once in a mission")
         store = replace(request.store, path=request.store.path or self.experiment.mission.store or None)
         self.mission = self.experiment.mission.model_copy(update={"store": ""})
         self.scenarios = [start.id for start in self.experiment.starts]
         self.context = mission_context(chosen.mission.name)
-        source = f"experiment {chosen.name}, seed {request.seed}, {self.starts.source}"
-        self.memory = store.memory(knowledge_of(self.mission, directories), self.context, source)
+        self.memory = store.memory(knowledge_of(self.mission, directories), self.context, "")
         with within(shown(request.starts) if request.starts is not None else request.name):
             tasks = self._tasks()
             for task in {task.condition: task for task in tasks if isinstance(task, TrialTask)}.values():
@@ -147,24 +142,6 @@ def with_starts(experiment: ExperimentConfig, request: Request) -> tuple[Experim
     told = f"{count} random start configurations of seed {request.seed}"
     changes = {"starts": drawn}
     return experiment.model_copy(update=changes), Starts(told, "random starts", f"-{count}-scenarios")
-
-
-def by_option(
-    experiment: ExperimentConfig, directories: tuple[Path, ...]
-) -> tuple[ExperimentConfig, dict[str, dict[str, str]]]:
-    """Return an experiment with a condition for each option of each goal, and condition -> goal -> option."""
-    mission = experiment.mission.model_copy(update={"store": ""})
-    knowledge = knowledge_of(mission, directories)
-    served = {
-        f"{goal} - {option.name}": {goal: option.name}
-        for goal in task_class(mission).goals(mission, directories)
-        for option in knowledge.options(goal)
-    }
-    conditions = tuple(
-        ConditionConfig(name=name, scores={goal: {option: LARGEST_NUMBER} for goal, option in options.items()})
-        for name, options in served.items()
-    )
-    return experiment.model_copy(update={"conditions": conditions}), served
 
 
 def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> None:

@@ -21,7 +21,7 @@ from selector.strategies.streams import row_keys
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.robustness_report import RobustnessReport, durations_over
 from train.deciders.decided_goal import DecidedGoal
-from train.deciders.named import FIXED, decider_named
+from train.deciders.named import decider_named
 from train.evaluation.base import Choosers, Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, check_goals, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
@@ -78,16 +78,14 @@ class FamilyEvaluation(Evaluation):
         self.goal, self.options = self.problem.goal, self.problem.options
         self.variants = variants_of(self.family)
         self.entrants = entrants_of(request.strategies, self.options)
-        if self.beside_baselines and not (request.scoring or request.store.learn):
+        if self.beside_baselines and not request.store.learn:
             self.entrants = with_baselines(self.entrants, self.options, self.mission)
         self.decided = check_fit(self.entrants, self.batch, request.goal, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
         self.stem = f"{self.family.name}-seed{request.seed}"
-        fixed = {f"{FIXED}:{option}": {self.goal: option} for option in self.options}
-        self.scored = fixed if request.scoring else {}
         store = replace(request.store, path=request.store.path or self.family.mission.store or None)
-        if store.learn and not self.scored:
+        if store.learn:
             self.choosers()  # a strategy that cannot choose for a whole mission is an error
         source = f"family {self.family.name}, {self.goal}, seed {request.seed}"
         known = knowledge_of(self.mission, request.directories)
@@ -193,3 +191,9 @@ class FamilyEvaluation(Evaluation):
             fixed=tuple(entrant.label for entrant in self.entrants if entrant.fixed),
             records=records,
         )
+
+
+class AloneEvaluation(FamilyEvaluation):
+    """The evaluation of strategies alone, without `Off` and `Random` beside them."""
+
+    beside_baselines = False

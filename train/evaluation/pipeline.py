@@ -1,39 +1,26 @@
 """The pipeline of all evaluations: check, tasks, runs, report.
 
-`evaluate` is the whole pipeline; `scored_missions` are those that score every option of each goal. Subclasses of
-`Evaluation` define the tasks and the report.
+`evaluate` is the whole pipeline. Subclasses of `Evaluation` define the tasks and the report.
 """
 
 import json
 from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 
 from clean_swarm_env.config.known import knowledge_of
-from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.task_names import OWN_TASK, task_names
-from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.task import task_class
-from selector.documents.find import files_of
-from selector.documents.reading import read_mapping
-from selector.documents.trust import is_import
 from selector.store.exact_sums import REWARD_LIMIT
-from selforg.registry import unknown
-from train.deciders.named import FIXED
 from train.evaluation.base import Evaluation
-from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.family import FamilyEvaluation
-from train.memory import Memory
 from train.reports.knowledge_tables import learned_scores
 from train.reports.text_table import TerminalTable, publish
-from train.request import Request
 from train.running.commands import FINISHED, progress
 from train.running.engine import WorkerLost, compile_first
 from train.running.finished_runs import Results
@@ -76,7 +63,7 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
 
 
 def _publish(evaluation: Evaluation, results: Results, console: Console) -> None:
-    """Write and print the results, and give the scores to the store."""
+    """Write and print the results."""
     memory, folder, request = evaluation.memory, results.folder, evaluation.request
     publication = evaluation.publication(results.records)
     if folder.learned:
@@ -87,7 +74,6 @@ def _publish(evaluation: Evaluation, results: Results, console: Console) -> None
     evaluation.conclude(results.records)
     publish(publication, folder, console, request)
     if memory is not None and memory.learns:
-        _give_scores(evaluation, memory, results.records)
         title = f"known now in the context {memory.context!r}"
         console.print(TerminalTable(learned_scores(memory.now(), title, evaluation.mission)))
 
@@ -159,37 +145,9 @@ def _lessons(
                 strategy.update(chosen[goal], np.array([score]), NO_CONTEXT)
 
 
-def _give_scores(evaluation: Evaluation, memory: Memory, records: Sequence[RunRecord]) -> None:
-    """Give the scores of fixed options to the store, all at once; nothing if it has them already."""
-    if memory.held():
-        return
-    memory.give(
-        (goal, option, mission_score(evaluation.mission, record.result.cost_s))
-        for record in records
-        for goal, option in evaluation.scored.get(record.condition, {}).items()
-    )
-
-
 def mission_score(mission: MissionConfig, cost: float) -> float:
     """Return the score of a mission by its `cost` [s]; see `Task.best_score`.
 
     The lowest score is the lowest reward that a store takes.
     """
     return max(task_class(mission).best_score - cost / mission.time_limit, -REWARD_LIMIT)
-
-
-def scored_missions(request: Request) -> Sequence[Evaluation]:
-    """Return the evaluations that score the options: of an experiment, or one for each goal of a family or a task."""
-    name, directories = request.name, request.directories
-    families, experiments = (files_of(kind, directories) for kind in ("families", "experiments"))
-    path = Path(name).suffix in (".yaml", ".yml")
-    if name not in families and (name in experiments or (path and "conditions" in read_mapping(Path(name)))):
-        if request.knowledge is not None:
-            raise ConfigurationError("--knowledge: expected a family or a task, got an experiment")
-        return (ExperimentEvaluation(request),)
-    if not (path or is_import(name)) and name not in (*families, *files_of("missions", directories), *task_names()):
-        known = dict.fromkeys((*families, *experiments, *task_names()))
-        raise ConfigurationError(unknown("family, experiment or task", name, tuple(known)) + OWN_TASK)
-    mission = load_family(name, directories).mission
-    goals = task_class(mission).goals(mission, directories)
-    return [FamilyEvaluation(replace(request, strategies=(FIXED,), goal=goal)) for goal in goals]

@@ -53,7 +53,6 @@ Repeated = RunTask | TrialTask
 """One run that can be repeated; a task of trials has one scenario then."""
 NOT_REPEATED = {
     "learner": "a training: replay files below its recordings/, or evaluate its result",
-    "study": "a study: evaluate its result",
     "headroom": "a search for headroom: evaluate its result",
 }
 """Key of the identity of results whose missions are not run again -> what they are of, and what to do."""

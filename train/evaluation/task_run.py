@@ -27,7 +27,7 @@ from selforg.registry import unknown
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.task_report import MeasuredStrategy
 from train.deciders.named import FIXED
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.family import AloneEvaluation
 from train.evaluation.trial_task import TrialTask
 from train.reports.task_tables import MEASURE_HEADS, measure_cells
 from train.reports.text_table import Grid
@@ -167,10 +167,8 @@ def run_task(request: TaskRun) -> TaskOutcome:
 
 def _tasks(request: TaskRun, family: FamilyConfig, strategy: str) -> list[TrialTask]:
     """Return the runs of a strategy."""
-    asked = Request(
-        request.name, (strategy,), request.seed, request.runs, directories=request.directories, scoring=True
-    )
-    return FamilyEvaluation(asked, family).tasks({})
+    asked = Request(request.name, (strategy,), request.seed, request.runs, directories=request.directories)
+    return AloneEvaluation(asked, family).tasks({})
 
 
 def _taken(request: TaskRun, mission: MissionConfig) -> tuple[str, str]:

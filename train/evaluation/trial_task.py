@@ -48,11 +48,7 @@ class TrialTask(Job):
         for place, result in each_trial(self.scenarios, self.decider, settings):
             before, began = time.perf_counter(), before
             scenario = self.scenarios[place]
-            yield self.finished(scenario, result, before - began, counts=self.counts(scenario))
-
-    def counts(self, scenario: Scenario) -> Mapping[str, int]:
-        """Return the counts of a mission; see `RunRecord`."""
-        return {}
+            yield self.finished(scenario, result, before - began)
 
     def serving(self, options: Mapping[str, str]) -> TrialTask:
         """Return the runs under the option of the goal."""

@@ -26,7 +26,7 @@ from selector.documents.reading import read_json
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
 from train.deciders.decider import DeciderMaker, TeamsDecider
-from train.deciders.machines import RuleDecider
+from train.deciders.machines import FixedDecider
 from train.learning.config import MembersConfig
 from train.learning.training import Checkpoint, Training, TrainingJob, judged
 from train.running.runs import RunKey, RunRecord
@@ -151,7 +151,7 @@ class MembersTraining(Training):
             return [scenario for together in zip(*drawn, strict=True) for scenario in together]
 
         if not self.checkpoint:
-            alone = [partial(RuleDecider, (), (option,)) for option in range(len(self.problem.options))]
+            alone = [partial(FixedDecider, option) for option in range(len(self.problem.options))]
             costs, seen = self.costs(alone, draw(self.settings.opening))
             mean = seen[1] / seen[0]
             variance = np.maximum(seen[2] / seen[0] - mean**2, 0.0)

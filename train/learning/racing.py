@@ -1,9 +1,9 @@
 """The race: candidates do block after block of common scenarios, and those that are clearly worse stop.
 
-Missions of one scenario under two options have hardly more in common than any two (docs/tuning.md), but where scenarios
-differ in size, pairs do. The test is Student's of paired differences, one-sided, on costs. It is not
+Missions of one scenario under two options have hardly more in common than any two, but where scenarios differ in size,
+pairs do. The test is Student's of paired differences, one-sided, on costs. It is not
 corrected for the number of candidates: a race may lose candidates, as long as the best is rarely among them.
-Other tests that were tried: docs/decisions/0172-fresh-scenarios.md.
+Other tests that were tried: docs/decisions/0172-paired-races.md.
 
 Shapes: C candidates, n scenarios.
 """

@@ -1,4 +1,4 @@
-"""Finished runs, kept in a directory: those of an evaluation, and the missions of a study.
+"""Finished runs of an evaluation, kept in a directory.
 
 `runs.jsonl` gets one line for each finished run, which is on the disk before the next run is reported, so that no
 finished run is lost; `--resume` reads it. At the end it is sorted, and `runs.csv` has the same runs as a table. Apart
@@ -29,7 +29,6 @@ class Results:
     Args:
         folder: the directory.
         mistake: returns why a run that is read is not of this evaluation, empty if it is.
-        journal: name of the file.
 
     Attributes:
         folder: the directory.
@@ -40,16 +39,11 @@ class Results:
 
     """
 
-    def __init__(
-        self,
-        folder: RunFolder,
-        mistake: Callable[[RunRecord], str] = lambda record: "",
-        journal: str = JOURNAL,
-    ) -> None:
-        self.folder, self._journal = folder, journal
-        kept = runs_of(folder.path / journal, mistake)
+    def __init__(self, folder: RunFolder, mistake: Callable[[RunRecord], str] = lambda record: "") -> None:
+        self.folder = folder
+        kept = runs_of(folder.path / JOURNAL, mistake)
         self.runs: dict[RunKey, RunRecord] = {record.key: record for record in kept}
-        self.folder.write(journal, "".join(map(_line, self.records)))
+        self.folder.write(JOURNAL, "".join(map(_line, self.records)))
 
     @property
     def records(self) -> list[RunRecord]:
@@ -59,7 +53,7 @@ class Results:
     def add(self, record: RunRecord) -> None:
         """Keep a finished run; it is on the disk when the call returns."""
         self.runs[record.key] = record
-        path = self.folder.path / self._journal
+        path = self.folder.path / JOURNAL
         with writing_to(path), path.open("a", encoding="utf-8") as file:
             file.write(_line(record))
             file.flush()
@@ -69,8 +63,8 @@ class Results:
         """Sort the finished runs, and write journal and table."""
         records = sorted(self.records, key=lambda record: (natural_order(record.scenario), record.condition))
         self.runs = {record.key: record for record in records}
-        self.folder.write(self._journal, "".join(map(_line, records)))
-        self.folder.write(str(Path(self._journal).with_suffix(".csv")), runs_table(records))
+        self.folder.write(JOURNAL, "".join(map(_line, records)))
+        self.folder.write(str(Path(JOURNAL).with_suffix(".csv")), runs_table(records))
 
 
 def runs_of(path: Path, mistake: Callable[[RunRecord], str] = lambda record: "") -> list[RunRecord]:

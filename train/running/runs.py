@@ -45,7 +45,7 @@ class RunRecord:
     wall_s: float
     """Time that the run took [s]."""
     counts: Mapping[str, Annotated[int, Field(ge=0)]] = field(default_factory=dict, kw_only=True)
-    """What a study counts; nothing in other runs."""
+    """What an advice counts; nothing in other runs."""
 
     @property
     def key(self) -> RunKey:
@@ -122,7 +122,7 @@ RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
 
 
 def under(variant: str, condition: str) -> str:
-    """Return the name under which the runs of a condition are kept in a variant of a family, or a stage of a study."""
+    """Return the name under which the runs of a condition are kept in a variant of a family."""
     return f"{variant} - {condition}" if variant else condition
 
 
@@ -142,7 +142,7 @@ class Work(Protocol):
 
 @dataclass(frozen=True)
 class Job(ABC):
-    """Runs of an evaluation or a study that one process does; plain data, which can be sent to a worker process."""
+    """Runs of an evaluation that one process does; plain data, which can be sent to a worker process."""
 
     experiment: str
     """Name of the experiment or of the family."""

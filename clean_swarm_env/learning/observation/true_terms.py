@@ -1,4 +1,4 @@
-"""The term of a truth that no robot can know, for `study headroom --told`; it is in no default.
+"""The term of a truth that no robot can know, for machines that are told; it is in no default.
 
 Why: docs/decisions/0214-what-robots-have-heard.md.
 """

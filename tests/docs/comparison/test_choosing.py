@@ -8,6 +8,7 @@ import pytest
 
 from clean_swarm_env.config.load import load_family
 from docs.comparison import runs, write_choosing
+from docs.comparison.claims import family_runs
 from docs.comparison.frequencies import frequencies_table
 from docs.comparison.manifest import Manifest, Numbers
 from docs.comparison.raced_numbers import Won, numbers_table, race_numbers
@@ -22,7 +23,6 @@ from tests.train.learning.trainings import written
 from train.analysis.family_report import excesses_of
 from train.analysis.intervals import Ratio
 from train.deciders.decider import OptionDecider
-from train.evaluation.claims import family_runs
 from train.learning.config import TrainingConfig
 
 TRIED = {

@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from docs.comparison import loop_runs
+from docs.comparison.claims import family_runs
 from docs.comparison.loop import (
     LEARNERS,
     RIGHT,
@@ -22,7 +23,6 @@ from docs.comparison.loop_tables import BY_SCORE, LoopResults
 from selector.knowledge import knowledge_from
 from selector.strategies.registry import spec_from_text
 from tests.train.commands import done
-from train.evaluation.claims import family_runs
 
 GOAL = "AvoidCollision"
 ROOMS = {

@@ -1,4 +1,4 @@
-"""`clean-swarm learn knowledge` as a user meets it: what it prints, where it looks, and errors of one line."""
+"""`clean-swarm knowledge` as a user meets it: what it prints, where it looks, and errors of one line."""
 
 import io
 from datetime import UTC, datetime
@@ -29,8 +29,7 @@ def here(monkeypatch, tmp_path):
     monkeypatch.delenv(stores.VARIABLE, raising=False)
 
 
-GROUP = ("learn", "knowledge")
-run, refused = partial(commands.command, *GROUP), partial(commands.refused, *GROUP)
+run, refused = partial(commands.command, "knowledge"), partial(commands.refused, "knowledge")
 """The commands on knowledge: code, output and errors; the line of one that is refused."""
 
 

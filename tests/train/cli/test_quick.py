@@ -8,7 +8,7 @@ import pytest
 
 from tests.paths import ROOT
 
-SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "pettingzoo", "optuna", "cmaes")
+SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "pettingzoo")
 MISTAKES = [
     ("evaluate tabel1", "did you mean 'table1'"),
     ("evaluate --family crowdde", "did you mean 'crowded'"),
@@ -30,8 +30,6 @@ MISTAKES = [
     ("evaluate --learn --workers 2", "--workers: expected 1 with --learn"),
     ("train ppo --config exploring-pp", "did you mean 'exploring-ppo'"),
     ("train es --config ess", "did you mean 'es'"),
-    ("tune keep-aprt", "did you mean 'keep-apart'"),
-    ("study headroom crowdde", "did you mean 'crowded'"),
     ("run Foragin", "did you mean 'Foraging'"),
     ("explain none --robot 0 --time 1", "none: cannot be read"),
     ("record none --output none.swarm", "none: cannot be read"),

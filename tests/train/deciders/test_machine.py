@@ -10,7 +10,8 @@ from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.problem import Problem
 from tests.pages import blocks
 from train.deciders.decided_goal import DecidedGoal
-from train.deciders.machines import MachineDecider, RuleDecider
+from train.deciders.decider import OptionDecider
+from train.deciders.machines import MachineDecider
 from train.deciders.named import decider_named
 from train.running.trials import run_trials
 
@@ -34,11 +35,14 @@ def test_a_machine_that_goes_to_the_state_of_its_situation_is_a_rule(tmp_path):
     scenarios = [load_family("random").scenario(1, number, "test") for number in range(2)]
     situations, machine = ("free_far", "free_near", "carrying_far", "carrying_near"), load_machine("rule")
 
-    def by_hand(problem, teams):
-        options = [problem.options.index(machine.states[name.replace("_", " ")].option) for name in situations]
-        return RuleDecider(situations, options, problem, teams)
+    class ByHand(OptionDecider):
+        def _choose(self, observations):
+            names = [machine.states[name.replace("_", " ")].option for name in situations]
+            options = np.array([self.problem.options.index(name) for name in names])
+            columns = [self.problem.features.index(name) for name in situations]
+            return options[observations[:, columns].argmax(axis=1)]
 
-    assert run_trials(scenarios, decider_named("fsm:rule").build) == run_trials(scenarios, by_hand)
+    assert run_trials(scenarios, decider_named("fsm:rule").build) == run_trials(scenarios, ByHand)
 
 
 def test_the_guide_shows_a_machine_for_the_options_that_ship():

@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.config.types import ConfigurationError
+from docs.comparison.claims import claims_over, claims_table
 from selector.knowledge import load_knowledge
 from selector.strategies.learned_file import save_strategy
 from selector.strategies.policy_file import find_policy, load_policy, save_policy
@@ -18,7 +19,6 @@ from selector.strategies.streams import row_keys
 from tests.paths import TRAINED
 from tests.train.commands import command, cut, done, refused, runs
 from train.analysis.statistics import share_cell
-from train.evaluation.claims import claims_over, claims_table
 from train.reports.text_table import markdown
 
 FAMILY = {

@@ -182,8 +182,6 @@ def test_the_same_missions_are_not_learned_again_and_results_that_learned_go_on_
             "wrong.yaml: goals.AvoidCollision.RepulsionGradient-view1.5: means",
         ),
         ("evaluate ROOMS --store other.sqlite", "wrong.yaml: goals.AvoidCollision.RepulsionGradient-view1.5: means"),
-        ("study score Nothing --store s.sqlite", "error: unknown family, experiment or task 'Nothing' (known: "),
-        ("study score chosen --store s.sqlite --knowledge library", "--knowledge: expected a family or a task"),
     ],
 )
 def test_mistakes_are_one_line_and_nothing_is_written(tmp_path, words, line):
@@ -191,7 +189,7 @@ def test_mistakes_are_one_line_and_nothing_is_written(tmp_path, words, line):
     far = Option(name=GRADIENT, configuration="RepulsionGradient", score=1.0, parameters={"view_distance": 9.0})
     other.introduce(Knowledge({"AvoidCollision": (far,)}))
     given = words.replace("ROOMS", "--family rooms --knowledge wrong").split()
-    assert line in refused(*given, *OWN, *(("--output", "none") if given[0] == "evaluate" else ()))
+    assert line in refused(*given, *OWN, "--output", "none")
     assert not (tmp_path / "none").exists()
 
 
@@ -205,9 +203,8 @@ def test_an_experiment_begins_with_the_store_but_for_the_scores_of_its_condition
     assert not (tmp_path / "none").exists()
 
 
-def test_scores_of_a_family_are_determined_with_counts_and_spreads(tmp_path):
-    words = ("study", "score", "rooms", *OWN, *ONE, "--store", "s.sqlite", "--scenarios", 2)
-    out = done(*words, "--output", "r")
+def test_scores_of_a_family_are_those_of_its_fixed_options(tmp_path):
+    out = learn("--scenarios", 2, "--output", "r", strategy=("--strategy", "fixed"))
     cost = {}
     for row in runs(tmp_path / "r"):
         cost.setdefault(row["condition"].removeprefix("fixed:"), []).append(float(row["cost_s"]))
@@ -215,28 +212,11 @@ def test_scores_of_a_family_are_determined_with_counts_and_spreads(tmp_path):
     for name, (count, mean) in held().items():
         assert (count, mean) == (2, pytest.approx(1.0 - np.mean(cost[name]) / 400.0, abs=1e-6))
     assert "known now in the context 'mission rooms'" in out
-    assert "holds what 'family rooms, AvoidCollision, seed 0' learned already" in refused(*words, "--output", "again")
-    before = held()
-    done(*words, "--output", "r", "--resume")
-    assert held() == before
-
-
-def test_every_goal_of_a_family_is_scored(tmp_path):
-    two = ROOMS | {"name": "two", "mission": {"base": "cleaning-patrol", "time_limit": 5.0}}
-    (tmp_path / "my/families/two.yaml").write_text(yaml.safe_dump(two))
-    done("study", "score", "two", *OWN, *ONE, "--store", "s.sqlite", "--scenarios", 1)
-    contents = KnowledgeStore("s.sqlite", create=False).contents()
-    learned, known = contents.learned, contents.knowledge("s.sqlite")
-    assert len(known.goals) == 2
-    assert {(key.goal, key.option) for key in learned} == {
-        (goal, option.name) for goal in known.goals for option in known.options(goal)
-    }
-    assert {entry.moments.count for entry in learned.values()} == {1}
 
 
 def test_scores_of_a_goal_decide_what_serves_it(tmp_path):
-    out = done("study", "score", "ReachGoal", *ONE, "--store", "s.sqlite", "--scenarios", ENOUGH)
-    assert "ReachGoal - ChemotaxisGe" in out
+    scored = ("--strategy", "fixed", "--store", "s.sqlite", "--learn", "--scenarios", ENOUGH)
+    done("evaluate", "--family", "ReachGoal", *scored)
     words = ("evaluate", "--family", "ReachGoal", "--strategy", "MaxScore", *ONE, "--scenarios", 1, "--all")
     out = done(*words, "--store", "s.sqlite", "--output", "after")
     (taken,) = [line for line in out.splitlines() if line.split()[-1:] == ["taken"]]
@@ -247,7 +227,7 @@ def test_scores_of_a_goal_decide_what_serves_it(tmp_path):
 
 def test_learned_scores_become_expert_knowledge_that_a_mission_names(tmp_path):
     tell("s.sqlite", {FAR: [0.1] * ENOUGH, GRADIENT: [0.2], NEAR: [0.7, 0.9] * ENOUGH})
-    words = ("learn", "knowledge", "export", "my/knowledge/learned.yaml", "--store", "s.sqlite")
+    words = ("knowledge", "export", "my/knowledge/learned.yaml", "--store", "s.sqlite")
     assert "unknown context 'mission hut' (known: mission rooms" in refused(*words, "--context", "mission hut")
     done(*words, "--context", "mission rooms")
     written = load_knowledge("learned", [tmp_path / "my"])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.train.learning.trainings import job, written
-from train.deciders.machines import RuleDecider
+from train.deciders.machines import FixedDecider
 from train.learning.config import load_training
 from train.learning.es import EsTraining
 from train.learning.training import LEAST_EXCESS, CheckpointHistory, judged
@@ -36,7 +36,7 @@ def test_members_are_compared_by_their_excess(tmp_path):
 
     training = EsTraining(job(load_training(str(written(tmp_path, "es")), "es"), tmp_path / "run", done=done))
     scenario = next(training.curriculum.scenarios(0)[0])
-    assert training.costs([partial(RuleDecider, (), (0,))], [scenario])[0].tolist() == [[3.0]]
+    assert training.costs([partial(FixedDecider, 0)], [scenario])[0].tolist() == [[3.0]]
 
 
 def test_an_excess_that_has_no_logarithm_is_the_least():

@@ -12,7 +12,7 @@ from selector.strategies.policy_file import Network, load_policy
 from selector.strategies.problem import Problem
 from tests.train.learning.trainings import job, unvalidated, written
 from train.deciders.decider import TeamsDecider
-from train.deciders.machines import MachineDecider, RuleDecider
+from train.deciders.machines import FixedDecider, MachineDecider
 from train.learning.bandit import BanditTraining
 from train.learning.config import DesignConfig, load_training
 from train.learning.design import DesignTraining, MachineSpace
@@ -29,7 +29,7 @@ LEARNERS = {
 
 
 def always(option):
-    return partial(RuleDecider, (), (option,))
+    return partial(FixedDecider, option)
 
 
 def test_each_mission_follows_its_member_and_notes_what_it_sees():
@@ -148,7 +148,7 @@ def test_goals_that_are_decided_as_one_have_weights_of_their_own(tmp_path, monke
 
 def test_a_training_begins_with_the_best_option_also_where_most_fail(tmp_path, monkeypatch):
     costs = [3000.0, 2000.0, 4000.0, 3000.0, 2500.0, 2600.0, 300.0, 90.0, 60.0, 150.0]  # four are far below the median
-    fake(monkeypatch, lambda member, _: costs[member.args[1][0]] if member.func is RuleDecider else 100.0)
+    fake(monkeypatch, lambda member, _: costs[member.args[0]] if member.func is FixedDecider else 100.0)
     es = EsTraining(job(load_training(str(written(tmp_path, "es")), "es"), tmp_path / "es"))
     monkeypatch.setattr(EsTraining, "_next", lambda training, *_: setattr(training, "_missions", 99) or training.state)
     es.advance()

@@ -5,7 +5,7 @@ import numpy as np
 from train.learning.racing import RaceConfig, race, worse_than_best
 
 NOISE = 0.2
-"""Standard deviation of the logarithm of the cost of one option, as on `random` (docs/tuning.md)."""
+"""Standard deviation of the logarithm of the cost of one option, as on `random` (decision 0172)."""
 RULES = RaceConfig(block=10, blocks=10)
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
+from docs.comparison.claims import claims_of, claims_over
 from train.analysis.flips import holm
-from train.evaluation.claims import claims_of, claims_over
 
 
 def test_holm_is_between_nothing_and_bonferroni():
