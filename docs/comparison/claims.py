@@ -21,8 +21,8 @@ from clean_swarm_env.config.types import ConfigurationError
 from selforg.arrays import Floats
 from selforg.registry import unknown
 from train.analysis.family_report import FamilyRuns, censored, excesses_of
-from train.analysis.flips import TAIL
-from train.analysis.intervals import Interval, Ratio, corrected_ps, too_few
+from train.analysis.flips import TAIL, fewest
+from train.analysis.intervals import Interval, Ratio, corrected_ps
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
 from train.evaluation.base import Identity
@@ -159,3 +159,14 @@ def claims_table(claims: Sequence[Claim], shares: Mapping[str, Mapping[str, floa
     heads = ("strategy", "against", "unfinished", "ratio of excess", "95 %", "95 % together", "p", "p (Holm)")
     notes = too_few(min((claim.of.scenarios for claim in claims), default=0), len(claims))
     return Grid(f"{len(claims)} claims, corrected for their number", heads, rows, notes=notes)
+
+
+def too_few(scenarios: int, tests: int) -> tuple[str, ...]:
+    """Return the line for a table of so many comparisons and too few scenarios for a statement; none if they do.
+
+    >>> too_few(2, 1)
+    ('2 scenarios: no statement; 6 or more are needed',)
+
+    """
+    line = f"{scenarios} scenario{'s' * (scenarios != 1)}: no statement; {fewest(tests)} or more are needed"
+    return (line,) if scenarios < fewest(tests) else ()

@@ -28,12 +28,15 @@ from rich.console import Console
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
 from clean_swarm_env.learning.warm_up import usable_cpus
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
+from docs.comparison.claims import too_few
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
-from train.analysis.family_report import excess_ratios, excesses_of
+from train.analysis.family_report import FamilyRuns, censored, excesses_of, ranking_of, unfinished_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import Ratio
+from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
+from train.analysis.verdict import unfinished_sentence
 from train.deciders.decider import Decider, TeamsDecider
 from train.deciders.machines import FixedDecider
 from train.deciders.named import FIXED
@@ -41,8 +44,8 @@ from train.evaluation.base import Done
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.pipeline import evaluate
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
-from train.reports.family_tables import excess_publication
-from train.reports.text_table import Publication, interval_cell
+from train.reports.family_tables import EXCESS
+from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
 from train.request import Request
 from train.running.needs import Machine
 from train.running.runs import RunRecord
@@ -51,6 +54,8 @@ from train.running.trials import TrialSettings
 SINGLE, RULE_FOUND = "best single choice", "best choice for each case"
 FIRST_SCENARIOS = 4
 """Scenarios after which the first options drop out."""
+MOST_SENTENCES = 3
+"""Most sentences of a verdict."""
 
 
 @dataclass(frozen=True)
@@ -211,6 +216,51 @@ class HeadroomEvaluation(FamilyEvaluation):
         """Return the kinds (T,) of the scenarios of the search, or of those that judge."""
         count = self._searched if split == "train" else len(self.scenarios)
         return np.array(scenario_kinds([self._drawn(scenario_name(split, k)) for k in range(count)]))
+
+
+def excess_ratios(runs: FamilyRuns, against: Mapping[str, str]) -> dict[str, Ratio]:
+    """Return label -> ratio of the mean excess to that of what it is compared with; nothing for the latter."""
+    excesses, left = excesses_of(runs), censored(runs)
+    return {label: Ratio.between(label, other, excesses, left) for label, other in against.items() if label != other}
+
+
+def excess_publication(
+    runs: FamilyRuns,
+    against: Mapping[str, str],
+    title: str,
+    head: str,
+    *,
+    notes: Sequence[str] = (),
+    verdict: Sequence[str] = (),
+) -> Publication:
+    """Return the table of the excess of each strategy, beside that of what it is compared with, and the figures.
+
+    Args:
+        runs: the runs.
+        against: label -> label of what it is compared with; itself for what others are compared with.
+        title: what is compared.
+        head: title of the column of ratios.
+        notes: lines below the table.
+        verdict: sentences that come before those on the order of strategies.
+
+    """
+    left, ratios, ranking = unfinished_of(runs), excess_ratios(runs, against), ranking_of(runs)
+    rows, summary = [], dict[str, dict[str, object]]()
+    for label, excess in ranking.means.items():
+        share = float(left[label].mean()) if left else None
+        summary[label] = {"excess_s": excess.value, "unfinished": share}
+        cells = ("1", "")
+        if label in ratios:
+            ratio = ratios[label]
+            summary[label] |= {"against": against[label], **ratio.content}
+            cells = (EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}", interval_cell(ratio.ci95))
+        rows.append((label, share_cell(share), f"{excess.value:.1f}", *cells))
+    heads = ("strategy", "unfinished", "excess s", head, "95 %")
+    few = too_few(runs.scenarios, len(ratios))
+    grid = Grid(f"{runs.family.name}: {title}", heads, rows, notes=(*notes, EXCESS, *few))
+    content = {"family": runs.family.name, "strategies": summary, "notes": list(notes)}
+    said = [*verdict, *ranking.sentences(), *filter(None, [unfinished_sentence(left, ranking)])][:MOST_SENTENCES]
+    return Publication(runs.family.name, runs.family.description, said, [grid], content)
 
 
 def race(

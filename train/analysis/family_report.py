@@ -19,7 +19,6 @@ from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
-from train.analysis.intervals import Ratio
 from train.analysis.statistics import Summary, summarise
 from train.analysis.strategy_comparison import StrategyComparison, compare_strategies
 from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies
@@ -185,9 +184,3 @@ def censored(runs: FamilyRuns) -> dict[str, Floats]:
 def excesses_of(runs: FamilyRuns) -> dict[str, Floats]:
     """Return label -> excess costs (S, K, V) [s]."""
     return runs.table(FIGURES["excess_s"])
-
-
-def excess_ratios(runs: FamilyRuns, against: Mapping[str, str]) -> dict[str, Ratio]:
-    """Return label -> ratio of the mean excess to that of what it is compared with; nothing for the latter."""
-    excesses, left = excesses_of(runs), censored(runs)
-    return {label: Ratio.between(label, other, excesses, left) for label, other in against.items() if label != other}

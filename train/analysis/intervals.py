@@ -203,17 +203,6 @@ def corrected_ps(ratios: Sequence[Ratio]) -> list[float | None]:
     return [p if known else None for p, known in zip(found, enough, strict=True)]
 
 
-def too_few(scenarios: int, tests: int) -> tuple[str, ...]:
-    """Return the line for a table of so many comparisons and too few scenarios for a statement; none if they do.
-
-    >>> too_few(2, 1)
-    ('2 scenarios: no statement; 6 or more are needed',)
-
-    """
-    line = f"{scenarios} scenario{'s' * (scenarios != 1)}: no statement; {fewest(tests)} or more are needed"
-    return (line,) if scenarios < fewest(tests) else ()
-
-
 def about_number(count: float) -> int:
     """Return a count with two digits.
 

@@ -3,32 +3,23 @@
 Of strategies under disturbances there is a table for each strategy, with a row for each disturbance.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
 from clean_swarm_env.tasks.cleaning.cost import LEFT_LIMITS
-from train.analysis.family_report import (
-    FamilyReport,
-    FamilyRuns,
-    excess_ratios,
-    ranking_of,
-    unfinished_of,
-)
-from train.analysis.intervals import too_few
+from train.analysis.family_report import FamilyReport
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison
-from train.analysis.verdict import RANDOM, Ranking, amount, interval_words, unfinished_sentence
+from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
 from train.deciders.named import FIXED, MACHINE, POLICY
 from train.reports.ranking_table import MISSED, UNFINISHED, ranking_table, share_bounds
 from train.reports.task_tables import measures_grids
-from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
+from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 
 MEANS = {"duration_s": "duration s", "events": "events", "contact_s": "contact s", "items": "items"}
 """Figure of cleaning -> head of its column."""
-MOST_SENTENCES = 3
-"""Most sentences of a verdict."""
 MEANINGS = {
     FIXED: "all robots hold the option that follows",
     f"{FIXED}:Off": "no robot avoids others",
@@ -138,45 +129,6 @@ def robustness_tables(report: RobustnessReport, ranking: Ranking) -> list[Grid]:
         title = f"{label}: {report.scenarios} scenarios, seed {report.seed}; {INTERVALS}"
         grids.append(Grid(title, heads, rows))
     return grids
-
-
-def excess_publication(
-    runs: FamilyRuns,
-    against: Mapping[str, str],
-    title: str,
-    head: str,
-    *,
-    notes: Sequence[str] = (),
-    verdict: Sequence[str] = (),
-) -> Publication:
-    """Return the table of the excess of each strategy, beside that of what it is compared with, and the figures.
-
-    Args:
-        runs: the runs.
-        against: label -> label of what it is compared with; itself for what others are compared with.
-        title: what is compared.
-        head: title of the column of ratios.
-        notes: lines below the table.
-        verdict: sentences that come before those on the order of strategies.
-
-    """
-    left, ratios, ranking = unfinished_of(runs), excess_ratios(runs, against), ranking_of(runs)
-    rows, summary = [], dict[str, dict[str, object]]()
-    for label, excess in ranking.means.items():
-        share = float(left[label].mean()) if left else None
-        summary[label] = {"excess_s": excess.value, "unfinished": share}
-        cells = ("1", "")
-        if label in ratios:
-            ratio = ratios[label]
-            summary[label] |= {"against": against[label], **ratio.content}
-            cells = (EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}", interval_cell(ratio.ci95))
-        rows.append((label, share_cell(share), f"{excess.value:.1f}", *cells))
-    heads = ("strategy", "unfinished", "excess s", head, "95 %")
-    few = too_few(runs.scenarios, len(ratios))
-    grid = Grid(f"{runs.family.name}: {title}", heads, rows, notes=(*notes, EXCESS, *few))
-    content = {"family": runs.family.name, "strategies": summary, "notes": list(notes)}
-    said = [*verdict, *ranking.sentences(), *filter(None, [unfinished_sentence(left, ranking)])][:MOST_SENTENCES]
-    return Publication(runs.family.name, runs.family.description, said, [grid], content)
 
 
 def _cell(estimate: Estimate, factor: float) -> str:

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from docs.comparison.claims import too_few
 from train.analysis.flips import fewest
-from train.analysis.intervals import TOLD, Ratio, too_few
+from train.analysis.intervals import TOLD, Ratio
 
 FEWEST = fewest(1)
 
