@@ -1,6 +1,6 @@
 """Automatic design of finite state machines by iterated races, as AutoMoDe does it for swarms.
 
-Francesca et al. 2014, doi:10.1007/s11721-014-0092-4; the races are those of studies. In each race new machines and the
+Francesca et al. 2014, doi:10.1007/s11721-014-0092-4; see `train.learning.racing`. In each race new machines and the
 best ones so far meet scenarios on which none of them was chosen.
 
 In new machines a threshold is drawn within two standard deviations about the mean of its component. Numbers are
