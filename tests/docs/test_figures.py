@@ -66,7 +66,12 @@ def test_storing_changes_nothing(copy):
         # a digit of a page
         ("docs/choosing.md", "**0.567** [0.495, 0.649] | **0.567**", "**0.566** [0.495, 0.649] | **0.567**", "main"),
         ("docs/goal_results.md", "6.36 [5.92, 6.8] | -6.36", "6.36 [5.93, 6.8] | -6.36", "goal_results"),
-        ("docs/results.md", "1                               526.80", "1                               526.90", "table1"),
+        (
+            "docs/results.md",
+            "1                               526.80",
+            "1                               526.90",
+            "table1",
+        ),  # noqa: E501
         ("docs/benchmarks.md", "| tick / floor, 1 x 5 | 1.74 |", "| tick / floor, 1 x 5 | 1.84 |", "measured"),
         ("docs/tutorials/learn.md", "| 49.9 s | 8.8 |", "| 49.9 s | 8.7 |", "drivers"),
         ("docs/models.md", "0.96 [0.88, 1.04]", "0.96 [0.88, 1.05]", "options"),
