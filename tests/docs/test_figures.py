@@ -71,7 +71,7 @@ def test_storing_changes_nothing(copy):
             "1                               526.80",
             "1                               526.90",
             "table1",
-        ),  # noqa: E501
+        ),
         ("docs/benchmarks.md", "| tick / floor, 1 x 5 | 1.74 |", "| tick / floor, 1 x 5 | 1.84 |", "measured"),
         ("docs/tutorials/learn.md", "| 49.9 s | 8.8 |", "| 49.9 s | 8.7 |", "drivers"),
         ("docs/models.md", "0.96 [0.88, 1.04]", "0.96 [0.88, 1.05]", "options"),
