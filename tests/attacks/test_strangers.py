@@ -17,6 +17,7 @@ GIVEN = {
     "--time": 1,
     "--strategy": "fixed:Off",
     "--html": "new.html",
+    "--source": "missions",
     "--output": "new.swarm",
     "output": "new.png",
 }

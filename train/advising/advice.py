@@ -24,7 +24,7 @@ from selector.documents.writing import write_whole
 from selector.knowledge import Knowledge, Option
 from selforg.plugins import PluginError
 from train.advising.opening import OpenedMission, arms_hold, document_of, open_mission, variants_of, without
-from train.advising.search import JAMMED, AdviceSearch, Lacking, SearchResult, arm_of, needed
+from train.advising.search import JAMMED, NEVER, AdviceSearch, Lacking, SearchResult, arm_of, needed
 from train.analysis.verdict import RANDOM
 from train.deciders.named import FIXED, MACHINE, POLICY, decider_named
 from train.evaluation.base import Done, Evaluation
@@ -42,8 +42,6 @@ OPTIONS_FILE, NUMBERS_FILE = "options.yaml", "numbers.yaml"
 so that a rule for one goal leaves them in place for the others."""
 NO_RULES = ("random-held",)
 """Machines that ship as chance."""
-NEVER = "Off"
-"""The option that never avoids."""
 BROKE = "broke: "
 """Begins the count of missions that a plug-in broke off, before its error."""
 USUAL_SHARE = 0.05

@@ -6,6 +6,7 @@ What the mission itself says stays: its own options with their scores, what robo
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, product, zip_longest
 from pathlib import Path
@@ -16,10 +17,12 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.world.task import task_class
 from selector.configurations.library import library_of
+from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
+from selector.documents.find import files_of
 from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
-from selector.knowledge import Knowledge, Option, library_options
+from selector.knowledge import Knowledge, Option, library_options, load_knowledge
 from selector.strategies.problem import Problem
 
 FACTORS = (0.7, 1.4)
@@ -38,6 +41,8 @@ class OpenedMission:
     """The options of each goal: the mission's own, then those of the library."""
     experts: Mapping[str, str]
     """Goal -> the option of the highest score."""
+    elsewhere: Mapping[str, float]
+    """Option -> its highest score in any knowledge: what is tried first where there is no time for all."""
     dropped: Mapping[str, str]
     """Option that cannot be built -> why."""
 
@@ -84,7 +89,18 @@ def open_mission(family: FamilyConfig, directories: tuple[Path, ...]) -> OpenedM
     known = Knowledge(table, own.source, learned)
     experts = {goal: one.options[int(one.scores.argmax())] for goal in table for one in [Problem.of(known, goal)]}
     changed = family.model_copy(update={"mission": mission})
-    return OpenedMission(changed, known, experts, dropped)
+    return OpenedMission(changed, known, experts, _scores_elsewhere(tuple(table), directories), dropped)
+
+
+def _scores_elsewhere(goals: Sequence[str], directories: tuple[Path, ...]) -> dict[str, float]:
+    """Return option -> its highest score for some goals in all knowledge that can be read."""
+    found: dict[str, float] = {}
+    for name in files_of("knowledge", directories):
+        with suppress(DocumentError):  # of a file that nobody asked for
+            table = load_knowledge(name, directories).table
+            for option in chain.from_iterable(table.get(goal, ()) for goal in goals):
+                found[option.name] = max(option.score, found.get(option.name, option.score))
+    return found
 
 
 def without(wide: OpenedMission, build: Callable[[Knowledge], object]) -> OpenedMission:

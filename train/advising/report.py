@@ -20,9 +20,9 @@ from clean_swarm_env.config.families import scenario_name
 from selector.documents.fields import JOINT
 from selector.knowledge import LearnedScore, LearnedScores, Option
 from selforg.arrays import Floats
-from train.advising.advice import BROKE, NEVER, Advising, seconds_of
+from train.advising.advice import BROKE, Advising, seconds_of
 from train.advising.opening import arms_hold
-from train.advising.search import JAMMED, AdviceSearch, Round, SearchResult, arm_of
+from train.advising.search import JAMMED, NEVER, AdviceSearch, Round, SearchResult, arm_of
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import TOLD, Interval, Ratio, about_number, corrected_ps
@@ -117,7 +117,11 @@ class Advice:
         names = [arm for arm in self.found.choosers if arm in self.costs]
         ratios = [self.ratio(arm) for arm in names]
         told = zip(names, ratios, corrected_ps(ratios) if ratios else [], strict=True)
-        found = [(one.ratio or 0.0, arm) for arm, one, p in told if p is not None and p < ALPHA and one.sign < 0.0]
+        found = [
+            (one.ratio or 0.0, arm)
+            for arm, one, p in told
+            if p is not None and p < ALPHA and one.ci95 is not None and one.ci95[1] < 1.0
+        ]
         return [arm for _, arm in sorted(found)]
 
     @property
@@ -218,6 +222,10 @@ class Advice:
         dropped = {**self.evaluation.opened.dropped, **{arm: why.removeprefix(BROKE) for arm, why in broke}}
         first = {why: arm for arm, why in reversed(dropped.items())}
         told = [f"{self._words(arm)} dropped out: {why}." for why, arm in first.items()]
+        rivals = [arm for arm in self.costs if arm not in (self.found.winner, *self.found.choosers)]
+        if cheaper := [arm for arm in rivals if self.costs[arm].mean() < self.costs[self.found.winner].mean()]:
+            names = listed([self._words(arm) for arm in cheaper])
+            told.append(f"{names} cost less in the last round: the best is not known well; --minutes gives more time.")
         if self.search.left_out:
             told.append(
                 f"{len(self.search.left_out)} options were not tried for lack of time: --minutes or --missions."

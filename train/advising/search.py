@@ -3,7 +3,7 @@
 An arm is a strategy that robots follow: a combination of options, a rule, or a policy. A round makes no claim and has
 no test: the ranks of its mean excess say who stays, with twice as many starts for the next one (Karnin et al. 2013,
 Almost optimal exploration in multi-armed bandits). First each goal races alone, then the best of each together, then
-variants of the numbers of the best, then rules and policies. The experts' choice is never dropped.
+variants of the numbers of the best, then rules and policies. There the experts' choice and never avoiding stay.
 
 What is done next follows from the runs that are done: a search that goes on comes to the same end, in any number of
 processes.
@@ -32,13 +32,15 @@ CHECK_STARTS = 3
 """Starts on which scores that are known already are checked."""
 TRUSTED = 0.5
 """Rank correlation of known scores and this check from which on the scores are trusted [-]."""
+NEVER = "Off"
+"""The option that never avoids."""
 FINALISTS = 3
 """Arms with which a race ends."""
 JAMMED = 10
 """Starts after which an arm stops that left half of them unfinished, if another one did not."""
 BUDGET_SHARES = {"goals": 0.35, "together": 0.15, "numbers": 0.12, "choosers": 0.06}
 """Part of the budget for each part of the search; the last round gets the rest."""
-FEWEST_STARTS, MOST_STARTS = 3, 32
+FEWEST_STARTS, MOST_STARTS = 2, 32
 """Bounds of the starts of a round."""
 LAST_FEWEST, LAST_MOST = 8, 100
 """Bounds of the starts of the last round."""
@@ -132,19 +134,20 @@ class AdviceSearch:
             return SearchResult(look.arms[0], look.arms[0], look.arms, (), 0, LAST_FEWEST)
         best = self._goals_alone(held)
         arms = [arm_of(dict(zip(best, names, strict=True))) for names in product(*best.values())]
-        experts = arm_of(self.opened.experts)
+        off = [arm_of({**held, goal: NEVER}) for goal in best if NEVER in self.opened.names(goal)]
+        kept = list(dict.fromkeys((arm_of(self.opened.experts), *off)))
         if len(best) > 1:
-            arms = self._race(
-                "together", [*dict.fromkeys((*arms, experts))], self._starts(BUDGET_SHARES["together"], 2 * len(arms))
-            )
-        together = next((one for one in self.rounds if one.title == "together"), self.rounds[-1])
+            every = list(dict.fromkeys((*arms, *kept)))
+            count = self._starts(BUDGET_SHARES["together"], 2 * len(every))
+            arms = self._race("together", every, count, kept)
+        joint = next((one for one in self.rounds if one.title == "together"), self.rounds[-1])
         leader, variants = arms[0], 0
         if more := self._variants(leader):
             count = self._starts(BUDGET_SHARES["numbers"], 2 * len(more))
-            arms = self._race("numbers", [*arms[:2], *more, *([] if experts in arms[:2] else [experts])], count)
+            arms = self._race("numbers", list(dict.fromkeys((*arms[:2], *more, *kept))), count, kept)
             variants = len(more)
         choosers = self._choosers()
-        finalists = (arms[0], *(arm for arm in _portfolio(together, arms[0]) if arm != arms[0]))[:FINALISTS]
+        finalists = (arms[0], *(arm for arm in _portfolio(joint, arms[0]) if arm != arms[0]))[:FINALISTS]
         left = (self.budget - self._spent) / (self._price * self.entrants(arms[0], finalists, choosers))
         starts = int(np.clip(left, LAST_FEWEST, LAST_MOST))
         return SearchResult(arms[0], leader, finalists, choosers, variants, starts)
@@ -195,10 +198,9 @@ class AdviceSearch:
         tried = self._trusted(goal, self.opened.names(goal), held)
         if able >= 1.0:
             return tried
-        scores = dict(zip(self.opened.names(goal), self.opened.known.scores(goal).tolist(), strict=True))
-        kept = sorted(tried, key=lambda name: (name != held[goal], -scores[name]))[
-            : max(int(len(scores) * able), FINALISTS)
-        ]
+        first, scores = (held[goal], NEVER), self.opened.elsewhere
+        order = sorted(tried, key=lambda name: (name not in first, -scores.get(name, 0.0)))
+        kept = order[: max(int(len(self.opened.names(goal)) * able), FINALISTS)]
         self.left_out |= set(tried) - set(kept)
         return kept
 
@@ -214,16 +216,15 @@ class AdviceSearch:
         kept = {names[place] for place in (-mean).argsort(kind="stable")[: max(len(names) // 3, FINALISTS)]}
         return [name for name in names if name in kept or name == held[goal]]
 
-    def _race(self, title: str, arms: Sequence[str], count: int) -> list[str]:
-        """Return the arms that are left in the end, the cheapest first."""
-        experts = self.opened.experts
+    def _race(self, title: str, arms: Sequence[str], count: int, kept: Sequence[str] = ()) -> list[str]:
+        """Return the arms that are left in the end, the cheapest first; those that are `kept` never drop out."""
         while True:
             done = self._round(title, arms, count)
-            if len(arms) <= FINALISTS:
+            if len(arms) <= max(FINALISTS, len(kept) + 1):
                 return done.order
             half = done.order[: max(len(arms) // 2, FINALISTS)]
             half += [arm for arm in _portfolio(done, half[0])[:2] if arm not in half]
-            half += [arm for arm in arms if arm == arm_of(experts) and arm not in half]
+            half += [arm for arm in arms if arm in kept and arm not in half]
             if len(half) == len(arms):
                 return done.order
             arms, count = half, min(2 * count, MOST_STARTS)
