@@ -82,5 +82,5 @@ class Request:
     def ended(self, end: BaseException, directory: Path, kept: str = "") -> int:
         """Print on the standard error what ended the command and how to go on; return the exit code."""
         text = f"{str(end) or 'interrupted'}{kept}; to go on:\n  {self.command(directory)}"
-        Console(stderr=True, highlight=False, soft_wrap=True).print(text, markup=False)
+        Console(stderr=True, highlight=False, soft_wrap=True, emoji=False).print(text, markup=False)
         return FAILED if isinstance(end, WorkerLost) else INTERRUPTED

@@ -92,8 +92,8 @@ class Advising(Evaluation):
         assert request.output is not None
         self.folder = request.output
         self._budget, self._missions = 60.0 * minutes if missions is None else float(missions), missions
-        with within(request.name):
-            family = load_family(request.name, self.directories).with_knowledge(request.knowledge, self.directories)
+        family = load_family(request.name, self.directories).with_knowledge(request.knowledge, self.directories)
+        with within(family.name):
             self._check_time(family, minutes)
             check_needs(family.largest, TASK_SCENARIOS, request.machine, TASK_SCENARIOS)
             self.opened, self.choosers_that_fit = self._opened(open_mission(family, self.directories))
@@ -111,6 +111,11 @@ class Advising(Evaluation):
         }
         family_content = self.family.model_dump(mode="json")
         self.identify({"family": family_content, "seed": request.seed, "goal": self.goal, "advice": asked})
+
+    @property
+    def seconds(self) -> float:
+        """Time of processors that missions may take [s]; without an end where their number is given."""
+        return math.inf if self._missions else self._budget
 
     @property
     def measured(self) -> bool:

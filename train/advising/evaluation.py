@@ -47,7 +47,7 @@ def ship(advice: Advice) -> None:
     learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in advice.learned.items()}
     robot = evaluation.mission.network.robot
     text = document_of(
-        advice.table, evaluation.directories, description=advice.sentences[0], robot=robot, learned=learned
+        advice.table, evaluation.directories, description=" ".join(advice.sentences), robot=robot, learned=learned
     )
     write_whole(folder / KNOWLEDGE, text.encode())
     known = evaluation.opened.with_knowledge((folder / KNOWLEDGE).resolve())

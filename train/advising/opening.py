@@ -84,6 +84,10 @@ def open_mission(family: FamilyConfig, directories: tuple[Path, ...]) -> OpenedM
                 dropped[option.name] = str(error)
                 continue
             found.append(option if option in mine or not mine else option.model_copy(update={"score": least}))
+        if not found:
+            raise DocumentError(
+                f"{goal}: expected an option that can be built, got none: {'; '.join(dropped.values())}"
+            )
         table[goal] = tuple(found)
     learned = {goal: scores for goal, scores in own.learned.items() if goal in table}
     known = Knowledge(table, own.source, learned)
@@ -139,7 +143,7 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
     tried = []
     for goal, option in held.items():
         numbers = {**library.parameters(option.configuration), **option.parameters}
-        own = []
+        own, taken = [], {one.name for one in library_options(goal, directories)}
         for (name, value), factor in product(numbers.items(), FACTORS):
             if (
                 isinstance(value, bool)
@@ -148,7 +152,7 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
             ):
                 continue
             changed = round(value * factor) if isinstance(value, int) else float(f"{value * factor:.2g}")
-            called = f"{option.name}-{name}{changed:g}".replace("_", "")
+            called = f"{option.name}-{name.replace('_', '')}{changed:g}"
             variant = Option(
                 name=called,
                 configuration=option.configuration,
@@ -159,7 +163,8 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
                 library.of_option(variant)
             except ValueError:
                 continue
-            if changed != value:
+            if changed != value and called not in taken:
+                taken.add(called)
                 own.append((goal, variant))
         tried.append(own)
     found: dict[str, list[Option]] = {goal: [] for goal in held}

@@ -28,7 +28,8 @@ from train.analysis.flips import ALPHA
 from train.analysis.intervals import TOLD, Interval, Ratio, about_number, corrected_ps
 from train.analysis.strategy_comparison import Estimate, cross_fitted
 from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left
-from train.deciders.named import FIXED, MACHINE
+from train.deciders.named import FIXED, MACHINE, decider_named
+from train.deciders.unseen import remarks_of
 from train.evaluation.base import Done
 from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family
@@ -36,6 +37,10 @@ from train.reports.text_table import EMPTY_CELL, Grid, Publication
 
 WORTH_LEARNING = 0.05
 """Gain of the best combination of each start, in hindsight, from which on training a selector may be worth it [-]."""
+
+
+OVER = 1.5
+"""Times the time that was given, from which on the advice says how long it took."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +157,9 @@ class Advice:
         evaluation, found, opened = self.evaluation, self.found, self.evaluation.opened
         mean = Estimate.of(self.costs[found.winner].mean(axis=2))
         sizes = {1: "options", 2: "pairs"}
-        of = f"{opened.combinations} {sizes.get(len(opened.goals), 'combinations')}"
+        left_out = self.search.left_out
+        tried = [sum(name not in left_out for name in opened.names(goal)) for goal in opened.goals]
+        of = f"{int(np.prod(tried))} {sizes.get(len(opened.goals), 'combinations')}"
         variants = f" and {found.variants} variants of their numbers" if found.variants else ""
         cost = f"{amount(mean.value)} s a mission{interval_words(mean.ci95, amount)} on {found.starts} fresh starts"
         begin = f"{evaluation.family.name}: hold {self._words(found.winner)}: {cost}, the best of {of}{variants}."
@@ -180,7 +187,7 @@ class Advice:
             if arm in self.stopped:
                 lost.append(f"{name} left {self.stopped[arm]} of {self._first} unfinished")
             elif arm in self.costs and arm != winner:
-                costs = "costs " if not parts else ""
+                costs = "" if parts else "cost " if name.endswith("scores") else "costs "
                 parts.append(f"{name} {costs}{times(self.ratio(arm), 'times as much' if not parts else '')}")
         same = "the experts' scores choose the same" if arm_of(opened.experts) == winner else ""
         return sentence("; ".join(filter(None, (", ".join(parts), *lost, same))))
@@ -224,8 +231,15 @@ class Advice:
         told = [f"{self._words(arm)} dropped out: {why}." for why, arm in first.items()]
         rivals = [arm for arm in self.costs if arm not in (self.found.winner, *self.found.choosers)]
         if cheaper := [arm for arm in rivals if self.costs[arm].mean() < self.costs[self.found.winner].mean()]:
-            names = listed([self._words(arm) for arm in cheaper])
+            names = listed([arm.removeprefix(f"{FIXED}:") for arm in cheaper])
             told.append(f"{names} cost less in the last round: the best is not known well; --minutes gives more time.")
+        for name in self.found.choosers:
+            named = decider_named(name, self.evaluation.directories)
+            own = self.evaluation.directories
+            told += [f"{one}." for one in remarks_of(name, named, self.runs.missions, own)]
+        spent = sum(map(seconds_of, self.done.values()))
+        if spent > OVER * self.evaluation.seconds:
+            told.append(f"It took {spent / 60.0:.1f} min of processors: in less nothing can be said of this mission.")
         if self.search.left_out:
             told.append(
                 f"{len(self.search.left_out)} options were not tried for lack of time: --minutes or --missions."

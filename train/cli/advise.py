@@ -1,12 +1,14 @@
 """`clean-swarm advise`: which coordination a mission needs, and whether a learned selector is worth it."""
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from selector.documents.plain import DocumentError as ConfigurationError
+from selforg.plugins import named_plugins
 from train.cli.listing import check_named
 from train.cli.options import REPORTING, GivenOptions, asking, check_whole, wide_console
 from train.running.commands import FINISHED
@@ -24,7 +26,7 @@ def advise_command(
     ],
     minutes: Annotated[float, typer.Option(help="Time of processors for all missions [min].")] = 10.0,
     missions: Annotated[
-        int | None, typer.Option(help="Number of missions in place of --minutes: the same advice on any machine.")
+        int | None, typer.Option(help="About how many missions, in place of --minutes: the same advice on any machine.")
     ] = None,
     learn: Annotated[
         bool,
@@ -55,7 +57,7 @@ def advise_command(
     console = wide_console()
     code = pipeline.evaluate(evaluation, console)
     if code == FINISHED and not evaluation.nothing_to_choose:
-        for line in use_of(mission, output, family=evaluation.of_family):
+        for line in use_of(mission, output, given.directories, family=evaluation.of_family):
             console.print(line, soft_wrap=True)
     if learn and code == FINISHED and not evaluation.nothing_to_choose:
         from train.advising.learning import train_selector  # imports torch
@@ -64,12 +66,14 @@ def advise_command(
     raise typer.Exit(code)
 
 
-def use_of(mission: str, folder: Path, *, family: bool) -> list[str]:
+def use_of(mission: str, folder: Path, directories: Sequence[Path], *, family: bool) -> list[str]:
     """Return how the advice in a folder is used, line by line."""
-    command = shlex.join(["clean-swarm", "evaluate", "--family", mission, "--knowledge", str(folder)])
+    more = [word for path in directories for word in ("--configs", str(path))]
+    more += [word for name in named_plugins() for word in ("--import", name)]
+    command = shlex.join(["clean-swarm", "evaluate", "--family", mission, "--knowledge", str(folder), *more])
     given = f"family={mission!r}" if family else repr(mission)
     return [
         f"use it:  {command} --strategy MaxScore",
         f"         clean_swarm_v0.parallel_env({given}, knowledge={str(folder)!r})",
-        f"         {shlex.join(['clean-swarm', 'play', str(folder)])}",
+        f"         {shlex.join(['clean-swarm', 'play', str(folder), *more])}",
     ]

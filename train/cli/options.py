@@ -226,8 +226,8 @@ def check_figure(option: str, file: Path | None) -> None:
 
 def wide_console() -> Console:
     """Return a console for tables: as wide as the terminal, or as they need in a file."""
-    found = Console(highlight=False, markup=False)
-    return found if found.is_terminal else Console(width=FILE_WIDTH, highlight=False, markup=False)
+    found = Console(highlight=False, markup=False, emoji=False)
+    return found if found.is_terminal else Console(width=FILE_WIDTH, highlight=False, markup=False, emoji=False)
 
 
 def print_error(text: str) -> None:
@@ -237,4 +237,4 @@ def print_error(text: str) -> None:
 
 def error_console() -> Console:
     """Return a console on the standard error."""
-    return Console(stderr=True, soft_wrap=True, highlight=False)
+    return Console(stderr=True, soft_wrap=True, highlight=False, emoji=False)

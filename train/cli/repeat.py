@@ -43,7 +43,7 @@ def explain_command(
     if json:
         typer.echo(explaining.as_json(*explained))
     else:
-        Console(highlight=False, markup=False).print(explaining.step_on_terminal(*explained))
+        Console(highlight=False, markup=False, emoji=False).print(explaining.step_on_terminal(*explained))
 
 
 def record_command(

@@ -73,7 +73,7 @@ def _train(learner: str, config: str, given: GivenOptions, made: "Callable[[Trai
     from train.learning.session import run_training
 
     try:
-        console, request = Console(highlight=False), given.request(config)
+        console, request = Console(highlight=False, emoji=False), given.request(config)
         code = run_training(learner, request, made, console, lambda training: _conclude(training, request, console))
     except ValueError as error:
         raise ConfigurationError(str(error)) from error

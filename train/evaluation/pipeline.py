@@ -41,7 +41,7 @@ def evaluate(evaluation: Evaluation, console: Console) -> int:
     if evaluation.memory is not None and not request.resume:
         evaluation.memory.check_new()
     for remark in evaluation.remarks():
-        Console(stderr=True, highlight=False, soft_wrap=True).print(remark, markup=False)
+        Console(stderr=True, highlight=False, soft_wrap=True, emoji=False).print(remark, markup=False)
     with request.results(root, evaluation.manifest, evaluation.growing) as folder:
         return _evaluated(evaluation, Results(folder, evaluation.mistake), console)
 
