@@ -162,7 +162,7 @@ def claims_table(claims: Sequence[Claim], shares: Mapping[str, Mapping[str, floa
 
 
 def too_few(scenarios: int, tests: int) -> tuple[str, ...]:
-    """Return the line for a table of so many comparisons and too few scenarios for a statement; none if they do.
+    """Return the line below a table whose scenarios are too few for its comparisons; none where they are enough.
 
     >>> too_few(2, 1)
     ('2 scenarios: no statement; 6 or more are needed',)

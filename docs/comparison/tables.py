@@ -106,7 +106,7 @@ class Results:
         return dict(zip(found, corrected_ps(list(found.values())), strict=True))
 
     def _told(self, family: str, label: str, against: str = BEST) -> float:
-        """Return 1 or -1 if the first is shown to be dearer or cheaper than the second, else 0."""
+        """Return 1 where the first is shown to cost more than the second, -1 where it costs less, else 0."""
         p, ratio = self._ps.get((family, label, against)), self.ratio(family, label, against)
         return ratio.sign if ratio is not None and p is not None and p < ALPHA else 0.0
 

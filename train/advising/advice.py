@@ -23,8 +23,9 @@ from selector.documents.find import files_of
 from selector.documents.writing import write_whole
 from selector.knowledge import Knowledge, Option
 from selforg.plugins import PluginError
-from train.advising.opening import OpenedMission, arms_hold, document_of, open_mission, variants_of, without
-from train.advising.search import JAMMED, NEVER, AdviceSearch, Lacking, SearchResult, arm_of, needed
+from train.advising.opening import OpenedMission, document_of, open_mission, variants_of, without
+from train.advising.rounds import Lacking, needed
+from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.verdict import RANDOM
 from train.deciders.named import FIXED, MACHINE, POLICY, decider_named
 from train.evaluation.base import Done, Evaluation
@@ -156,13 +157,12 @@ class Advising(Evaluation):
 
     def entrants(self, winner: str, finalists: Sequence[str], choosers: Sequence[str]) -> list[str]:
         """Return the arms of the last round: the best, what it must beat, and what changes options on the way."""
-        held = arms_hold(self.opened, winner)
-        off = [arm_of({**held, goal: NEVER}) for goal in self.opened.goals if NEVER in self.opened.names(goal)]
+        off = never_avoiding(self.opened, held_by(self.opened, winner))
         chance = [] if self.nothing_to_choose else [RANDOM]
         return list(dict.fromkeys([winner, *finalists, arm_of(self.opened.experts), *off, *chance, *choosers]))
 
-    def judged(self, found: SearchResult, done: Done) -> tuple[dict[str, int], dict[str, int]]:
-        """Return the arms of the last round that did all starts, with the worlds of each; and lost starts of the rest.
+    def judged(self, found: SearchResult, done: Done) -> tuple[list[str], dict[str, int]]:
+        """Return the arms of the last round that did all starts, and how many starts each of the others lost.
 
         Lacking says which missions are missing, of the first starts only while those are not done.
         """
@@ -176,13 +176,13 @@ class Advising(Evaluation):
             if 2 * lost[found.winner] < most:
                 stopped = {arm: many for arm, many in lost.items() if 2 * many >= most}
         twice = found.finalists if len(found.finalists) > 1 else ()
-        worlds = {arm: 1 + (arm in twice) for arm in arms if arm not in stopped}
+        going = [arm for arm in arms if arm not in stopped]
         every = {
-            arm: [(scenario_name("test", k, w), arm) for k in range(found.starts) for w in range(own)]
-            for arm, own in worlds.items()
+            arm: [(scenario_name("test", k, w), arm) for k in range(found.starts) for w in range(1 + (arm in twice))]
+            for arm in going
         }
         needed(every, done)
-        return worlds, stopped
+        return going, stopped
 
     def mistake(self, record: RunRecord) -> str:
         """Return why a run is not one of this advice."""
@@ -220,12 +220,10 @@ class Advising(Evaluation):
         several, found = {goal for goal in wide.goals if len(wide.names(goal)) > 1}, []
         for name in names:
             try:
-                meant = decider_named(name, self.directories).meant_for or ()
-                own = meant.split(JOINT) if isinstance(meant, str) else meant
-                if several & set(own):
+                if several & set(decider_named(name, self.directories).goals):
                     check_fit([Entrant(name, (name,))], batch, JOINT.join(wide.goals), self.directories)
                     found.append(name)
-            except (DocumentError, ValueError):
+            except ValueError:  # it does not fit, or its file is damaged
                 continue
         return found
 
@@ -241,14 +239,18 @@ class Advising(Evaluation):
         by_name = {goal: {one.name: one for one in own} for goal, own in self.opened.known.table.items()}
         chosen = {goal: by_name[goal][name] for goal, name in held.items()}
         self._varied = variants_of(chosen, self.directories)
-        write_whole(self.folder / NUMBERS_FILE, document_of(self.table_with(held), self.directories).encode())
+        write_whole(self.folder / NUMBERS_FILE, document_of(self._table_with(held), self.directories).encode())
         return self._varied
 
-    def table_with(self, held: Mapping[str, str]) -> dict[str, list[Option]]:
+    def variants(self, goal: str) -> Sequence[Option]:
+        """Return the variants of the best option of a goal."""
+        return self._varied.get(goal, ())
+
+    def _table_with(self, held: Mapping[str, str]) -> dict[str, list[Option]]:
         """Return goal -> its options and variants; those in `held` have the highest score."""
         found = {}
         for goal, own in self.opened.known.table.items():
-            options = [*own, *self._varied.get(goal, ())]
+            options = [*own, *self.variants(goal)]
             most = max(one.score for one in options) + 1.0
             better = [one.model_copy(update={"score": most}) if one.name == held[goal] else one for one in options]
             found[goal] = better

@@ -16,6 +16,7 @@ from selector.documents.writing import write_whole
 from train.advising.advice import Advising
 from train.advising.opening import document_of
 from train.advising.report import Advice
+from train.advising.scores import learned_from_rounds, options_known
 from train.evaluation.repeat import record_run
 from train.replay.page_file import write_page
 from train.reports.text_table import Publication
@@ -25,29 +26,38 @@ KNOWLEDGE, FAMILY, REPLAY = "knowledge.yaml", "families.yaml", "replay.html"
 
 
 class AdviceEvaluation(Advising):
-    """Advice for a mission, a family or a task."""
+    """Advice for a mission, a family or a task.
+
+    Attributes:
+        advice: what came out, once all runs are done and published.
+
+    """
+
+    advice: Advice
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return the advice."""
-        return self.advice(records).publication
+        self.advice = Advice.of(self, {record.key: record for record in records})
+        return self.advice.publication
 
-    def conclude(self, records: Sequence[RunRecord]) -> None:
+    def conclude(self) -> None:
         """Write what the advice is used with."""
-        ship(self.advice(records))
-
-    def advice(self, records: Sequence[RunRecord]) -> Advice:
-        """Return the advice that follows from all runs."""
-        return Advice.of(self, {record.key: record for record in records})
+        ship(self.advice)
 
 
 def ship(advice: Advice) -> None:
     """Write what an advice is used with."""
     evaluation = advice.evaluation
     folder = evaluation.folder
-    learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in advice.learned.items()}
+    scores = learned_from_rounds(advice)
+    learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in scores.items()}
     robot = evaluation.mission.network.robot
     text = document_of(
-        advice.table, evaluation.directories, description=" ".join(advice.sentences), robot=robot, learned=learned
+        options_known(advice),
+        evaluation.directories,
+        description=" ".join(advice.sentences),
+        robot=robot,
+        learned=learned,
     )
     write_whole(folder / KNOWLEDGE, text.encode())
     known = evaluation.opened.with_knowledge((folder / KNOWLEDGE).resolve())

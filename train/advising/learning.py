@@ -19,12 +19,14 @@ import numpy as np
 from rich.console import Console
 
 from clean_swarm_env.world.task import task_class
+from selector.documents.fields import JOINT
 from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
 from selforg.plugins import named_plugins
 from train.advising.advice import seconds_of
 from train.advising.evaluation import FAMILY, AdviceEvaluation
-from train.advising.report import Advice, times
+from train.advising.report import Advice, shown_cheaper, times
+from train.advising.scores import options_known
 from train.analysis.family_report import excesses_of, unfinished_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import Ratio
@@ -54,10 +56,16 @@ FRESH = 1
 
 
 def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Console) -> int:
-    """Train a selector for so many minutes of processors in all, judge it, and say what came out; the exit code."""
+    """Train a selector, judge it, print what came out, and return the exit code.
+
+    Args:
+        evaluation: the advice, which is published.
+        minutes: time of processors for all trainings [min].
+        console: shows what came out.
+
+    """
     check_installed("ppo")
-    folder = evaluation.folder
-    advice = evaluation.advice(runs_of(folder / JOURNAL))
+    folder, advice = evaluation.folder, evaluation.advice
     write_whole(folder / TRAINING, as_yaml(training_of(advice, minutes).model_dump(mode="json")).encode())
     words = [sys.executable, "-m", "clean_swarm_env", *(f"--import={name}" for name in named_plugins())]
     words += ["train", "ppo", "--config", str(folder / TRAINING)]
@@ -67,7 +75,7 @@ def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Consol
     if any(codes):
         return max(codes)
     best = min(TRAINING_SEEDS, key=lambda seed: _validated(folder / TRAININGS.format(seed)))
-    return _judge(evaluation, advice, best, console)
+    return _judge(advice, best, console)
 
 
 def training_of(advice: Advice, minutes: float) -> TrainingConfig:
@@ -78,7 +86,7 @@ def training_of(advice: Advice, minutes: float) -> TrainingConfig:
         shared = load_training(TEMPLATE, "ppo").model_dump(mode="json", exclude_unset=True)
         content = {name: shared[name] for name in ("observation", "reward", "ppo")}
         content["ppo"]["running"] = [goal for goal in content["ppo"]["running"] if goal in held]
-    several = [goal for goal in held if len(advice.table[goal]) > 1]
+    several = [goal for goal, options in options_known(advice).items() if len(options) > 1]
     content["ppo"] |= {"start": {goal: held[goal] for goal in several}, "holds": dict.fromkeys(several, 8)}
     seconds = sum(map(seconds_of, advice.done.values()))
     mission, ticks = evaluation.mission, sum(one.result.ticks * one.result.robots for one in advice.done.values())
@@ -89,7 +97,7 @@ def training_of(advice: Advice, minutes: float) -> TrainingConfig:
             "name": f"{evaluation.family.name}-selector",
             "description": f"A selector for {evaluation.family.name}, which begins with {' and '.join(held.values())}.",
             "tasks": [{"family": str((evaluation.folder / FAMILY).resolve()), "worlds": 16}],
-            "goal": "+".join(several),
+            "goal": JOINT.join(several),
             "checkpoints": CHECKPOINTS,
             "decisions": wanted // CHECKPOINTS,
             "validation": {"scenarios": 16},
@@ -115,9 +123,9 @@ def _validated(directory: Path) -> float:
     return float(np.mean([np.mean(own) for own in validation.learned.values()]))
 
 
-def _judge(evaluation: AdviceEvaluation, advice: Advice, seed: int, console: Console) -> int:
+def _judge(advice: Advice, seed: int, console: Console) -> int:
     """Judge the policy of a seed beside the best that is held; ship it if it is shown to be better."""
-    folder = evaluation.folder
+    evaluation, folder = advice.evaluation, advice.evaluation.folder
     policy = folder / TRAININGS.format(seed) / POLICY_FOLDER
     held, learned = advice.found.winner, f"{POLICY}:{policy.resolve()}"
     again = replace(
@@ -133,21 +141,21 @@ def _judge(evaluation: AdviceEvaluation, advice: Advice, seed: int, console: Con
         figure=None,
     )
     judge = FamilyEvaluation(again)
-    with Path(folder / "judged.log").open("w", encoding="utf-8") as log:
+    with (folder / "judged.log").open("w", encoding="utf-8") as log:
         code = pipeline.evaluate(judge, Console(file=log))
     if code != FINISHED:
         return code
     runs = judge.runs(runs_of(folder / JUDGED / JOURNAL), {held: (held,), "selector": ("selector",)})
-    ratio = Ratio.between("selector", held, excesses_of(runs), unfinished_of(runs))
-    told = ratio.p is not None and ratio.p < ALPHA
-    better = told and ratio.sign < 0.0 and ratio.ci95 is not None and ratio.ci95[1] < 1.0
+    left = unfinished_of(runs)
+    ratio = Ratio.between("selector", held, excesses_of(runs), left)
     cost = f"The selector that was trained for it costs {times(ratio)} of that on {runs.scenarios} further starts"
-    if left := unfinished_of(runs):
+    if left:
         cost += f", with {int(left['selector'].sum())} unfinished beside {int(left[held].sum())}"
-    if better:
+    if shown_cheaper(ratio, ratio.p):
         shutil.copytree(policy, folder / POLICY_FOLDER, dirs_exist_ok=True)
         console.print(f"{cost}: it is worth it, and ships in {folder / POLICY_FOLDER}.", soft_wrap=True)
     else:
-        word = "it is worse" if told and ratio.sign > 0.0 else "it is not shown to be worth it"
+        worse = ratio.p is not None and ratio.p < ALPHA and ratio.sign > 0.0
+        word = "it is worse" if worse else "it is not shown to be worth it"
         console.print(f"{cost}: {word}, and does not ship.", soft_wrap=True)
     return FINISHED

@@ -18,7 +18,6 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.world.task import task_class
 from selector.configurations.library import library_of
 from selector.documents.errors import DocumentError
-from selector.documents.fields import JOINT
 from selector.documents.find import files_of
 from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
@@ -129,11 +128,6 @@ def without(wide: OpenedMission, build: Callable[[Knowledge], object]) -> Opened
     return replace(wide, known=known, dropped=dropped)
 
 
-def arms_hold(wide: OpenedMission, arm: str) -> dict[str, str]:
-    """Return goal -> the option that an arm of fixed options holds."""
-    return dict(zip(wide.goals, arm.partition(":")[2].split(JOINT), strict=True))
-
-
 def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> dict[str, list[Option]]:
     """Return goal -> variants of the option that serves it, each with another value of one number.
 
@@ -181,8 +175,3 @@ def document_of(table: Mapping[str, Sequence[Option]], directories: tuple[Path, 
         short = {"name", "score"}
         goals[goal] = [one.model_dump(mode="json", include=short if one.name in library else None) for one in options]
     return as_yaml({**more, "goals": goals})
-
-
-def joined(held: Mapping[str, str]) -> str:
-    """Return the name of the combination of options; goal -> option."""
-    return JOINT.join(held.values())

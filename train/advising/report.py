@@ -8,22 +8,19 @@ Shapes: K starts of the last round, V worlds of each.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.families import scenario_name
 from selector.documents.fields import JOINT
-from selector.knowledge import LearnedScore, LearnedScores, Option
 from selforg.arrays import Floats
 from train.advising.advice import BROKE, Advising, seconds_of
-from train.advising.opening import arms_hold
-from train.advising.search import JAMMED, NEVER, AdviceSearch, Round, SearchResult, arm_of
-from train.analysis.family_report import FamilyRuns, family_report_of
+from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
+from train.analysis.family_report import FamilyRuns, excesses_of, family_report_of, unfinished_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import TOLD, Interval, Ratio, about_number, corrected_ps
 from train.analysis.strategy_comparison import Estimate, cross_fitted
@@ -37,8 +34,6 @@ from train.reports.text_table import EMPTY_CELL, Grid, Publication
 
 WORTH_LEARNING = 0.05
 """Gain of the best combination of each start, in hindsight, from which on training a selector may be worth it [-]."""
-
-
 OVER = 1.5
 """Times the time that was given, from which on the advice says how long it took."""
 
@@ -66,15 +61,15 @@ class Advice:
         """Return the advice of an evaluation whose missions are all done."""
         search = evaluation.search(done)
         found = search.run()
-        worlds, stopped = evaluation.judged(found, done)
+        going, stopped = evaluation.judged(found, done)
         runs = FamilyRuns(
             family=evaluation.family,
             goal=evaluation.goal,
             seed=evaluation.request.seed,
             scenarios=found.starts,
             worlds=1,
-            conditions={arm: (arm,) for arm in worlds},
-            fixed=tuple(arm for arm in worlds if arm.startswith(f"{FIXED}:")),
+            conditions={arm: (arm,) for arm in going},
+            fixed=tuple(arm for arm in going if arm.startswith(f"{FIXED}:")),
             records=list(done.values()),
         )
         return cls(evaluation, search, found, runs, stopped, done)
@@ -82,19 +77,17 @@ class Advice:
     @property
     def held(self) -> dict[str, str]:
         """Goal -> the option to hold."""
-        return arms_hold(self.evaluation.opened, self.found.winner)
+        return held_by(self.evaluation.opened, self.found.winner)
 
     @cached_property
     def costs(self) -> dict[str, Floats]:
         """Arm -> excess (1, K, 1) of its missions [s]."""
-        return self.runs.table(lambda _, result: result.excess_s)
+        return excesses_of(self.runs)
 
     @cached_property
     def left(self) -> dict[str, Floats]:
         """Arm -> whether missions (1, K, 1) were left unfinished; nothing where that means nothing."""
-        if self.evaluation.mission.items.keep_coming:
-            return {}
-        return self.runs.table(lambda _, result: float(not result.completed))
+        return unfinished_of(self.runs)
 
     def ratio(self, arm: str) -> Ratio:
         """Return the ratio of an arm's mean excess to that of the best."""
@@ -106,13 +99,9 @@ class Advice:
         finalists = [arm for arm in self.found.finalists if arm in self.costs]
         if len(finalists) < 2:
             return None
-        starts = range(self.found.starts)
-        at = self.done
+        names = [[scenario_name("test", k, world) for world in range(2)] for k in range(self.found.starts)]
         both = np.array(
-            [
-                [[at[scenario_name("test", k, w), arm].result.excess_s for w in range(2)] for k in starts]
-                for arm in finalists
-            ]
+            [[[self.done[name, arm].result.excess_s for name in own] for own in names] for arm in finalists]
         )
         return Ratio.of(cross_fitted(both)[None, :, None], both[:1].mean(axis=2, keepdims=True))
 
@@ -122,12 +111,7 @@ class Advice:
         names = [arm for arm in self.found.choosers if arm in self.costs]
         ratios = [self.ratio(arm) for arm in names]
         told = zip(names, ratios, corrected_ps(ratios) if ratios else [], strict=True)
-        found = [
-            (one.ratio or 0.0, arm)
-            for arm, one, p in told
-            if p is not None and p < ALPHA and one.ci95 is not None and one.ci95[1] < 1.0
-        ]
-        return [arm for _, arm in sorted(found)]
+        return [arm for _, arm in sorted((one.ratio or 0.0, arm) for arm, one, p in told if shown_cheaper(one, p))]
 
     @property
     def gains(self) -> bool:
@@ -179,10 +163,8 @@ class Advice:
     @property
     def _beside(self) -> str:
         opened, winner, parts, lost = self.evaluation.opened, self.found.winner, list[str](), list[str]()
-        off = {
-            arm_of({**self.held, goal: NEVER}): "never avoiding" for goal in opened.goals if NEVER in opened.names(goal)
-        }
-        said = {**off, arm_of(opened.experts): "the experts' scores", RANDOM: "a random choice"}
+        said = dict.fromkeys(never_avoiding(opened, self.held), "never avoiding")
+        said |= {arm_of(opened.experts): "the experts' scores", RANDOM: "a random choice"}
         for arm, name in said.items():
             if arm in self.stopped:
                 lost.append(f"{name} left {self.stopped[arm]} of {self._first} unfinished")
@@ -251,52 +233,6 @@ class Advice:
         return listed(arm.partition(":")[2].split(JOINT)) if arm.startswith(f"{FIXED}:") else arm
 
     @property
-    def learned(self) -> LearnedScores:
-        """Goal -> option -> the rewards of its missions.
-
-        The mean of an option is that of the best, and by how much its own differed from it on the same starts in the
-        last round in which both took part: rounds have other starts, and later ones better partners.
-        """
-        found: LearnedScores = {}
-        rewards = [self.search.reward(self.done[scenario_name("test", k), self.found.winner]) for k in self._starts]
-        bases = arms_hold(self.evaluation.opened, self.found.leader)
-        for column, (goal, best) in enumerate(self.held.items()):
-            known = {one.name for one in self.table[goal]}
-            own = {
-                best: LearnedScore(count=len(rewards), mean=float(np.mean(rewards)), variance=float(np.var(rewards)))
-            }
-            for reference in dict.fromkeys((best, bases[goal])):  # rounds before that of the numbers lack a variant
-                beside = dict(chain.from_iterable(_beside(one, column, reference) for one in self.search.rounds))
-                own = {
-                    name: LearnedScore(count=count, mean=own[reference].mean + less, variance=variance)
-                    for name, (count, less, variance) in beside.items()
-                    if name in known
-                } | own
-            found[goal] = own
-        return found
-
-    @property
-    def _starts(self) -> Sequence[int]:
-        return range(self.found.starts)
-
-    @property
-    def table(self) -> dict[str, list[Option]]:
-        """Goal -> the options of the knowledge: those of the mission and of the library, and what is to be held."""
-        table = self.evaluation.table_with(self.held)
-        known = {goal: set(self.evaluation.opened.names(goal)) for goal in self.held}
-        scored = {
-            (goal, one.name): one.score for goal, own in self.evaluation.opened.known.table.items() for one in own
-        }
-        return {
-            goal: [
-                one.model_copy(update={"score": scored.get((goal, one.name), 0.0)})
-                for one in own
-                if one.name in known[goal] or one.name == self.held[goal]
-            ]
-            for goal, own in table.items()
-        }
-
-    @property
     def publication(self) -> Publication:
         """The report."""
         report = family_report_of(self.runs)
@@ -338,24 +274,9 @@ class Advice:
         return f"{self.search.stopped[arm]} of {JAMMED} unfinished" if arm in self.search.stopped else EMPTY_CELL
 
 
-def _beside(done: Round, column: int, best: str) -> list[tuple[str, tuple[int, float, float]]]:
-    """Return options with starts, by how much the mean reward differs from that of `best`, and the variance.
-
-    Of several arms with an option the cheapest counts.
-    """
-    places: dict[str, int] = {}
-    for place in done.means.argsort(kind="stable").tolist():
-        kind, _, options = done.arms[place].partition(":")
-        if kind == FIXED:
-            places.setdefault(options.split(JOINT)[column], place)
-    if best not in places or done.title == "choosers":
-        return []
-    reference = done.rewards[places[best]]
-    return [
-        (name, (len(reference), float((done.rewards[place] - reference).mean()), float(done.rewards[place].var())))
-        for name, place in places.items()
-        if name != best
-    ]
+def shown_cheaper(ratio: Ratio, p: float | None) -> bool:
+    """Return whether a ratio is shown to be below 1, by its corrected p-value and by its interval."""
+    return p is not None and p < ALPHA and ratio.ci95 is not None and ratio.ci95[1] < 1.0
 
 
 def times(ratio: Ratio, words: str = "") -> str:

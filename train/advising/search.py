@@ -20,9 +20,11 @@ from itertools import product
 import numpy as np
 
 from clean_swarm_env.config.families import scenario_name
+from selector.documents.fields import JOINT
 from selector.knowledge import ENOUGH, Option
-from selforg.arrays import Flags, Floats
-from train.advising.opening import OpenedMission, arms_hold, joined
+from selforg.arrays import Flags
+from train.advising.opening import OpenedMission
+from train.advising.rounds import Round, filled_up, needed, portfolio, ranks_of
 from train.deciders.named import FIXED
 from train.running.runs import RunKey, RunRecord
 
@@ -44,37 +46,6 @@ FEWEST_STARTS, MOST_STARTS = 2, 32
 """Bounds of the starts of a round."""
 LAST_FEWEST, LAST_MOST = 8, 100
 """Bounds of the starts of the last round."""
-
-
-@dataclass(frozen=True)
-class Round:
-    """What a round measured."""
-
-    title: str
-    arms: tuple[str, ...]
-    costs: Floats
-    """(A, n) excess costs [s]; what a stopped arm did not do is its mean."""
-    rewards: Floats
-    """(A, n) rewards, likewise."""
-
-    @property
-    def means(self) -> Floats:
-        """Mean excess (A,) [s]."""
-        means: Floats = self.costs.mean(axis=1)
-        return means
-
-    @property
-    def order(self) -> list[str]:
-        """The arms, the cheapest first."""
-        return [self.arms[place] for place in self.means.argsort(kind="stable")]
-
-
-class Lacking(Exception):
-    """Missions are not done: arm -> names of scenarios."""
-
-    def __init__(self, missing: Mapping[str, Sequence[str]]) -> None:
-        super().__init__("missions are not done")
-        self.missing = missing
 
 
 @dataclass(frozen=True)
@@ -134,8 +105,7 @@ class AdviceSearch:
             return SearchResult(look.arms[0], look.arms[0], look.arms, (), 0, LAST_FEWEST)
         best = self._goals_alone(held)
         arms = [arm_of(dict(zip(best, names, strict=True))) for names in product(*best.values())]
-        off = [arm_of({**held, goal: NEVER}) for goal in best if NEVER in self.opened.names(goal)]
-        kept = list(dict.fromkeys((arm_of(self.opened.experts), *off)))
+        kept = list(dict.fromkeys((arm_of(self.opened.experts), *never_avoiding(self.opened, held))))
         if len(best) > 1:
             every = list(dict.fromkeys((*arms, *kept)))
             count = self._starts(BUDGET_SHARES["together"], 2 * len(every))
@@ -147,7 +117,7 @@ class AdviceSearch:
             arms = self._race("numbers", list(dict.fromkeys((*arms[:2], *more, *kept))), count, kept)
             variants = len(more)
         choosers = self._choosers()
-        finalists = (arms[0], *(arm for arm in _portfolio(joint, arms[0]) if arm != arms[0]))[:FINALISTS]
+        finalists = (arms[0], *(arm for arm in portfolio(joint, arms[0]) if arm != arms[0]))[:FINALISTS]
         left = (self.budget - self._spent) / (self._price * self.entrants(arms[0], finalists, choosers))
         starts = int(np.clip(left, LAST_FEWEST, LAST_MOST))
         return SearchResult(arms[0], leader, finalists, choosers, variants, starts)
@@ -165,7 +135,7 @@ class AdviceSearch:
         return max(self._spent, 1e-6) / self._missions
 
     def _starts(self, part: float, arms: int) -> int:
-        """Return the starts of the first round, of rounds that have so many arms in all, for a part of the budget."""
+        """Return how many starts a race begins with that may take a `part` of the budget; `arms`: of all its rounds."""
         wanted = part * self.budget / (self._price * max(arms, 1))
         return int(np.clip(wanted, FEWEST_STARTS, MOST_STARTS))
 
@@ -210,7 +180,7 @@ class AdviceSearch:
         if len(names) <= FINALISTS or count.min() < ENOUGH:
             return names
         checked = self._round(f"{goal}, check", [arm_of({**held, goal: name}) for name in names], CHECK_STARTS)
-        agree = np.corrcoef(_ranks(-mean), _ranks(checked.means))[0, 1]
+        agree = np.corrcoef(ranks_of(-mean), ranks_of(checked.means))[0, 1]
         if not agree >= TRUSTED:
             return names
         kept = {names[place] for place in (-mean).argsort(kind="stable")[: max(len(names) // 3, FINALISTS)]}
@@ -223,7 +193,7 @@ class AdviceSearch:
             if len(arms) <= max(FINALISTS, len(kept) + 1):
                 return done.order
             half = done.order[: max(len(arms) // 2, FINALISTS)]
-            half += [arm for arm in _portfolio(done, half[0])[:2] if arm not in half]
+            half += [arm for arm in portfolio(done, half[0])[:2] if arm not in half]
             half += [arm for arm in arms if arm in kept and arm not in half]
             if len(half) == len(arms):
                 return done.order
@@ -231,7 +201,7 @@ class AdviceSearch:
 
     def _variants(self, leader: str) -> list[str]:
         """Return the arms with another number of one of the leader's options."""
-        held = arms_hold(self.opened, leader)
+        held = held_by(self.opened, leader)
         more = self.varied(held)
         return [arm_of({**held, goal: variant.name}) for goal, own in more.items() for variant in own]
 
@@ -262,7 +232,7 @@ class AdviceSearch:
         self._spent += sum(self.price(record) for own in runs for record in own)
         self._missions += sum(map(len, runs))
         costs, rewards = (
-            np.array([_filled([value(record) for record in own], count) for own in runs])
+            np.array([filled_up([value(record) for record in own], count) for own in runs])
             for value in (lambda record: record.result.excess_s, self.reward)
         )
         self.rounds.append(Round(title, tuple(arms), costs, rewards))
@@ -274,39 +244,16 @@ class AdviceSearch:
         return needed(keys, self.done)
 
 
-def needed(keys: Mapping[str, Sequence[RunKey]], done: Mapping[RunKey, RunRecord]) -> dict[str, list[RunRecord]]:
-    """Return arm -> its runs; Lacking if some are not done."""
-    missing = {arm: [scenario for scenario, name in own if (scenario, name) not in done] for arm, own in keys.items()}
-    if any(missing.values()):
-        raise Lacking({arm: own for arm, own in missing.items() if own})
-    return {arm: [done[key] for key in own] for arm, own in keys.items()}
-
-
 def arm_of(held: Mapping[str, str]) -> str:
     """Return the arm that holds options; goal -> option."""
-    return f"{FIXED}:{joined(held)}"
+    return f"{FIXED}:{JOINT.join(held.values())}"
 
 
-def _portfolio(done: Round, first: str) -> list[str]:
-    """Return arms in the order in which each adds most to the earlier ones, if the best of them is taken at a start."""
-    left = [place for place, arm in enumerate(done.arms) if arm != first]
-    best = done.costs[done.arms.index(first)] if first in done.arms else np.full(done.costs.shape[1], np.inf)
-    order = [first] if first in done.arms else []
-    while left:
-        place = min(left, key=lambda one: float(np.minimum(best, done.costs[one]).mean()))
-        best = np.minimum(best, done.costs[place])
-        left.remove(place)
-        order.append(done.arms[place])
-    return order
+def held_by(opened: OpenedMission, arm: str) -> dict[str, str]:
+    """Return goal -> the option that an arm of fixed options holds."""
+    return dict(zip(opened.goals, arm.partition(":")[2].split(JOINT), strict=True))
 
 
-def _filled(values: Sequence[float], count: int) -> list[float]:
-    """Return values, and their mean for each that is missing of `count`."""
-    return [*values, *[float(np.mean(values))] * (count - len(values))]
-
-
-def _ranks(values: Floats) -> Floats:
-    """Return the ranks of values; equal ones share the mean of theirs."""
-    order = values[:, None] > values
-    ranks: Floats = order.sum(axis=1) + 0.5 * (values[:, None] == values).sum(axis=1)
-    return ranks
+def never_avoiding(opened: OpenedMission, held: Mapping[str, str]) -> list[str]:
+    """Return the arm that never avoids beside the other options of `held`; none where no goal has such an option."""
+    return [arm_of({**held, goal: NEVER}) for goal in opened.goals if NEVER in opened.names(goal)]

@@ -130,7 +130,7 @@ def holm(ps: Sequence[float], least: Sequence[float] = ()) -> list[float]:
 
 
 def fewest(tests: int) -> int:
-    """Return the least number of scenarios with which one of so many comparisons can be significant.
+    """Return the fewest scenarios with which a comparison can be significant; `tests`: comparisons of the table.
 
     >>> fewest(1), fewest(15)  # two strategies, six strategies
     (6, 10)

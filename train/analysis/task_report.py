@@ -83,7 +83,7 @@ def measured_strategies(
 
 
 def _beats(one: MeasuredStrategy, p: float, tests: int) -> bool | None:
-    """Return whether a measure of a table of so many tests is shown to be better; `p` is corrected for their number."""
+    """Return whether a measure is shown to be better; `p` is corrected for the number of `tests` of its table."""
     if one.flips is None or len(one.flips.differences) < fewest(tests):
         return None
     return p < ALPHA and (one.flips.sign < 0.0) == (one.measure.better == "lower")

@@ -59,10 +59,10 @@ def advise_command(
     if code == FINISHED and not evaluation.nothing_to_choose:
         for line in use_of(mission, output, given.directories, family=evaluation.of_family):
             console.print(line, soft_wrap=True)
-    if learn and code == FINISHED and not evaluation.nothing_to_choose:
-        from train.advising.learning import train_selector  # imports torch
+        if learn:
+            from train.advising.learning import train_selector  # imports torch
 
-        code = train_selector(evaluation, training, console)
+            code = train_selector(evaluation, training, console)
     raise typer.Exit(code)
 
 

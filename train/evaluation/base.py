@@ -110,7 +110,6 @@ class Evaluation(ABC):
         scenarios: names of the scenarios, in the order in which missions learn.
         context: under which a store keeps rewards of such missions.
         so_far: what is known before all runs are done, which follows how many are kept.
-        expected: number of runs, as far as it is known before the first ones.
 
     """
 
@@ -122,7 +121,6 @@ class Evaluation(ABC):
     scenarios: list[str]
     context: str
     so_far = ""
-    expected = 0
 
     def __init__(self, request: Request) -> None:
         self.request = request
@@ -163,8 +161,8 @@ class Evaluation(ABC):
         best = min(costs, key=lambda name: fmean(costs[name]))
         return f"lowest mean cost {fmean(costs[best]):,.0f} s: {best}"
 
-    def conclude(self, records: Sequence[RunRecord]) -> None:  # noqa: B027  (most have nothing to add)
-        """Write what the results are used with; nothing unless a subclass does."""
+    def conclude(self) -> None:  # noqa: B027  (most have nothing to add)
+        """Write what published results are used with; nothing unless a subclass does."""
 
     @abstractmethod
     def publication(self, records: Sequence[RunRecord]) -> Publication:

@@ -50,7 +50,7 @@ def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> in
     folder, request = results.folder, evaluation.request
     if folder.learned:
         evaluation.mission = evaluation.mission.beginning_with(folder.learned)
-    total = max(_count(evaluation.tasks({})), evaluation.expected)  # known before the first run
+    total = _count(evaluation.tasks({}))  # known before the first run
     try:
         _run_missing(evaluation, results, total)
         _publish(evaluation, results, console)
@@ -71,7 +71,7 @@ def _publish(evaluation: Evaluation, results: Results, console: Console) -> None
         title = f"known at the beginning in the context {evaluation.context!r}"
         grids = (*publication.grids, learned_scores(known, title, evaluation.mission))
         publication = replace(publication, grids=grids)
-    evaluation.conclude(results.records)
+    evaluation.conclude()
     publish(publication, folder, console, request)
     if memory is not None and memory.learns:
         title = f"known now in the context {memory.context!r}"

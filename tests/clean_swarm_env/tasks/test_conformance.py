@@ -75,7 +75,7 @@ def test_a_task_that_breaks_its_contract_is_one_line(members, said, monkeypatch)
 
 
 def registered(members, monkeypatch):
-    """A task of a plug-in that waits, but for some of its members."""
+    """A task of a plug-in that waits; some of its members do not."""
     monkeypatch.setattr(TASKS, "_classes", dict(TASKS._classes))
     return TASKS.register(type("Mine", (Waiting,), {**members, "__module__": __name__}))
 

@@ -8,7 +8,8 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.world.mission import MissionResult
 from selector.knowledge import Knowledge, LearnedScore, Option
 from train.advising.opening import OpenedMission
-from train.advising.search import JAMMED, LAST_FEWEST, AdviceSearch, Lacking, arm_of
+from train.advising.rounds import Lacking
+from train.advising.search import JAMMED, LAST_FEWEST, AdviceSearch, arm_of
 from train.running.runs import RunRecord
 
 GOALS = {"Explore": 8, "Avoid": 11}

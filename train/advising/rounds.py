@@ -1,0 +1,78 @@
+"""Rounds of a search: what arms cost on the same starts, and which missions of them are not done.
+
+Shapes: A arms, n starts of a round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from selforg.arrays import Floats
+from train.running.runs import RunKey, RunRecord
+
+
+@dataclass(frozen=True)
+class Round:
+    """What a round measured."""
+
+    title: str
+    arms: tuple[str, ...]
+    costs: Floats
+    """(A, n) excess costs [s]; what a stopped arm did not do is its mean."""
+    rewards: Floats
+    """(A, n) rewards, likewise."""
+
+    @property
+    def means(self) -> Floats:
+        """Mean excess (A,) [s]."""
+        means: Floats = self.costs.mean(axis=1)
+        return means
+
+    @property
+    def order(self) -> list[str]:
+        """The arms, the cheapest first."""
+        return [self.arms[place] for place in self.means.argsort(kind="stable")]
+
+
+class Lacking(Exception):
+    """Missions are not done: arm -> names of scenarios."""
+
+    def __init__(self, missing: Mapping[str, Sequence[str]]) -> None:
+        super().__init__("missions are not done")
+        self.missing = missing
+
+
+def needed(keys: Mapping[str, Sequence[RunKey]], done: Mapping[RunKey, RunRecord]) -> dict[str, list[RunRecord]]:
+    """Return arm -> its runs; Lacking if some are not done."""
+    missing = {arm: [scenario for scenario, name in own if (scenario, name) not in done] for arm, own in keys.items()}
+    if any(missing.values()):
+        raise Lacking({arm: own for arm, own in missing.items() if own})
+    return {arm: [done[key] for key in own] for arm, own in keys.items()}
+
+
+def portfolio(done: Round, first: str) -> list[str]:
+    """Return arms in the order in which each adds most to the earlier ones, if the best of them is taken at a start."""
+    left = [place for place, arm in enumerate(done.arms) if arm != first]
+    best = done.costs[done.arms.index(first)] if first in done.arms else np.full(done.costs.shape[1], np.inf)
+    order = [first] if first in done.arms else []
+    while left:
+        place = min(left, key=lambda one: float(np.minimum(best, done.costs[one]).mean()))
+        best = np.minimum(best, done.costs[place])
+        left.remove(place)
+        order.append(done.arms[place])
+    return order
+
+
+def filled_up(values: Sequence[float], count: int) -> list[float]:
+    """Return values, and their mean for each that is missing of `count`."""
+    return [*values, *[float(np.mean(values))] * (count - len(values))]
+
+
+def ranks_of(values: Floats) -> Floats:
+    """Return the ranks of values; equal ones share the mean of theirs."""
+    order = values[:, None] > values
+    ranks: Floats = order.sum(axis=1) + 0.5 * (values[:, None] == values).sum(axis=1)
+    return ranks
