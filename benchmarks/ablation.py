@@ -16,7 +16,7 @@ import numpy as np
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig, NetworkConfig
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.mission import run_mission
 from docs.figures.stored import record
 from selforg.arrays import Floats
@@ -64,7 +64,7 @@ def lacking(network: NetworkConfig, term: str) -> NetworkConfig:
 
 def missions(mission: MissionConfig, option: str, starts: int, seed: int) -> tuple[Floats, Floats]:
     """Run the mission from every start; return durations (K,) [s] and whether each was completed (K,)."""
-    scores = {GOAL: {name: float(name == option) for name in OPTIONS}}
+    scores = {AVOIDANCE: {name: float(name == option) for name in OPTIONS}}
     results = [
         run_mission(mission, random_start(mission, seed, k), run_seed(seed, str(k)), scores) for k in range(starts)
     ]

@@ -16,10 +16,10 @@ from scipy import stats
 
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.interface import Finished
 from clean_swarm_env.learning.observation.term import TERMS
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 
 SEED = 900
 TEAMS = (5, 10, 20)
@@ -53,7 +53,7 @@ def ends_of(choose: Choice, robots: int, scenarios: int) -> list[Finished]:
 
 def choices() -> dict[str, Choice]:
     """Return the rule and every single option."""
-    options = Batch(mission_of(1)).options[GOAL]
+    options = Batch(mission_of(1)).options[AVOIDANCE]
     rule = np.array([options.index(name) for name in (FREE, FREE, CARRYING_FAR, CARRYING_NEAR)])
     singles: dict[str, Choice] = {name: lambda seen, k=k: np.full(len(seen), k) for k, name in enumerate(options)}
     return {"rule": lambda seen: rule[seen.argmax(axis=1)], **singles}

@@ -18,7 +18,7 @@ from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of, worlds_at_start
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.config.types import AVOIDANCE
 
 STEPS = 500
 AGENTS = 5
@@ -50,7 +50,7 @@ def stepping(env: Any, choices: int) -> Callable[[], float]:
 def ticking(robots: int) -> Callable[[], float]:
     """Return a contestant that gives the CPU seconds of a tick, with options that change as in `stepping`."""
     worlds = worlds_at_start(decision_a_tick(robots), 1)
-    options = len(worlds.minds.coordinator_of(GOAL).model.options)
+    options = len(worlds.minds.coordinator_of(AVOIDANCE).model.options)
     drawn = np.random.default_rng(SEED).integers(0, options, (STEPS, worlds.rows))
     following = cycle(drawn)
 

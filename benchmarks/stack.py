@@ -15,7 +15,7 @@ from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of, worlds_at_start
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.mission import run_mission
 
 REQUIRED = 800.0  # simulated seconds for a CPU second
@@ -32,7 +32,7 @@ def missions_of(mission: MissionConfig, option: str) -> float:
     def run() -> None:
         nonlocal ticks
         for scenario in range(SCENARIOS):
-            scores = {GOAL: {name: float(name == option) for name in OPTIONS}}
+            scores = {AVOIDANCE: {name: float(name == option) for name in OPTIONS}}
             start = random_start(mission, SEED, scenario)
             ticks += run_mission(mission, start, run_seed(SEED, str(scenario)), scores).ticks
 

@@ -7,7 +7,7 @@ import numpy as np
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
@@ -40,7 +40,7 @@ def mission_of(robots: int, items_per_robot: float = 2.0) -> MissionConfig:
 def worlds_at_start(mission: MissionConfig, worlds: int) -> Worlds:
     """Return worlds at random starts, robots holding the option of the highest score."""
     knowledge = load_knowledge(mission.knowledge)
-    made = Worlds(mission, CoordinatorModel(GOAL, knowledge, Library()), worlds)
+    made = Worlds(mission, CoordinatorModel(AVOIDANCE, knowledge, Library()), worlds)
     for world in range(worlds):
         made.reset(world, random_start(mission, SEED, world), run_seed(SEED, str(world)))
     made.hold(np.full(made.rows, best_option(mission)))
@@ -49,4 +49,4 @@ def worlds_at_start(mission: MissionConfig, worlds: int) -> Worlds:
 
 def best_option(mission: MissionConfig) -> int:
     """Return the option of the highest score."""
-    return int(np.argmax(load_knowledge(mission.knowledge).scores(GOAL)))
+    return int(np.argmax(load_knowledge(mission.knowledge).scores(AVOIDANCE)))

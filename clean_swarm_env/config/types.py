@@ -3,7 +3,7 @@
 Why every number has bounds: docs/decisions/0066-bounds.md.
 """
 
-from typing import Annotated
+from typing import Annotated, Final
 
 from pydantic import Field
 
@@ -19,6 +19,8 @@ Robots = Annotated[int, Field(strict=True, ge=1, le=10_000)]
 """Robots of one world; ten thousand take some gigabytes where delivery is not ideal, since each knows the others."""
 Index = Annotated[int, Field(strict=True, ge=0, le=10_000)]
 """Number of a robot, from 0; or a number of robots or events that may be 0."""
+AVOIDANCE: Final = "AvoidCollision"
+"""The goal whose options keep robots clear of each other."""
 Items = Annotated[int, Field(strict=True, ge=0, le=100_000)]
 """Items of one world; a robot looks for the nearest among those in sight."""
 Scenarios = Annotated[int, Field(strict=True, ge=1, le=10_000)]

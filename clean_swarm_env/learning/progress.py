@@ -9,6 +9,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.tasks.cleaning.cost import (
     EVENT,
     ITEMS,
@@ -22,7 +23,6 @@ from clean_swarm_env.tasks.cleaning.cost import (
     cost_terms,
 )
 from clean_swarm_env.tasks.cleaning.garbage import DONE, NOTHING
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
@@ -202,7 +202,7 @@ class MissionProgress:
 
 def avoidance_column(worlds: Worlds) -> int:
     """Return which behaviour of the robots' networks is the coordinator that avoids others; -1 without one."""
-    return next((coordinator.index for coordinator in worlds.coordinators if coordinator.model.goal == GOAL), -1)
+    return next((coordinator.index for coordinator in worlds.coordinators if coordinator.model.goal == AVOIDANCE), -1)
 
 
 @inlined

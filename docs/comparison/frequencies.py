@@ -8,8 +8,8 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 from clean_swarm_env.config.families import Scenario, scenario_name
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.tasks.cleaning.task import cleaning_of
 from docs.comparison.manifest import Manifest
 from docs.comparison.runs import claimed_training
@@ -64,7 +64,7 @@ def _count(evaluation: FamilyEvaluation, scenario: Scenario, found: dict[tuple[s
         seen = batch.step(actions).observations
         for column in decided.columns:
             goal = list(batch.options)[column]
-            ran = batch.took_part & (batch.progress.acted[:, column] | (goal == GOAL))  # steering needs no behaviour
+            ran = batch.took_part & (batch.progress.acted[:, column] | (goal == AVOIDANCE))  # steering needs none
             names = [batch.options[goal][option] for option in actions[ran, column]]
             found[case, goal].update(names)
 

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Canvas, appearances
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.drawing.look import LOOK
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
@@ -60,7 +60,7 @@ def draw_trajectories() -> Figure:
 def courses() -> Iterator[Canvas]:
     """Yield what there is to see, control period by control period, but for pheromones."""
     mission = load_mission(MISSION)
-    model = CoordinatorModel(GOAL, load_knowledge(mission.knowledge), Library())
+    model = CoordinatorModel(AVOIDANCE, load_knowledge(mission.knowledge), Library())
     worlds = Worlds(mission, model)
     worlds.reset(0, random_start(mission, SEED, 0), SEED)
     worlds.hold(np.full(worlds.rows, model.options.index(OPTION)))

@@ -8,9 +8,9 @@ import pytest
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
@@ -36,7 +36,7 @@ CROWD = mission(world={"width": 4.0, "height": 4.0}, robots={"count": 8}, garbag
 
 
 def avoidance() -> CoordinatorModel:
-    return CoordinatorModel(GOAL, load_knowledge("cleaning"), Library())
+    return CoordinatorModel(AVOIDANCE, load_knowledge("cleaning"), Library())
 
 
 def coordinated(config: MissionConfig, count: int = 1) -> Worlds:

@@ -14,7 +14,7 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
 from selector.documents.trust import BASELINE
@@ -165,7 +165,7 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
 
 def ranking_of(runs: FamilyRuns) -> Ranking:
     """Return the strategies by their excess; the worlds of a scenario count as one."""
-    off = "never avoiding" if GOAL in runs.goal else "Off"
+    off = "never avoiding" if AVOIDANCE in runs.goal else "Off"
     return Ranking.of(excesses_of(runs), left=censored(runs), spoken={NEVER_AVOIDS: off})
 
 

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
 from selector.documents.trust import BASELINE
@@ -156,6 +156,6 @@ def named_goal(known: Sequence[str], wanted: str | None) -> str:
         if wanted not in known:
             raise DocumentError(f"goal: {unknown('goal', wanted, known)}")
         return wanted
-    if GOAL in known or len(known) == 1:
-        return GOAL if GOAL in known else known[0]
+    if AVOIDANCE in known or len(known) == 1:
+        return AVOIDANCE if AVOIDANCE in known else known[0]
     raise DocumentError(f"goal: expected the name of one of {', '.join(known)}")

@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.tasks.cleaning.garbage import LYING
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.explaining import Movements, RobotStep
 from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.store import columns as c
@@ -105,7 +105,7 @@ def sentence(facts: Facts) -> str:
     if facts.target is not None:
         to = facts.target[0] + (f", {facts.target[1]:.1f} m" if facts.target[1] >= 0.0 else "")
     (wx, wy), (x, y) = facts.wish, facts.command
-    held_up = GOAL in facts.running and hypot(x, y) < SLOW  # avoiding holds it where it is
+    held_up = AVOIDANCE in facts.running and hypot(x, y) < SLOW  # avoiding holds it where it is
     if facts.causes and (held_up or hypot(x - wx, y - wy) > SLOW):
         (first, away), *others = facts.causes
         who = f"robot {first}, {away:.1f} m away" + (

@@ -14,11 +14,10 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.task_names import named_file, task_names
 from clean_swarm_env.config.tasks import with_changes
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.file import SUFFIX
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
 from selector.coordination.model import CoordinatorModel
@@ -152,9 +151,9 @@ def usual(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[str, s
     options = {model.goal: model.options for model in _models(mission, directories)}
     trained = decider_named(TRAINED)
     cleans, jams = mission.items.rows > 0, mission.robots.count >= MANY
-    if not cleans or not {AVOIDING, NEVER} <= {f"{FIXED}:{option}" for option in options.get(GOAL, ())}:
+    if not cleans or not {AVOIDING, NEVER} <= {f"{FIXED}:{option}" for option in options.get(AVOIDANCE, ())}:
         return STRATEGY, ""
-    if set(options) & set(trained.goals) > {GOAL} and not unseen(trained.training, [mission]):
+    if set(options) & set(trained.goals) > {AVOIDANCE} and not unseen(trained.training, [mission]):
         return TRAINED, NEVER if jams else ""
     return AVOIDING, STRATEGY if jams else ""
 

@@ -19,9 +19,6 @@ from selforg.arrays import Floats, Ints
 from selforg.components.memory import RobotMemory
 from selforg.network.model.behaviours import Sensor
 
-GOAL = "AvoidCollision"
-"""The goal that every cleaning robot coordinates."""
-
 OWN_SENSORS = (
     Sensor("garbage_seen", "fact"),
     Sensor("garbage_at", "fact"),

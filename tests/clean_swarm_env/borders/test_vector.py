@@ -10,10 +10,10 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from clean_swarm_env import clean_swarm_v0, registration  # noqa: F401  (registers)
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import world_seeds
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from tests.clean_swarm_env.courses import begun, long_course, mission
 
 SHORT = mission(garbage={"count": 2}, time_limit=50.0)
@@ -109,7 +109,7 @@ def test_what_is_returned_belongs_to_the_caller():
 def test_one_option_serves_all_robots_of_a_team():
     envs = begun(TeamVectorEnv(2, mission=SHORT, one_for_all=True), seed=1)
     envs.step(np.array([2, 1]))
-    assert envs.batch.worlds.minds.coordinator_of(GOAL).held.tolist() == [2] * 5 + [1] * 5
+    assert envs.batch.worlds.minds.coordinator_of(AVOIDANCE).held.tolist() == [2] * 5 + [1] * 5
 
 
 @pytest.mark.parametrize(

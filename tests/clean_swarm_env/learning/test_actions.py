@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.around import PHASES
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
 
@@ -42,7 +42,7 @@ def test_masks_follow_the_phase_and_options_that_cannot_serve_give_way():
             break
         stand_in = [0 if TABLE[phase][0] else 2 for phase in phases]  # scores: 1.0, 0.0, 0.5
         expected = np.where(masks[np.arange(10), options], options, stand_in)
-        assert batch.worlds.minds.coordinator_of(GOAL).held.tolist() == expected.tolist()
+        assert batch.worlds.minds.coordinator_of(AVOIDANCE).held.tolist() == expected.tolist()
     assert met == set(PHASES)
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import AVOIDINGS, PICKINGS
 from clean_swarm_env.learning.reward import RewardConfig
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from tests.clean_swarm_env.courses import begun, mission
 
 PERIODS = 30
@@ -19,7 +19,7 @@ def counted(batch, monkeypatch):
 
     def counting():
         entered = tick()
-        ran[:] += network.executing[:, network.model.behaviour_index[GOAL]]
+        ran[:] += network.executing[:, network.model.behaviour_index[AVOIDANCE]]
         return entered
 
     monkeypatch.setattr(batch.worlds, "tick", counting)
@@ -57,7 +57,7 @@ def test_an_item_is_paid_for_once_whoever_picks_it_again():
         time_limit=240.0,
     )  # fmt: skip
     batch = begun(Batch(crowded), [1])
-    off = np.full(batch.rows, batch.options[GOAL].index("Off"))
+    off = np.full(batch.rows, batch.options[AVOIDANCE].index("Off"))
     paid = picked = 0
     carried = batch.worlds.task.garbage.cargo >= 0
     while not batch.finished:

@@ -7,9 +7,9 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
 from clean_swarm_env.tasks import TASKS
-from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GOAL
+from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
@@ -48,7 +48,7 @@ def test_a_robot_that_knows_the_way_goes_round_a_long_wall_another_one_does_not(
     config = mission("three-rooms", world={**world, "walls": [wall]}, robots={"count": 1}, garbage={"count": 1},
                      stations={"recycling": [4.0, 2.0], "dump": [12.0, 2.0]})  # fmt: skip
     start = StartConfiguration(id="s", robots=((4.0, 4.0, 0.0),), items=((5.0, 3.5),))
-    model = CoordinatorModel(GOAL, load_knowledge("avoidance"), Library())
+    model = CoordinatorModel(AVOIDANCE, load_knowledge("avoidance"), Library())
     done = []
     for rounds in (True, False):
         worlds = begun(Worlds(config, model, 1), 0, start, 5)

@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.tasks.cleaning.robot import GOAL
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.explaining import _coordinated
 from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
@@ -56,14 +56,14 @@ def test_only_commands_of_robots_that_others_are_near_to_change():
 
 
 def test_an_option_that_steers_serves_alone_and_is_explained():
-    options = {"goals": {GOAL: [{"configuration": "PredictiveSteering", "score": 1.0}]}}
+    options = {"goals": {AVOIDANCE: [{"configuration": "PredictiveSteering", "score": 1.0}]}}
     worlds = ticked(crowd(options, explained=True), 3)
     told = _coordinated(worlds.coordinators[0], 0)
     (behaviour,) = told.inner.behaviours
     assert (behaviour.name, behaviour.running) == ("Steer", True)
 
 
-POSED = {"goals": {GOAL: [
+POSED = {"goals": {AVOIDANCE: [
     {"configuration": "RepulsionGradient", "score": 1.0},
     {"name": "Wide", "configuration": "Wide", "score": 0.0},
 ]}}  # fmt: skip
@@ -94,6 +94,6 @@ def test_an_option_states_what_the_robot_spreads_of_itself(library):
 
 
 def test_two_goals_cannot_both_set_the_pose(library):
-    goals = {"goals": dict.fromkeys(("A", "B"), POSED["goals"][GOAL])}
+    goals = {"goals": dict.fromkeys(("A", "B"), POSED["goals"][AVOIDANCE])}
     with pytest.raises(DocumentError, match="pose: expected options of one goal to set radii, got options of A, B"):
         coordinator_models(("A", "B"), knowledge_from(goals), library)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from tests.clean_swarm_env.courses import (
     CROWD,
     begin,
@@ -112,8 +112,8 @@ def test_a_forced_option_is_held_and_the_only_one_that_runs(name):
         worlds = worlds_at_start(mission(name), [1], option)
         for _ in range(300):
             worlds.tick()
-            assert (worlds.minds.coordinator_of(GOAL).held == option).all()
-        ran = [bool(content.network.state.values.any()) for content in worlds.minds.coordinator_of(GOAL).contents]
+            assert (worlds.minds.coordinator_of(AVOIDANCE).held == option).all()
+        ran = [bool(content.network.state.values.any()) for content in worlds.minds.coordinator_of(AVOIDANCE).contents]
         assert ran == [k == option for k in range(3)]
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.starts import run_seed
+from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.tasks.cleaning.robot import GOAL
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun
 from tests.clean_swarm_env.courses import difference, snapshot
 from tests.train.commands import changed, command, done, refused
@@ -268,7 +268,7 @@ def test_a_recording_holds_what_explain_says(evaluated, tmp_path):
 
 def test_a_running_coordinator_is_explained_from_inside(evaluated):
     for worlds in steps_of(task_of(evaluated)):
-        running = np.flatnonzero(worlds.network.executing[:, worlds.minds.coordinator_of(GOAL).index])
+        running = np.flatnonzero(worlds.network.executing[:, worlds.minds.coordinator_of(AVOIDANCE).index])
         if len(running):
             break
     robot, time = running[0], (worlds.ticks[0] - 1) * 0.2
