@@ -1,6 +1,6 @@
-"""What a picture of a world shows: robots with cargo and option, items, stations and the pheromone trail, on the torus.
+"""What a picture of a world shows: robots with load and option, things and the pheromone trail, on the torus.
 
-Shapes: N robots, G items, S stations, M pheromones.
+Shapes: N robots, M pheromones, K things with one sign.
 """
 
 from dataclasses import dataclass, field, replace
@@ -15,10 +15,7 @@ from selforg.compiler.decorators import kernel
 
 Pixels = NDArray[np.uint8]
 """A picture (H, W, 3)."""
-SEARCHING: Final = 0  # values of `Canvas.cargo`: the robot carries nothing,
-GARBAGE: Final = 1  # an item to the recycling station,
-LEFTOVERS: Final = 2  # or its leftovers to the dump station
-
+NOTHING: Final = -1  # in `Canvas.load`
 TRAIL_PITCH: Final = 0.1  # [m] of the raster on which the trail is drawn
 MOST_TRAIL_CELLS: Final = 1000  # on a side of this raster
 LEAST_DIFFUSION: Final = 1e-9  # [m] where there are no pheromones
@@ -52,6 +49,14 @@ class Area(NamedTuple):
     repels: bool = False
 
 
+class Signs(NamedTuple):
+    """Things with one sign: its name, their places (K, 2) [m], and the radius of the area around each [m]."""
+
+    sign: str
+    places: Floats
+    radius: float = 0.0
+
+
 @dataclass(frozen=True)
 class Canvas:
     """The data of a picture."""
@@ -66,16 +71,13 @@ class Canvas:
     radius: float | Floats = 0.25  # [m] of all robots, or (N,) of each
     models: Ints | None = None  # (N,) numbers of the robots' models; None: all are alike
     model_names: tuple[str, ...] = ()  # of these models
-    cargo: Ints | None = None  # (N,) SEARCHING, GARBAGE or LEFTOVERS; None: all are searching
+    loads: tuple[str, ...] = ()  # names of the signs of what robots carry
+    load: Ints | None = None  # (N,) which of them each robot carries, NOTHING for none; None: none carries anything
     numbers: Ints | None = None  # (N,) numbers of the robots; None: 0, 1 and so on
     working: Flags | None = None  # (N,) whether the robot is at work; None: all are
     options: tuple[str, ...] = ()  # names of the options of a goal
     held: Ints | None = None  # (N,) which of them serves the goal in each robot; None: the first
-    garbage: Floats = field(default_factory=no_places)  # (G, 2) [m] of items that lie
-    leftover: Flags | None = None  # (G,) whether the item has been recycled; None: none has
-    stations: Floats = field(default_factory=no_places)  # (S, 2) [m]
-    station_kinds: tuple[int, ...] = (0, 1)  # (S,) numbers of `LOOK.stations`
-    station_radius: float = 0.5  # [m] within which a robot is at a station
+    signs: tuple[Signs, ...] = ()  # of things
     areas: tuple[Area, ...] = ()  # what else lies in the world
     zones: tuple[Zone, ...] = ()  # in which messages are lost or robots are slow
     walls: Floats = field(default_factory=lambda: np.zeros((0, 4)))  # (K, 4) x, y of either end [m]

@@ -2,58 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AliasChoices, AliasPath, BaseModel, Field
+from pydantic import AliasChoices, AliasPath, BaseModel, Field, TypeAdapter
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, Zone, between, no_places
-from clean_swarm_env.drawing.look import LOOK
+from clean_swarm_env.drawing.canvas import NOTHING, Area, Canvas, Signs, Zone, between, no_places
+from clean_swarm_env.drawing.look import LOOK, SIGNS
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.sampled import things_of, walls_shown, zones_shown
-from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
-from clean_swarm_env.tasks.cleaning.movers import PHEROMONES
-from clean_swarm_env.tasks.cleaning.settings import StationsConfig
+from clean_swarm_env.world.shown import ROBOT, AnyArray, Counted, Drawn
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
-from selforg.arrays import Floats
+from selforg.arrays import Flags, Floats
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
+from selforg.registry import unknown
 
-ROBOT, ITEM, STATION, THING = "robot", "item", "station", "thing"
-CHANNELS = {
-    "x": ROBOT,
-    "y": ROBOT,
-    "heading": ROBOT,
-    "present": ROBOT,
-    "working": ROBOT,
-    "cargo": ROBOT,
-    "recycled": ROBOT,
-    "deposit": ROBOT,
-    "item_x": ITEM,
-    "item_y": ITEM,
-    "item_stage": ITEM,
-    "item_leftover": ITEM,
-    "station_x": STATION,
-    "station_y": STATION,
-    "thing_x": THING,
-    "thing_y": THING,
-}
-"""Channels of which a picture is made, and what each has a number for."""
-CARGO_CHANNELS = ("cargo", "recycled", "item_x", "item_y", "item_stage", "item_leftover", "station_x", "station_y")
-"""Channels that recordings of other tasks need not have."""
+ITEM, THING = "item", "thing"
+CHANNELS = dict.fromkeys(("x", "y", "heading", "present", "working", "deposit"), ROBOT)
+"""Channels of which every picture is made, and what each has a number for; `Drawn` names further ones."""
 HELD = "held/"
 """Beginning of the channels with the option that each robot holds, to be followed by a goal."""
-DRAWN = (*CHANNELS, HELD)
-"""How the names of the channels begin that pictures show; the others need not be kept for them."""
-TRAILS = (PHEROMONES, "trail")
-"""Channels of the gradients that are drawn: those of cleaning, and of Foraging."""
+TRAILS = ("pheromone", "trail")
+"""Channels of the gradients that are drawn."""
 EDGE_OF_LAND = 2.0
 """Width of the land around the places where robots have been [m]."""
 LAND_STEP = 5.0
@@ -63,7 +41,7 @@ FRAME_ROUNDING = 1e-6
 
 
 class DrawnThing(BaseModel):
-    """A thing of a task other than cleaning, where it is at the start."""
+    """A thing without a sign, where it is at the start."""
 
     channel: str
     attraction: Literal[-1, 0, 1]
@@ -98,11 +76,10 @@ class _Shown(BaseModel):
     """The models of robots that differ."""
     models: tuple[Annotated[int, Field(strict=True, ge=0)], ...] = ()
     """(N,) number of each robot's model, if they differ."""
-    stations: Annotated[StationsConfig, Field(validation_alias=AliasPath("mission", "task", "stations"))] = (
-        StationsConfig()
-    )
-    things: tuple[DrawnThing, ...] | None = None
-    """Those of a task other than cleaning, which has no items and no stations."""
+    things: tuple[DrawnThing, ...] = ()
+    """What lies in the world and has no sign."""
+    drawn: tuple[Drawn, ...] = ()
+    counted: Counted | None = None
     ground: Literal["torus", "walled", "open"] = "torus"
     """Of open land the square is shown in which the robots have been."""
     shown: Annotated[tuple[Positive, ...], Field(max_length=2)] = ()
@@ -131,20 +108,20 @@ class RecordedCourse:
             expected = f"the model of each of {head['robots']} robots, below {len(shown.groups)}"
             raise ConfigurationError(f"{recording.path}: head: models: expected {expected}, got {shown.models}")
         self._options = {goal: names for goal, names in head["options"].items() if f"{HELD}{goal}" in recording}
-        self._things = shown.things or ()
+        for one in shown.drawn:
+            if one.sign not in SIGNS:
+                raise ConfigurationError(f"{recording.path}: head: drawn: {unknown('sign', one.sign, tuple(SIGNS))}")
+        self._things = shown.things
         moving = 1 + max((thing.moves for thing in self._things), default=-1)
         counts = {ROBOT: head["robots"], ITEM: head["items"], THING: moving}
-        kinds = CHANNELS | {f"{HELD}{goal}": ROBOT for goal in self._options}
-        spare = (*(() if shown.things is None else CARGO_CHANNELS), *(() if moving else ("thing_x", "thing_y")))
-        lacking = [name for name in spare if name not in recording]
-        self._names = [name for name in kinds if name not in lacking]
-        for name in self._names:
-            kind = kinds[name]
+        kinds = CHANNELS | {f"{HELD}{goal}": ROBOT for goal in self._options} | drawn_channels(shown.drawn)
+        kinds |= {"thing_x": THING, "thing_y": THING} if moving else {}
+        for name, kind in kinds.items():
             shape = recording.channels[name].shape if name in recording else None
-            if shape is None or (len(shape) != 1 or shape[0] != counts.get(kind, shape[0])):
+            if shape is None or (len(shape) != 1 or shape[0] != counts.setdefault(kind, shape[0])):
                 expected = f"channel {name} with a number for each {kind}"
                 raise ConfigurationError(f"{recording.path}: expected {expected}, got shape {shape}")
-        self._empty = {name: np.full(counts.get(kinds[name], 0), NOTHING) for name in lacking}
+        self._names = [*kinds]
         self._corner, self._extent = np.zeros(2), (head["width"], head["height"])
         if len(shown.shown) == 2:
             self._extent = shown.shown[0], shown.shown[1]
@@ -154,10 +131,7 @@ class RecordedCourse:
             low, high = places.min(axis=(0, 1)) - EDGE_OF_LAND, places.max(axis=(0, 1)) + EDGE_OF_LAND
             side = float((high - low).max())
             self._corner, self._extent = low, (side, side)
-        stage = (recording["item_stage"] if "item_stage" in self._names else recording["x"][:, :0]).astype(np.int8)
-        before = np.concatenate([np.full_like(stage[:1], ABSENT), stage[:-1]])
-        self._dumped = ((stage == DONE) & (before != DONE)).sum(axis=1).cumsum()
-        self._arrived = ((stage < DONE) & (before >= DONE)).sum(axis=1).cumsum()
+        self._counts = _counts_of(recording, shown.counted)
         self._frame = lru_cache(2)(self._canvas)  # several pictures lie between two frames
 
     @property
@@ -177,14 +151,17 @@ class RecordedCourse:
     def _canvas(self, frame: int) -> Canvas:
         head = self._recording.head
         channels, own = self._recording.channels, slice(frame, frame + 1)
-        now = {name: channels[name].values(self._recording.whole(name)[own])[0] for name in self._names} | self._empty
-        there, lying = now["present"] == 1, now["item_stage"] == LYING
-        loaded = np.where(now["recycled"] == 1, LEFTOVERS, GARBAGE)
+        now = {name: channels[name].values(self._recording.whole(name)[own])[0] for name in self._names}
+        there = now["present"] == 1
         goal = next(iter(self._options), None)
         traces = traces_at(self._recording, frame)
         kinds = self._recording.notes.get("deposits", [])
         trail = np.isin(traces.kind, [k for k, kind in enumerate(kinds) if kind.get("channel") in TRAILS])
-        counted = f"{self._dumped[frame]} of {self._arrived[frame]} items dumped" if head["items"] else ""
+        told = [str(head["about"].get("condition", "")), self._counts[frame] if self._counts else ""]
+        values = {name: now[name] for one in self._shown.drawn for name in one.where}
+        for at in {one.at for one in self._shown.drawn} - {ROBOT}:
+            values[at] = np.stack([now[f"{at}_x"], now[f"{at}_y"]], axis=1)
+        moved = np.stack([now["thing_x"], now["thing_y"]], axis=1) if "thing_x" in now else no_places()
         return Canvas(
             np.stack([now["x"], now["y"]], axis=1)[there] - self._corner,
             now["heading"][there],
@@ -192,26 +169,68 @@ class RecordedCourse:
             height=self._extent[1],
             closed=self._shown.ground != "walled",
             time=frame * self._recording.period,
-            state=", ".join(filter(None, [str(head["about"].get("condition", "")), counted])),
+            state=", ".join(filter(None, told)),
             radius=self._radii[self._models[there]] if len(self._models) else self._shown.radius,
             models=self._models[there] if len(self._models) else None,
             model_names=tuple(model.model for model in self._shown.groups),
-            cargo=np.where(now["cargo"] == NOTHING, SEARCHING, loaded)[there],
             numbers=np.flatnonzero(there),
             working=now["working"][there] == 1,
             options=tuple(self._options[goal]) if goal is not None else (),
             held=now[f"{HELD}{goal}"][there] if goal is not None else None,
-            garbage=np.stack([now["item_x"], now["item_y"]], axis=1)[lying] if head["items"] else no_places(),
-            leftover=now["item_leftover"][lying] == 1,
-            stations=np.stack([now["station_x"], now["station_y"]], axis=1),
-            station_kinds=self._shown.stations.kinds,
-            station_radius=self._shown.stations.reach,
-            areas=areas_of(self._things, self._corner, np.stack([now["thing_x"], now["thing_y"]], axis=1)),
+            areas=areas_of(self._things, self._corner, moved),
             zones=moved_zones(self._shown.zones, self._corner),
             walls=self._walls - np.tile(self._corner, 2),
             pheromones=traces.positions[trail] - self._corner,
             pheromone_diffusions=traces.diffusion[trail],
+            **signs_of(self._shown.drawn, values, there, self._corner),
         )
+
+
+def drawn_channels(drawn: Iterable[Drawn]) -> dict[str, str]:
+    """Return the names of the channels that signs need, and what each has a number for."""
+    found = {name: one.at for one in drawn for name in one.where}
+    places = {f"{one.at}_{axis}": one.at for one in drawn if one.at != ROBOT for axis in "xy"}
+    return found | places
+
+
+def pictured(head: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return how the names of the channels begin that pictures show; the others need not be kept for them."""
+    drawn = drawn_channels(TypeAdapter(tuple[Drawn, ...]).validate_python(head.get("drawn", ())))
+    counted = head.get("counted") or {"name": "x"}
+    return (*CHANNELS, HELD, THING, *drawn, counted["name"])
+
+
+def _counts_of(recording: RecordedMission, counted: Counted | None) -> list[str]:
+    """Return for each frame how many things are done, of how many that came; nothing where they are not counted."""
+    if counted is None or counted.name not in recording:
+        return []
+    stage = recording[counted.name].astype(np.int8)
+    before = np.concatenate([np.full_like(stage[:1], np.iinfo(np.int8).max), stage[:-1]])
+    done = ((stage == counted.done) & (before != counted.done)).sum(axis=1).cumsum()
+    came = ((stage < counted.done) & (before >= counted.done)).sum(axis=1).cumsum()
+    return [f"{k} of {n} {counted.about}" for k, n in zip(done.tolist(), came.tolist(), strict=True)]
+
+
+def signs_of(drawn: Iterable[Drawn], values: Mapping[str, AnyArray], there: Flags, corner: Floats) -> dict[str, Any]:
+    """Return the fields of a canvas with signs: of things, and of what the robots carry that are `there` (N,).
+
+    `values`: arrays (N,) of robots and (M,) of things by name, and places (M, 2) [m] by what the things are called.
+    """
+    signs: list[Signs] = []
+    loads: list[str] = []
+    load = np.full(len(there), NOTHING)
+    for one in drawn:
+        chosen = np.ones(len(there) if one.at == ROBOT else len(values[one.at]), dtype=np.bool_)
+        for name, (least, most) in one.where.items():
+            chosen &= (values[name] >= least) & (values[name] <= most)
+        if one.at == ROBOT:
+            load[chosen] = len(loads)
+            loads.append(one.sign)
+        else:
+            numbers = np.flatnonzero(chosen)
+            own = numbers if one.numbers is None else numbers[np.isin(numbers, one.numbers)]
+            signs.append(Signs(one.sign, values[one.at][own] - corner, one.radius))
+    return {"signs": tuple(signs), "loads": tuple(loads), "load": load[there] if loads else None}
 
 
 def moved_zones(zones: Iterable[tuple[str, float, float, float, float]], corner: Floats) -> tuple[Zone, ...]:
@@ -238,6 +257,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
     width, height = size.tolist()
     things = [DrawnThing.model_validate(thing) for thing in things_of(worlds, world)]
     robots = worlds.mission.robots
+    values = {one.name: one.values[rows_of_world if one.axis == ROBOT else world] for one in worlds.task.shown()}
     return Canvas(
         worlds.physics.positions[rows] - corner,
         worlds.physics.headings[rows].copy(),
@@ -258,7 +278,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
         walls=walls_shown(worlds) - np.tile(corner, 2),
         pheromones=trail - corner,
         pheromone_diffusions=diffusions,
-        **worlds.task.drawn(world, rows),
+        **signs_of(worlds.task.drawn(), values, worlds.physics.present[rows_of_world], corner),
     )
 
 

@@ -94,10 +94,16 @@ class Appearance:
 
 
 LOOK: Final = Appearance()
+SIGNS: Final = {"item": LOOK.item, "leftovers": LOOK.leftovers, "recycling": LOOK.stations[0], "dump": LOOK.stations[1]}
+"""Signs that tasks may draw, by name."""
 
 
 def legend(
-    options: Sequence[str], cleans: bool, models: Sequence[str] = (), walled: bool = False, zoned: bool = False
+    options: Sequence[str],
+    signs: Sequence[str] = (),
+    models: Sequence[str] = (),
+    walled: bool = False,
+    zoned: bool = False,
 ) -> list[Sign]:
     """Return the entries of a legend: options, models of robots, and what else there is to see."""
     held = [Sign(name, OPTION_COLOURS[k % len(OPTION_COLOURS)]) for k, name in enumerate(options)]
@@ -107,7 +113,7 @@ def legend(
         *held,
         *marked,
         LOOK.failed,
-        *((LOOK.item, LOOK.leftovers, *LOOK.stations) if cleans else LOOK.areas),
+        *([sign for name, sign in SIGNS.items() if name in signs] or LOOK.areas),
         LOOK.pheromones,
         *((LOOK.zone,) if zoned else ()),
         *((LOOK.wall,) if walled else ()),

@@ -26,8 +26,8 @@ from matplotlib.transforms import Affine2D, Bbox
 from PIL import Image
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.canvas import LEFTOVERS, SEARCHING, Canvas, Pixels, appearances, trail_strength
-from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, Sign, legend
+from clean_swarm_env.drawing.canvas import NOTHING, Canvas, Pixels, appearances, trail_strength
+from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, SIGNS, Sign, legend
 from selector.documents.writing import write_whole
 from selforg.arrays import Floats
 
@@ -104,7 +104,7 @@ class _Picture:
         self._across, self._up = (max(round(length * self._scale), 1) for length in (canvas.width, canvas.height))
         self.width = max(_even(self._across + 2 * MARGIN), _even(side / 2))
         walled, zoned = len(canvas.walls) > 0, len(canvas.zones) > 0
-        self._entries = legend(canvas.options, len(canvas.stations) > 0, canvas.model_names, walled, zoned)
+        self._entries = legend(canvas.options, [one.sign for one in canvas.signs], canvas.model_names, walled, zoned)
         self._column = max(_length(sign.word) for sign in self._entries) + 5 * KEY
         self._columns = max(int((self.width - 2 * MARGIN) // self._column), 1)
         self.height = _even(TITLE + self._up + ceil(len(self._entries) / self._columns) * ENTRY + MARGIN)
@@ -136,7 +136,7 @@ class _Picture:
         self._pen.restore()
 
     def _draw_things(self) -> None:
-        """Draw zones, areas, stations and items."""
+        """Draw zones, areas and things."""
         canvas = self._canvas
         for name, left, bottom, right, top in canvas.zones:
             x, y = 0.5 * (left + right) * self._scale + self._left, 0.5 * (bottom + top) * self._scale + self._bottom
@@ -148,14 +148,13 @@ class _Picture:
             for _, right, up in self._places(np.array([[x, y]]), radius):
                 self._area(right, up, radius, LOOK.repels if repels else LOOK.attracts)
                 self._write(name, right, up, centred=True)
-        for place, kind in zip(canvas.stations, canvas.station_kinds, strict=False):
-            sign = LOOK.stations[kind]
-            for _, x, y in self._places(place[None], canvas.station_radius):
-                self._area(x, y, canvas.station_radius, sign.colour)
-                self._sign(sign, x, y, max(sign.half * self._scale, LEAST_STATION))
-        for row, x, y in self._places(canvas.garbage, LOOK.item.half):
-            sign = LOOK.leftovers if canvas.leftover is not None and canvas.leftover[row] else LOOK.item
-            self._sign(sign, x, y, sign.half * self._scale)
+        for name, places, radius in canvas.signs:
+            sign = SIGNS[name]
+            for _, x, y in self._places(places, max(radius, sign.half)):
+                if radius > 0.0:
+                    self._area(x, y, radius, sign.colour)
+                least = LEAST_STATION if sign.letter else 0.0
+                self._sign(sign, x, y, max(sign.half * self._scale, least))
 
     def _draw_walls(self) -> None:
         """Draw walls."""
@@ -177,8 +176,8 @@ class _Picture:
             self._outline(OUTLINES["front"], Affine2D.from_values(front[0], front[1], -front[1], front[0], x, y), WHITE)
             if canvas.models is not None and (mark := LOOK.marks[canvas.models[row] % len(LOOK.marks)]):
                 self._shape(mark, x, y, LOOK.mark_half * size, WHITE)
-            if canvas.cargo is not None and canvas.cargo[row] != SEARCHING:
-                sign = LOOK.leftovers if canvas.cargo[row] == LEFTOVERS else LOOK.item
+            if canvas.load is not None and canvas.load[row] != NOTHING:
+                sign = SIGNS[canvas.loads[canvas.load[row]]]
                 half = LOOK.cargo_half * size * sign.half / LOOK.item.half
                 self._sign(sign, x - LOOK.cargo_behind * right, y - LOOK.cargo_behind * up, half)
         large = sizes.min(initial=np.inf) > LOOK.least_numbered

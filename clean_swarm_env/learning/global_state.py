@@ -5,21 +5,24 @@ Shapes: W worlds, N robots, M items, G components. Every component lies within [
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.learning.progress import MissionProgress
+from clean_swarm_env.world.shown import ROBOT, WORLD, AnyArray, Shown
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.elementary import unit_vectors
 
-ROBOT = ("works", "x", "y", "heading_cos", "heading_sin")
+OWN = ("works", "x", "y", "heading_cos", "heading_sin")
 
 
 class GlobalState:
     """The components of the global state of each world.
 
-    `names` names them: `robot_K_NAME` (`ROBOT`, what the task says of robots, then `holds_OPTION` or with several
+    `names` names them: `robot_K_NAME` (`OWN`, what the task says of robots, then `holds_OPTION` or with several
     goals `holds_GOAL_OPTION`), things as the task names them (`KIND_K_x`), `time`, and what the task says of worlds.
     Places go from -1 to 1 along each side of the torus or field; on open land they are offsets from the middle. `time`
     is the share of the time limit that has passed. The other components are flags, except cosine and sine. What is not
@@ -49,18 +52,32 @@ class GlobalState:
             for c in self._coordinators
             for option in c.model.options
         ]
-        own = (*ROBOT, *worlds.task.facts_of_robots(), *holds)
+        shown = worlds.task.shown()
+        own = (*OWN, *_parts(shown, ROBOT), *holds)
         robots = [f"robot_{k}_{name}" for k in range(worlds.robots) for name in own]
-        self.names = (*robots, *worlds.task.thing_names(), "time", *worlds.task.facts_of_worlds())
+        self.names = (*robots, *_thing_names(shown), "time", *_parts(shown, WORLD))
         self.final = np.zeros((worlds.worlds, len(self.names)), dtype=np.float32)
 
     def now(self) -> NDArray[np.float32]:
         """Return the state (W, G) of the worlds as they are."""
-        worlds, task = self._worlds, self._worlds.task
+        worlds, shown = self._worlds, self._worlds.task.shown()
         time = np.minimum(worlds.ticks / worlds.world.limits, 1.0)
-        course = np.stack([time, *task.facts_of_worlds().values()], axis=1)
-        robots = self._robots().reshape(worlds.worlds, -1)
-        return np.concatenate((robots, task.thing_values(self._places), course), axis=1).astype(np.float32)
+        course = np.stack([time, *_parts(shown, WORLD).values()], axis=1)
+        robots = self._robots(shown).reshape(worlds.worlds, -1)
+        return np.concatenate((robots, *self._things(shown), course), axis=1).astype(np.float32)
+
+    def _things(self, shown: Sequence[Shown]) -> list[Floats]:
+        """Return what there is of each kind of things (W, ...)."""
+        found = []
+        for axis in _kinds(shown):
+            own = [one for one in shown if one.axis == axis]
+            parts = [part[..., None] for one in own for part in one.parts.values()]
+            for one in own:
+                if one.values.ndim == 3:
+                    places = self._places(one.values)
+                    parts.append(places if one.there is None else np.where(one.there[..., None], places, 0.0))
+            found.append(np.concatenate(parts, axis=2, dtype=np.float64).reshape(self._worlds.worlds, -1))
+        return found
 
     def keep(self, ended: Ints) -> None:
         """Keep the state of the worlds (K,) whose missions have just ended as the final one."""
@@ -73,7 +90,7 @@ class GlobalState:
         places: Floats = 2.0 * points / ground.land - 1.0
         return places
 
-    def _robots(self) -> Floats:
+    def _robots(self, shown: Sequence[Shown]) -> Floats:
         """Return the components (R, ...) of the robots."""
         worlds, physics = self._worlds, self._worlds.physics
         own = np.column_stack(
@@ -81,9 +98,31 @@ class GlobalState:
                 worlds.team.working,
                 self._places(physics.positions),
                 *unit_vectors(physics.headings),
-                *worlds.task.facts_of_robots().values(),
+                *_parts(shown, ROBOT).values(),
                 *(np.eye(len(c.model.options))[c.held] for c in self._coordinators),
             )
         )
         own[~physics.present] = 0.0
         return np.asarray(own, dtype=np.float64)
+
+
+def _parts(shown: Sequence[Shown], axis: str) -> dict[str, AnyArray]:
+    """Return what the global state has of robots or worlds."""
+    return {name: values for one in shown if one.axis == axis for name, values in one.parts.items()}
+
+
+def _kinds(shown: Sequence[Shown]) -> list[str]:
+    """Return what the things are called that the global state has something of, each once."""
+    known = [one.axis for one in shown if one.parts or one.values.ndim == 3]
+    return [axis for axis in dict.fromkeys(known) if axis not in (ROBOT, WORLD)]
+
+
+def _thing_names(shown: Sequence[Shown]) -> list[str]:
+    """Return the names of the components of things."""
+    names = []
+    for axis in _kinds(shown):
+        own = [one for one in shown if one.axis == axis]
+        parts = [name for one in own for name in (*one.parts, *("xy" if one.values.ndim == 3 else ""))]
+        things = next((one.names for one in own if one.names), [f"{axis}_{k}" for k in range(own[0].values.shape[1])])
+        names += [f"{thing}_{part}" for thing in things for part in parts]
+    return names

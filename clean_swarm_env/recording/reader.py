@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,8 @@ from selforg.registry import unknown
 
 TableColumns = dict[str, AnyArray]
 """The columns of a table by their names, all of one length."""
+Beginnings = tuple[str, ...] | Callable[[Mapping[str, Any]], tuple[str, ...]]
+"""How the names of channels begin; or a function that finds that in the head."""
 
 
 class NoFrames(ConfigurationError):
@@ -174,9 +176,10 @@ class RecordedMission(RecordedStretch):
 
     """
 
-    def __init__(self, path: Path, only: tuple[str, ...] = ("",), most: float = math.inf) -> None:
+    def __init__(self, path: Path, only: Beginnings = ("",), most: float = math.inf) -> None:
         self.path = path
         parts = RecordedParts(blocks_of(path), str(path))
+        only = only(parts.head) if callable(only) else only
         channels = {name: channel for name, channel in parts.channels.items() if name.startswith(only)}
         kept: dict[str, list[WholeNumbers]] = {name: [] for name in channels}
         for part in parts:
@@ -191,7 +194,7 @@ class RecordedMission(RecordedStretch):
         self.notes, self.by_hand, self.result, self.frames = parts.notes, parts.by_hand, parts.result, parts.frames
 
 
-def recordings_in(folder: Path, only: tuple[str, ...] = ("",), most: float = math.inf) -> Iterator[RecordedMission]:
+def recordings_in(folder: Path, only: Beginnings = ("",), most: float = math.inf) -> Iterator[RecordedMission]:
     """Yield the recordings below a directory, sorted by name; skip those without a frame.
 
     `only` and `most` are those of `RecordedMission`, the latter for all recordings together.

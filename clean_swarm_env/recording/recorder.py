@@ -112,7 +112,8 @@ class MissionRecorder:
         self._end(world)
         worlds, mission = self.worlds, self.worlds.missions[world]
         width, height = mission.extent
-        kept = [one for one in worlds.task.recorded() if one.axis == "item"]
+        task = worlds.task
+        items = [one.values.shape[1] for one in task.shown() if one.axis == "item"]
         facts: dict[str, Any] = {
             "about": {**self.settings.about, **about},
             "period": worlds.period,
@@ -120,7 +121,8 @@ class MissionRecorder:
             "width": width,
             "height": height,
             "robots": worlds.robots,
-            "items": kept[0].values.shape[1] if kept else 0,
+            "items": items[0] if items else 0,
+            "drawn": [one._asdict() for one in task.drawn()],
             "minds": self.settings.minds,
             "options": {c.model.goal: c.model.options for c in worlds.coordinators},
             "views": {c.model.goal: [content.view_distance for content in c.contents] for c in worlds.coordinators},
@@ -129,8 +131,10 @@ class MissionRecorder:
         }
         if mission.robots.groups:
             facts["models"] = mission.models.tolist()
-        facts |= self._networks | ({"prices": cost_terms(mission)._asdict()} if worlds.task.priced else {})
-        if not kept:
+        facts |= self._networks | ({"prices": cost_terms(mission)._asdict()} if task.priced else {})
+        if task.tally is not None:
+            facts["counted"] = task.tally._asdict()
+        if not items:
             facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)
             facts["things"] = list(things_of(worlds, world))
         if mission.world.zones:

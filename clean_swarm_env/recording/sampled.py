@@ -15,7 +15,7 @@ from clean_swarm_env.config.free_places import segments_of
 from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.explaining import Movements
-from clean_swarm_env.world.task_parts import Recorded
+from clean_swarm_env.world.shown import ROBOT, Shown
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
@@ -42,22 +42,17 @@ PLAN_STEPS = 16
 def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
     """Yield the arrays of robots, held options and the task; the recorder keeps the poses itself."""
     own = [
-        Recorded("present", "robot", worlds.physics.present, "1 where the robot is there, at work or failed"),
-        Recorded("working", "robot", worlds.team.working, "1 where the robot is at work"),
-        Recorded(
-            "contact",
-            "robot",
-            worlds.collisions.entered_in_tick,
-            "robots that came too close until the next frame",
-        ),
+        Shown("present", ROBOT, worlds.physics.present, "1 where the robot is there, at work or failed"),
+        Shown("working", ROBOT, worlds.team.working, "1 where the robot is at work"),
+        Shown("contact", ROBOT, worlds.collisions.entered_in_tick, "robots that came too close until the next frame"),
     ]
     if worlds.task.priced:
         about = "pairs closer than the first collision distance, summed over the physics steps before the frame's end"
-        own.append(Recorded("samples", "distance", worlds.collisions.samples[:, :1], about))
+        own.append(Shown("samples", "distance", worlds.collisions.samples[:, :1], about))
     for c in worlds.coordinators:
-        own.append(Recorded(f"held/{c.model.goal}", "robot", c.held, "the option that serves the goal in the robot"))
-    for one in (*own, *worlds.task.recorded()):
-        axis = (one.axis, worlds.robots if one.axis == "robot" else one.values.shape[1])
+        own.append(Shown(f"held/{c.model.goal}", ROBOT, c.held, "the option that serves the goal in the robot"))
+    for one in (*own, *(each for each in worlds.task.shown() if each.recorded)):
+        axis = (one.axis, worlds.robots if one.axis == ROBOT else one.values.shape[1])
         if one.values.ndim == 3:
             yield from points(one.name, (axis,), one.values, one.about)
         else:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin, get_type_hints
@@ -18,29 +17,17 @@ from pydantic import BaseModel, ConfigDict, create_model
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.world.measure import Measure
-from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.shown_task import ShownTask
+from clean_swarm_env.world.staged import StagedTask
 from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
 from clean_swarm_env.world.view import World
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
-from selector.coordination.robot_network import RobotNetwork
-from selector.coordination.robots import network_of
 from selector.documents.errors import validated
 from selector.knowledge import Knowledge
-from selforg.arrays import KEPT, Flags, Floats, Ints
+from selforg.arrays import KEPT, Flags, Floats
 from selforg.commands import Commands
-from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.delivery import Delivery
-from selforg.gradients.poses import OwnPoses
-from selforg.gradients.settings import BufferSettings
 from selforg.plugins import is_own
 
-AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
-"""Settings of the buffer of things: gradients at one place are one thing."""
-TRAILS: Final = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3)
-"""Settings of buffers of pheromones, of which the strongest at a place counts, for robots of 1 m/s."""
 WALK: Final = 2.0
 """Time for which a robot on a random walk keeps its direction [s]."""
 
@@ -48,15 +35,22 @@ S = TypeVar("S", bound=TaskSettings)
 T = TypeVar("T", bound=TaskState)
 
 
-class Task(ShownTask, ABC, Generic[S, T]):
-    """What there is to do in W worlds at once. Register a subclass with `TASKS.register`; give `measures` and `result`.
+class Task(StagedTask, ABC, Generic[S, T]):
+    """What there is to do in W worlds at once. Register a subclass with `TASKS.register`.
+
+    You write `measures` and `result`.
+
+    You may write what there is (`State`, `sizes`, `place`, `things`, `known`), how it goes on (`after_moving`, `done`,
+    `bend`, `command`, `lead`), what learners see and get (`observe`, `reward`, `terms`, `counted`), and how the task
+    looks (`shown`, `drawn`, `headline`). You never need to loop over robots, and will not need the rest: robots start
+    anywhere, nothing else is there, and the mission ends with its time.
 
     A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
-    recordings, states, training and tuning then take it as they take cleaning. Everything else has a default: robots
-    start anywhere, nothing else is there, and the mission ends with its time. You never need to loop over robots.
+    recordings, states and training then take it as they take cleaning.
 
     Attributes:
         name, story, mission, begins_as_given: see `TaskKind`.
+        priced, best_score, thinks_when_driven, always_acts, asked: see `StagedTask`.
         measures: figures of success; the first one that is no guard is the one that counts.
         baseline: what the mechanisms are compared with, in words; see `lead`. Empty: nothing.
         baseline_option: the option of the goal that is the baseline, where one is.
@@ -65,40 +59,29 @@ class Task(ShownTask, ABC, Generic[S, T]):
         start_side: side of the square in the middle in which robots start, 0: the whole ground [m].
         apart, away: least distance of robots from each other, and from the middle, at the start [m].
         changes: whether robots and things may come and go during a mission; not where measures are of all robots.
-        priced: whether the cost of a mission is counted in each tick, so that learners can be paid for it.
-        best_score: score of a mission that costs nothing, from which its cost by the time limit is taken [-].
         terms: terms of an observation unless others are chosen.
         counted: infos of learners beside times, collisions and the measures; see `borders.infos`.
         beside: strategies that every comparison has beside those chosen; the baseline unless given.
-        thinks_when_driven: whether networks of robots go on deciding while a learner drives the robots.
         world, settings, state: the worlds, the settings, and the arrays of this task.
-        asked: (R, 2) [m/s] what the mechanisms asked for last; 0 for nothing.
 
     """
 
     State: ClassVar[type[TaskState]] = TaskState
-    measures: ClassVar[tuple[Measure, ...]] = ()
     baseline: ClassVar[str] = "random walk, a new direction every 2 s"
     baseline_option: ClassVar[str] = ""
-    goal: ClassVar[str] = ""
     fewest: ClassVar[int] = 1
     start_side: ClassVar[float] = 0.0
     apart: ClassVar[float] = 1.0
     away: ClassVar[float] = 0.0
     changes: ClassVar[bool] = False
-    priced: ClassVar[bool] = False
-    best_score: ClassVar[float] = 2.0  # 1 where the measure that is worst by its target just meets it
     terms: ClassVar[tuple[str, ...]] = (
         "command", "things", "neighbour", "crowd", "movement", "facts", "task", "time", "holds",
     )  # fmt: skip
     counted: ClassVar[tuple[str, ...]] = ("own_collisions", "own_contact_s")
     beside: ClassVar[tuple[str, ...]] = ()
-    thinks_when_driven: ClassVar[bool] = True
-    always_acts: ClassVar[bool] = True  # whether networks select again until some behaviour runs
 
     settings: S
     state: T
-    asked: Annotated[Floats, "R 2", KEPT]
     _walk: Annotated[Floats, "R 2", KEPT]
 
     def __init_subclass__(cls) -> None:
@@ -131,8 +114,6 @@ class Task(ShownTask, ABC, Generic[S, T]):
         self.state = self.State(sizes)  # type: ignore[assignment]
         self.asked, self._walk = np.zeros((world.rows, 2)), np.zeros((world.rows, 2))
         self.around = self.things()
-
-    # ---- what a task says; only `result` is required
 
     def sizes(self) -> Mapping[str, int]:
         """Return lengths of axes of the state that no setting has."""
@@ -183,112 +164,6 @@ class Task(ShownTask, ABC, Generic[S, T]):
             self._walk[rows] = self.world.max_speed[rows] * self.world.directions(rows)
         commands.vectors[:] = self._walk
         commands.commanded[:] = True
-
-    # ---- what the worlds call
-
-    @classmethod
-    def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
-        """Return the goals that robots coordinate."""
-        return (cls.goal or cls.name,)
-
-    @classmethod
-    def opened(cls, mission: MissionConfig) -> MissionConfig:
-        """Return the mission whose robots coordinate all goals that they could."""
-        return mission
-
-    @classmethod
-    def robot(
-        cls, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
-    ) -> RobotNetwork:
-        """Return the network of a robot: coordinators only, all of which run that are ready."""
-        return RobotNetwork(network_of(models))
-
-    @classmethod
-    def buffers(cls, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:
-        """Return the buffers, by the names that configurations use.
-
-        In `own_pheromones` each robot finds only its own pheromones.
-        """
-        space, merged = poses.space, TRAILS.aggregation_distance * mission.slowest
-        trails = replace(TRAILS, aggregation_distance=merged, hidden=mission.world.blocks("pheromones"))
-        return {
-            "gradients": SoBuffer(AROUND, space, poses),
-            "pheromones": SoBuffer(trails, space, poses, reception.delivery()),
-            "own_pheromones": SoBuffer(trails, space, poses, Delivery(reach=0.0)),
-        }
-
-    def reset(self, world: int, rows: slice) -> None:
-        """Show the things of a world that has just been placed."""
-        self.asked[rows] = self._walk[rows] = 0.0
-        for thing in self.around:
-            thing.show(self.world.buffers["gradients"], world, self.world.now)
-
-    def lose(self, rows: Ints) -> None:
-        """Let go of robots in `rows` (K,) that are about to be taken away or to fail."""
-
-    def renew(self, rows: Ints) -> None:
-        """Forget what happened to the robots in `rows` (K,), which begin anew."""
-
-    def start_tick(self) -> Ints | None:
-        """Start a control period; return the rows (K,) that decide in it, None for all."""
-        return self.world.team.at_work
-
-    def sense(self) -> None:
-        """Show things that move where they are now, before robots sense."""
-        moving = [thing for thing in self.around if thing.moves]
-        if moving:
-            buffer = self.world.buffers["gradients"]
-            for world in range(self.world.worlds):
-                buffer.clear(world)
-                for thing in self.around:
-                    thing.show(buffer, world, self.world.now)
-
-    def follow(self, vectors: Floats, working: Flags) -> None:
-        """Act for robots that are driven by vectors (R, 2) [m/s]; working (R,): those that are at work."""
-
-    def after_deciding(self) -> None:
-        """Carry out behaviours that have just started."""
-
-    def after_acting(self, commands: Commands) -> None:
-        """Change the commands, and note them."""
-        self.bend(commands)
-        self.asked[:] = np.where(commands.commanded[:, None], commands.vectors, 0.0)
-
-    def after_leaving(self) -> None:
-        """Carry out the requests of robots while they acted."""
-
-    def before_moving(self, commands: Commands) -> None:
-        """Change the commands of all robots, also of driven ones, just before they move."""
-
-    def completed(self, values: Mapping[str, Floats]) -> Flags:
-        """Return whether the missions (W,) are completed: all measures, whose `values` are (W,), meet their targets."""
-        met = np.ones(self.world.worlds, dtype=np.bool_)
-        for measure in self.measures:
-            met &= np.array([measure.met(value) for value in values[measure.name].tolist()])
-        return met
-
-    def cost(self, world: int, values: Mapping[str, Floats]) -> float:
-        """Return what the mission of a world costs [s]: its time limit times its worst measure by the targets.
-
-        A guard counts where it misses its target only. 1 time limit: the target is just met. `values`: of `result`.
-        """
-        worst = max(measure.ratio(float(values[measure.name][world])) for measure in self.measures)
-        return worst * int(self.world.limits[world]) * self.world.period
-
-    def unavoidable(self, world: int) -> float:
-        """Return the part of the cost of a world that no team could avoid [s]."""
-        return 0.0
-
-    def duration(self, world: int) -> float:
-        """Return how long the mission of a world has lasted if it is done, else its time limit [s]."""
-        if not self.done()[world]:
-            return self.world.missions[world].time_limit
-        ticks = max(int(self.world.ticks[world]) - 1, 0)  # the last thing was done at the beginning of its period
-        return ticks * self.world.period
-
-    def headline(self, world: int) -> str:
-        """Return what there is to say of a world in one line: its measures."""
-        return ", ".join(f"{name} {values[world]:.3g}" for name, values in self.result().items())
 
 
 @cache

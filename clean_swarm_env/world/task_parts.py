@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.ground import Ground
@@ -66,18 +65,6 @@ def kinds_of(things: Sequence[Things]) -> Sequence[str]:
     for thing in things:
         names.append(f"{thing.channel}_repulsive" if thing.channel in names else thing.channel)
     return names
-
-
-class Recorded(NamedTuple):
-    """An array of which recordings keep whole numbers, or places (..., 2) [m], in each frame."""
-
-    name: str
-    axis: str
-    """What has an entry each: robot, item or station."""
-    values: NDArray[Any]
-    about: str
-    note: Callable[[], None] | None = None
-    """Fills `values` before a frame; None: they are always up to date."""
 
 
 class ItemArrays(NamedTuple):

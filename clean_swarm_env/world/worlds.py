@@ -16,6 +16,7 @@ from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.physics.clock import Clock
+from clean_swarm_env.physics.rays import Bodies
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.mission_end import tick_limit
@@ -77,7 +78,7 @@ class Worlds:
         self.task: Task[Any, Any] = kind(self.world)
         self.minds.known, self.team.task = self.task.known, self.task
         around = self.minds.surroundings
-        around.physics, around.bodies = self.floor.physics, self.task.bodies
+        around.physics, around.bodies = self.floor.physics, self._bodies
         self.world.lead_to(self.task.around)
         self._driven = self._correction = None
         self.extent, self.physics, self.collisions = self.floor.extent, self.floor.physics, self.floor.collisions
@@ -207,6 +208,10 @@ class Worlds:
         self._clock.advance()
         task.after_moving()
         return self.collisions.entered_in_tick
+
+    def _bodies(self) -> list[Bodies]:
+        """Return what rays meet beside robots and walls."""
+        return [one.met for one in self.task.shown() if one.met is not None]
 
     def _think(self, able: Ints | None, now: float) -> None:
         """Let the robots that are `able` (K,), all with None, sense, decide and act."""

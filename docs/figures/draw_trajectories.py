@@ -9,12 +9,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import AVOIDANCE
-from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Canvas, appearances
+from clean_swarm_env.drawing.canvas import NOTHING, Canvas, Signs, appearances
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.world.worlds import Worlds
@@ -23,11 +22,11 @@ from selector.coordination.model import CoordinatorModel
 from selector.knowledge import load_knowledge
 
 MISSION, OPTION, SECONDS, SEED = "table1", "RepulsionGradient-view1.5", 90.0, 14
-CARGO = {SEARCHING: "#8a8a8a", GARBAGE: "#7B4B94", LEFTOVERS: "#E69F00"}
+CARGO = {NOTHING: "#8a8a8a", 0: "#7B4B94", 1: "#E69F00"}
 """Grey without cargo, purple with an item for the recycling station, orange with leftovers for the dump."""
 ITEM = {"ls": "none", "marker": "D", "ms": 8, "color": "#009E73", "markeredgecolor": LOOK.ink}
 """Look of an item of garbage."""
-NAMES = {SEARCHING: "without cargo", GARBAGE: "to recycling", LEFTOVERS: "to the dump"}
+NAMES = {NOTHING: "without cargo", 0: "to recycling", 1: "to the dump"}
 """Cargo in words."""
 
 
@@ -43,9 +42,9 @@ def draw_trajectories() -> Figure:
     )
     for spine in axes.spines.values():
         spine.set(color=LOOK.ink, linestyle=(0, (6, 4)), linewidth=1.0)
-    draw_station(axes, last, last.stations[0], CARGO[GARBAGE], "recycling")
-    draw_station(axes, last, last.stations[1], CARGO[LEFTOVERS], "dump")
-    axes.plot(*scenes[0].garbage.T, **ITEM, zorder=4)
+    for load, station in enumerate(last.signs[:2]):
+        draw_station(axes, last, station, CARGO[load])
+    axes.plot(*scenes[0].signs[2].places.T, **ITEM, zorder=4)
     draw_ways(axes, scenes)
     pose_reach = mission.robots.pose_goal_radius + mission.robots.pose_diffusion
     draw_ends(axes, last, garbage_sight, pose_reach)
@@ -72,7 +71,7 @@ def courses() -> Iterator[Canvas]:
 def draw_ways(axes: Axes, scenes: list[Canvas]) -> None:
     """Draw a line for each robot and period in the colour of its cargo; steps across a seam are left out."""
     places = np.stack([scene.positions for scene in scenes])
-    cargo = np.stack([scene.cargo for scene in scenes if scene.cargo is not None])
+    cargo = np.stack([scene.load for scene in scenes if scene.load is not None])
     steps = np.stack([places[:-1], places[1:]], axis=2)
     near = np.abs(steps[:, :, 1] - steps[:, :, 0]).max(axis=-1) < 0.5 * min(scenes[0].width, scenes[0].height)
     for load, colour in CARGO.items():
@@ -84,7 +83,7 @@ def draw_ways(axes: Axes, scenes: list[Canvas]) -> None:
 
 def draw_ends(axes: Axes, scene: Canvas, garbage_sight: float, reach: float) -> None:
     """Draw the robots where they end, how far they see garbage, and the reach of their pose gradients."""
-    cargo = np.zeros(len(scene.positions), dtype=np.int64) if scene.cargo is None else scene.cargo
+    cargo = np.full(len(scene.positions), NOTHING) if scene.load is None else scene.load
     for place, heading, load in zip(scene.positions, scene.headings, cargo, strict=True):
         colour = CARGO[int(load)]
         for x, y in appearances(scene, place[None], garbage_sight)[1]:
@@ -106,10 +105,10 @@ def signs(garbage_sight: float, reach: float) -> Iterator[Line2D]:
     )
 
 
-def draw_station(axes: Axes, scene: Canvas, place: NDArray[np.float64], colour: str, name: str) -> None:
+def draw_station(axes: Axes, scene: Canvas, station: Signs, colour: str) -> None:
     """Draw a station as a rounded square with its name, and the circle in which a robot is there (dotted)."""
-    radius = scene.station_radius
-    for x, y in appearances(scene, place[None], radius)[1]:
+    name, places, radius = station
+    for x, y in appearances(scene, places, radius)[1]:
         half = 0.55 * radius
         axes.add_patch(Circle((x, y), radius, facecolor=colour, edgecolor="none", alpha=0.12, zorder=1))
         axes.add_patch(Circle((x, y), radius, fill=False, edgecolor=colour, linestyle=":", linewidth=1.3, zorder=3))

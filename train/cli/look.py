@@ -67,7 +67,7 @@ def check_times(course: "RecordedCourse", times: dict[str, float]) -> None:
 @contextmanager
 def course_of(run: Path, scenario: str | None, condition: str | None) -> Iterator["RecordedCourse"]:
     """Give the course of a recording, or of a run in a directory of results, which is repeated if need be."""
-    from clean_swarm_env.drawing.canvases import DRAWN, RecordedCourse
+    from clean_swarm_env.drawing.canvases import RecordedCourse, pictured
     from clean_swarm_env.recording.reader import RecordedMission
     from train.evaluation.repeat import recording_of
     from train.running.needs import most_numbers
@@ -75,7 +75,7 @@ def course_of(run: Path, scenario: str | None, condition: str | None) -> Iterato
     with TemporaryDirectory() as folder:
         with repeating(run, scenario, condition) if run.is_dir() else nullcontext():
             recording = recording_of(run, scenario, condition, Path(folder), minds=False)
-        yield RecordedCourse(RecordedMission(recording, DRAWN, most_numbers()))
+        yield RecordedCourse(RecordedMission(recording, pictured, most_numbers()))
 
 
 FASTEST = 1000.0

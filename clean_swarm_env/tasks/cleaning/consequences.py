@@ -14,7 +14,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from clean_swarm_env.tasks.cleaning.settings import settings_of
-from clean_swarm_env.world.task_parts import Recorded
+from clean_swarm_env.world.shown import ROBOT, Shown
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
@@ -75,13 +75,13 @@ class Consequences:
             )
         )
 
-    def recorded(self) -> tuple[Recorded, ...]:
-        """Return what recordings keep of robots; nothing where collisions have no consequences."""
+    def shown(self) -> tuple[Shown, ...]:
+        """Return what there is to show of robots; nothing where collisions have no consequences."""
         if not self.active:
             return ()
         return (
-            Recorded("standing", "robot", self.standing, "frames for which a collision stops the robot, this one too"),
-            Recorded("collisions", "robot", self.collisions, "collisions of the robot"),
+            Shown("standing", ROBOT, self.standing, "frames for which a collision stops the robot, this one too"),
+            Shown("collisions", ROBOT, self.collisions, "collisions of the robot"),
         )
 
     def reset(self, rows: Ints) -> None:

@@ -5,7 +5,7 @@ Items and stations are in `site`; behaviours carry out what compiled stages of t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from clean_swarm_env.tasks.cleaning.cargo import (
 )
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
-from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.missions import CleaningMissions
 from clean_swarm_env.tasks.cleaning.movers import Movers
 from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more, goals_of, network_of_robots
@@ -32,8 +32,9 @@ from clean_swarm_env.tasks.cleaning.rounds import Rounds
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
 from clean_swarm_env.world.reception import Reception
+from clean_swarm_env.world.shown import MANY, ROBOT, WORLD, Counted, Drawn, Shown
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import ItemArrays, Recorded, TaskState, WorldStart
+from clean_swarm_env.world.task_parts import ItemArrays, TaskState, WorldStart
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
@@ -70,6 +71,7 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         "dumped", "garbage_done", "own_picked", "own_recycled", "own_dumped", "own_collisions", "own_contact_s",
         "own_avoiding_s",
     )  # fmt: skip
+    tally = Counted("item_stage", DONE, "items dumped")
     beside = ("fixed:Off", "Random")  # never to avoid, and any option in each decision period
     thinks_when_driven = always_acts = False
 
@@ -235,10 +237,6 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
             standing=self.consequences.standing,
         )
 
-    def bodies(self) -> Sequence[Bodies]:
-        """Return items that lie, and stations; neither has a size."""
-        return Bodies(self.garbage.positions, stage=self.garbage.stage, lies=LYING), Bodies(self.stations)
-
     def hindered(self, row: int) -> float:
         """Return how long a collision still stops the robot of a row [s]."""
         return round(int(self.consequences.standing[row]) * self.world.period, 9)
@@ -247,62 +245,53 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
         """Return how many items are dumped."""
         return f"{self.garbage.done[world]} of {self.garbage.arrived[world]} items dumped"
 
-    def cargo(self) -> Ints:
-        """Return the item that each robot (R,) carries."""
-        return self.garbage.cargo
-
-    def recorded(self) -> tuple[Recorded, ...]:
-        """Return cargo, items and stations."""
-        garbage = self.garbage
+    def shown(self) -> tuple[Shown, ...]:
+        """Return cargo, items and stations, and how many items are dumped."""
+        garbage, stage, config = self.garbage, self.garbage.stage, self.settings.stations
+        carrying = garbage.cargo != NOTHING
+        stages = {name: stage == number for number, name in enumerate(("lying", "carried", "done"))}
+        stations = [
+            STATION_CHANNELS[kind] + (f"_{earlier + 1}" if earlier else "")
+            for kind, earlier in zip(config.kinds, config.earlier, strict=True)
+        ]
+        held = {"carrying": carrying}, {"recycled": carrying & (garbage.recycled == 1)}
+        lying, share = Bodies(garbage.positions, stage=stage, lies=LYING), garbage.done / np.maximum(garbage.arrived, 1)
         return (
-            *self.consequences.recorded(),
-            Recorded("cargo", "robot", garbage.cargo, "the item that the robot carries, -1 for none"),
-            Recorded("recycled", "robot", garbage.recycled, "1 where the cargo has been recycled"),
-            Recorded("item_stage", "item", garbage.stage, "0 lying, 1 carried, 2 dumped, 3 absent"),
-            Recorded("item_leftover", "item", garbage.leftover, "1 where what lies has been recycled already"),
-            Recorded("item", "item", garbage.positions, "where the item lies or was picked"),
-            Recorded("station", "station", self.stations, "recycling, dump, further recycling, further dumps"),
+            *self.consequences.shown(),
+            Shown("cargo", ROBOT, garbage.cargo, "the item that the robot carries, -1 for none", held[0]),
+            Shown("recycled", ROBOT, garbage.recycled, "1 where the cargo has been recycled", held[1]),
+            Shown("item_stage", "item", stage, "0 lying, 1 carried, 2 dumped, 3 absent", stages),
+            Shown("item_leftover", "item", garbage.leftover, "1 where what lies has been recycled already"),
+            Shown(
+                "item", "item", garbage.positions, "where the item lies or was picked", there=stage != ABSENT, met=lying
+            ),
+            Shown(
+                "station",
+                "station",
+                self.stations,
+                "recycling, dump, further recycling, further dumps",
+                names=stations,
+                met=Bodies(self.stations),
+            ),
+            Shown("done", WORLD, garbage.done, "items dumped", {"garbage_done": share}, recorded=False),
         )
 
-    def drawn(self, world: int, rows: Ints) -> dict[str, Any]:
-        """Return cargo, items that lie, and stations."""
-        garbage, stations = self.garbage, settings_of(self.world.missions[world]).stations
-        lying = garbage.stage[world] == LYING
-        return {
-            "cargo": np.where(garbage.cargo[rows] == NOTHING, 0, np.where(garbage.recycled[rows] == 1, 2, 1)),
-            "garbage": garbage.positions[world][lying],
-            "leftover": garbage.leftover[world][lying] == 1,
-            "stations": self.stations[world].copy(),
-            "station_kinds": stations.kinds,
-            "station_radius": stations.reach,
-        }
-
-    def facts_of_robots(self) -> dict[str, Floats]:
-        """Return whether robots carry something, and whether that has been recycled."""
-        carrying = self.garbage.cargo != NOTHING
-        return {"carrying": carrying.astype(float), "recycled": (carrying & (self.garbage.recycled == 1)).astype(float)}
-
-    def facts_of_worlds(self) -> dict[str, Floats]:
-        """Return the share of the items that are dumped."""
-        return {"garbage_done": self.garbage.done / np.maximum(self.garbage.arrived, 1)}
-
-    def thing_names(self) -> list[str]:
-        """Return the names of what is known of items and stations, which are numbered from the second of a kind on."""
-        items = range(self.garbage.stage.shape[1])
-        names = [f"item_{k}_{name}" for k in items for name in ("lying", "carried", "done", "x", "y")]
+    def drawn(self) -> tuple[Drawn, ...]:
+        """Return the signs of stations, of items that lie, and of cargo."""
         config = self.settings.stations
-        for kind, earlier in zip(config.kinds, config.earlier, strict=True):
-            station = STATION_CHANNELS[kind] + (f"_{earlier + 1}" if earlier else "")
-            names += [f"{station}_x", f"{station}_y"]
-        return names
-
-    def thing_values(self, scaled: Callable[[Floats], Floats]) -> Floats:
-        """Return the stages of items, where they lie or were picked, and where stations are."""
-        garbage, worlds = self.garbage, self.world.worlds
-        stages = [(garbage.stage == stage)[..., None] for stage in (LYING, CARRIED, DONE)]
-        items = np.concatenate((*stages, scaled(garbage.positions)), axis=2, dtype=np.float64)
-        items[garbage.stage == ABSENT] = 0.0
-        return np.concatenate((items.reshape(worlds, -1), scaled(self.stations).reshape(worlds, -1)), axis=1)
+        kinds = {
+            name: [number for number, own in enumerate(config.kinds) if own == kind]
+            for kind, name in enumerate(STATION_CHANNELS)
+        }
+        fresh, left, some = (0, 0), (1, 1), (0, MANY)
+        lies = (LYING, LYING)
+        return (
+            *(Drawn("station", name, numbers=own, radius=config.reach) for name, own in kinds.items()),
+            Drawn("item", "item", {"item_stage": lies, "item_leftover": fresh}),
+            Drawn("item", "leftovers", {"item_stage": lies, "item_leftover": left}),
+            Drawn(ROBOT, "item", {"cargo": some, "recycled": fresh}),
+            Drawn(ROBOT, "leftovers", {"cargo": some, "recycled": left}),
+        )
 
 
 def cleaning_of(task: Task[Any, Any]) -> Cleaning:

@@ -7,11 +7,9 @@ import pytest
 
 from clean_swarm_env.drawing.canvas import Canvas, appearances, between, trail_strength
 
-STATIONS = np.array([[2.75, 5.5], [8.25, 5.5]])
-
 
 def canvas(**changes):
-    given = {"positions": np.array([[5.0, 5.0], [0.1, 3.0]]), "headings": np.zeros(2), "stations": STATIONS}
+    given = {"positions": np.array([[5.0, 5.0], [0.1, 3.0]]), "headings": np.zeros(2)}
     return Canvas(**(given | changes))
 
 

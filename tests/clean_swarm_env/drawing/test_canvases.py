@@ -5,7 +5,7 @@ import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING
+from clean_swarm_env.drawing.canvas import NOTHING as EMPTY
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.world.mission import Course, MissionRun
@@ -20,14 +20,16 @@ def test_the_picture_shows_robots_items_cargo_and_the_trail_of_its_own_world():
         worlds.tick()
         for world in range(2):
             rows = worlds.rows_of(world)
-            for row, load in zip(rows, canvas_of(worlds, world).cargo, strict=True):
+            for row, load in zip(rows, canvas_of(worlds, world).load, strict=True):
                 carries, recycled = worlds.task.garbage.cargo[row] != NOTHING, worlds.task.garbage.recycled[row]
-                assert load == ((LEFTOVERS if recycled else GARBAGE) if carries else SEARCHING)
+                assert load == (int(recycled) if carries else EMPTY)
                 loads.add(int(load))
-    assert loads == {SEARCHING, GARBAGE, LEFTOVERS}
     canvas = canvas_of(worlds, 1)
+    assert loads == {EMPTY, 0, 1}
+    assert canvas.loads == ("item", "leftovers")
     assert np.array_equal(canvas.positions, worlds.physics.positions[5:])
-    assert len(canvas.garbage) == (worlds.task.garbage.stage[1] == LYING).sum()
+    lying = {sign: len(places) for sign, places, _ in canvas.signs}
+    assert lying["item"] + lying["leftovers"] == (worlds.task.garbage.stage[1] == LYING).sum()
     assert len(canvas.pheromones) > 50
     assert canvas.pheromone_diffusions.max() == 1.0
     assert 0.3 < canvas.pheromone_diffusions.min() < 0.95  # evaporated once at least, and not yet gone
@@ -57,4 +59,4 @@ def test_the_picture_of_a_task_shows_what_moves_and_the_measures(monkeypatch):
     assert [area.name for area in canvas.areas] == ["ring", *["sheep"] * 4]
     assert [(area.x, area.y) for area in canvas.areas[1:]] == [tuple(place) for place in sheep.tolist()]
     assert canvas.state.startswith("sheep in the ring ")
-    assert (canvas.width, canvas.height, canvas.cargo.tolist()) == (8.0, 6.0, [SEARCHING] * 6)
+    assert (canvas.width, canvas.height, canvas.load) == (8.0, 6.0, None)

@@ -7,18 +7,19 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from clean_swarm_env.drawing.canvas import GARBAGE, Canvas
-from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, legend
+from clean_swarm_env.drawing.canvas import NOTHING, Canvas, Signs
+from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, SIGNS, legend
 from clean_swarm_env.drawing.picture import MARGIN, TITLE, pixels_of, write_picture
 
 SIDE = 400
+STATIONS = tuple(Signs(name, np.array([[x, 8.5]]), 0.5) for name, x in (("recycling", 2.75), ("dump", 8.25)))
 
 
 def canvas(**changes):
     given = {
         "positions": np.array([[5.0, 5.0], [0.0, 3.0]]),
         "headings": np.array([0.0, np.pi / 2]),
-        "stations": np.array([[2.75, 8.5], [8.25, 8.5]]),
+        "signs": STATIONS,
         "options": ("first", "second <&> $x"),
         "held": np.array([0, 1]),
     }
@@ -42,7 +43,9 @@ def test_a_robot_has_the_colour_of_its_option_and_a_bright_front_also_across_the
 
 
 def test_cargo_items_stations_and_robots_that_failed_can_be_seen():
-    drawn = canvas(cargo=np.array([GARBAGE, 0]), garbage=np.array([[7.0, 7.0]]), working=np.array([True, False]))
+    signs = (*STATIONS, Signs("item", np.array([[7.0, 7.0]])))
+    load = {"loads": ("item",), "load": np.array([0, NOTHING])}
+    drawn = canvas(**load, signs=signs, working=np.array([True, False]))
     assert colour_at(drawn, 4.9, 5.0) == colour_at(drawn, 7.0, 7.0) == LOOK.item.colour
     assert colour_at(drawn, 0.1, 2.95) == LOOK.failed.colour.upper()
     assert colour_at(drawn, 2.62, 8.4) == "#009E73"
@@ -80,7 +83,7 @@ def test_no_option_has_the_colour_of_anything_else():
 
 
 def test_the_legend_names_all_that_is_drawn():
-    cleaning, other = ({sign.word for sign in legend(("a",), cleans)} for cleans in (True, False))
+    cleaning, other = ({sign.word for sign in legend(("a",), signs)} for signs in (SIGNS, ()))
     assert cleaning >= {"a", "item", "leftovers of an item", "recycling station", "dump station", "pheromones"}
     assert other >= {"a", "attracts robots", "repels robots", "pheromones"}
 

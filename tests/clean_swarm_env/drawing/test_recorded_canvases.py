@@ -40,13 +40,15 @@ def test_every_moment_is_as_it_was(seen):
         if len(now.positions) == len(before.positions):
             assert np.allclose(now.positions, before.positions, atol=0.001)
             assert np.allclose(now.headings, before.headings, atol=0.001)
-        assert np.allclose(decided.garbage, before.garbage, atol=0.001)
-        for name in ("cargo", "held", "working", "leftover"):
+        for own, other in zip(decided.signs, before.signs, strict=True):
+            assert (own.sign, own.radius) == (other.sign, other.radius)
+            assert np.allclose(own.places, other.places, atol=0.001)
+        for name in ("load", "held", "working"):
             assert np.array_equal(getattr(decided, name), getattr(before, name)), (tick, name)
         assert decided.state.endswith(before.state)
         assert (now.options, now.radius) == (before.options, before.radius)
         assert now.time == pytest.approx(before.time)
-    assert {int(load) for canvas in canvases for load in canvas.cargo} == {0, 1, 2}
+    assert {int(load) for canvas in canvases for load in canvas.load} == {-1, 0, 1}
     assert sorted({len(canvas.positions) for canvas in canvases}) == [5, 7]
 
 
@@ -83,12 +85,14 @@ def test_what_stands_in_a_mission_is_drawn_from_its_recording_as_from_its_world(
     recording = RecordedMission(tmp_path / "run.swarm")
     assert validated(MissionConfig, recording.head["mission"], "head") == run.mission
     shown, now = RecordedCourse(recording).at(0.0), canvas_of(Course(run).worlds, 0)
-    for name in ("width", "height", "closed", "zones", "model_names", "station_kinds"):
+    for name in ("width", "height", "closed", "zones", "model_names", "loads"):
         assert getattr(shown, name) == getattr(now, name), name
-    for name in ("walls", "radius", "models", "stations"):
+    for name in ("walls", "radius", "models"):
         assert np.array_equal(getattr(shown, name), getattr(now, name)), name
     assert len(shown.walls) == {"walls": 8, "zones": 0}.get(kind, 0)
     assert (shown.models is not None) == (kind == "models")
     assert shown.zones[1:] == ((("mud", 11.0, 2.0, 16.0, 9.0),) if kind == "zones" else ())
-    bare = replace(now, walls=now.walls[:0], zones=(), radius=now.radius + 0.1, stations=now.stations + 0.5)
+    for own, other in zip(shown.signs, now.signs, strict=True):
+        assert np.allclose(own.places, other.places, atol=0.001)
+    bare = replace(now, walls=now.walls[:0], zones=(), radius=now.radius + 0.1, signs=())
     assert not np.array_equal(pixels_of(now)[TITLE:], pixels_of(bare)[TITLE:])

@@ -85,7 +85,7 @@ def test_food_that_robots_carry_is_their_cargo(tmp_path):
     assert not any(area.repels for area in shown.areas)
     assert len(canvases[-1].pheromones) > 10
     assert len(shown.pheromones) > 10
-    assert max(canvas.cargo.max() for canvas in canvases) == 1
+    assert max(canvas.load.max() for canvas in canvases) == 0
     assert canvases[-1].state.startswith("items brought per minute ")
 
 

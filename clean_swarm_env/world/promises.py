@@ -1,21 +1,16 @@
-"""What pictures, recordings, the global state and learners show of a task, and what its parts have to return.
-
-Shapes: W worlds of N robots, R = W * N rows (robots).
-"""
+"""What the parts of a task have to return."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, Final
+from collections.abc import Mapping
+from typing import Any, Final
 
 import numpy as np
 
-from clean_swarm_env.config.tasks import ItemCounts, TaskKind, TaskSettings
-from clean_swarm_env.physics.rays import Bodies
-from clean_swarm_env.world.task_parts import ItemArrays, Recorded, Things, kinds_of
-from clean_swarm_env.world.view import CARRYING, World
+from clean_swarm_env.config.tasks import ItemCounts, TaskSettings
+from clean_swarm_env.world.shown import ROBOT, WORLD, Drawn, Shown
+from clean_swarm_env.world.task_parts import ItemArrays, Things
 from selector.coordination.robot_network import RobotNetwork
-from selforg.arrays import Floats, Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.plugins import Promises, are_numbers
 
@@ -51,6 +46,32 @@ def _places(task: Any, *_: Any) -> bool:  # noqa: ANN401
     world = task.world
     return are_numbers(world.positions, world.worlds, world.robots, 2) and all(
         are_numbers(thing.places, world.worlds, thing.count, 2) for thing in task.around
+    )
+
+
+def _shown(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
+    """Return whether what is shown has finite numbers for each robot, each world, or each thing of each world."""
+    if not _all(Shown, answer):
+        return False
+    world, counts = task.world, {ROBOT: (task.world.rows,), WORLD: (task.world.worlds,)}
+    for one in answer:
+        if not isinstance(one.values, np.ndarray):
+            return False
+        shape = counts.setdefault(one.axis, (world.worlds, *one.values.shape[1:2]))
+        places = one.values.shape[len(shape) :] in ((), (2,)) and (len(shape) == 2 or one.values.ndim == 1)
+        if not (places and are_numbers(one.values, *shape, *one.values.shape[len(shape) :])):
+            return False
+        if not all(are_numbers(part, *shape) and (np.abs(part) <= 1.0).all() for part in one.parts.values()):
+            return False
+    return len({one.name for one in answer}) == len(answer)
+
+
+def _drawn(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
+    """Return whether signs are drawn for what is shown."""
+    known = {one.name: one for one in task.shown()}
+    return _all(Drawn, answer) and all(
+        (one.at == ROBOT or (one.at in known and known[one.at].values.ndim == 3)) and one.where.keys() <= known.keys()
+        for one in answer
     )
 
 
@@ -128,18 +149,9 @@ TASK_PROMISES: Final[Promises] = {
     "start_tick": ("None, or rows of robots at work, in rising order, as a whole array of int64 (K,)", _rows),
     "headline": ("a text", lambda task, answer, *_: isinstance(answer, str)),
     "hindered": ("seconds and a flag", lambda task, answer, *_: isinstance(answer, tuple) and len(answer) == 2),
-    "bodies": ("Bodies", lambda task, answer, *_: _all(Bodies, answer)),
     "item_arrays": ("ItemArrays", lambda task, answer, *_: isinstance(answer, ItemArrays)),
-    "cargo": ("finite numbers ({0.world.rows},)", lambda task, answer, *_: are_numbers(answer, task.world.rows)),
-    "recorded": ("a tuple of Recorded", lambda task, answer, *_: _all(Recorded, answer)),
-    "drawn": ("values by name", lambda task, answer, *_: isinstance(answer, Mapping)),
-    "facts_of_robots": (OF_ROBOTS, lambda task, answer, *_: _by_name(answer, task.world.rows)),
-    "facts_of_worlds": (OF_WORLDS, lambda task, answer, *_: _by_name(answer, task.world.worlds)),
-    "thing_names": ("names", lambda task, answer, *_: _all(str, answer)),
-    "thing_values": (
-        "finite numbers ({0.world.worlds}, K)",
-        lambda task, answer, *_: are_numbers(answer, task.world.worlds, *np.shape(answer)[1:]),
-    ),
+    "shown": ("a tuple of Shown, of as many robots, worlds and things as there are", _shown),
+    "drawn": ("a tuple of Drawn, of what is shown", _drawn),
     "goals": ("names of goals", lambda cls, answer, *_: bool(answer) and _all(str, answer)),
     "robot": ("a RobotNetwork", lambda cls, answer, *_: isinstance(answer, RobotNetwork)),
     "buffers": (
@@ -156,68 +168,3 @@ TASK_PROMISES: Final[Promises] = {
     ),
 }
 """Part of a task -> what is expected of it, and whether that is so; `selforg.plugins.guard` checks plug-ins."""
-
-
-class ShownTask(TaskKind):
-    """A task as others show it. You need to override nothing: robots, `around` and what robots carry are shown.
-
-    Attributes:
-        world: the worlds.
-        around: the things, as `Task.things` returned them.
-
-    """
-
-    promises: ClassVar[Promises] = TASK_PROMISES
-    world: World
-    around: tuple[Things, ...]
-
-    def hindered(self, row: int) -> float:
-        """Return how long a collision still stops the robot of a row [s]."""
-        return 0.0
-
-    def bodies(self) -> Sequence[Bodies]:
-        """Return the things that rays meet beside robots and walls: those in `around`, with their goal radii."""
-        return [Bodies(thing.places, thing.goal_radius) for thing in self.around]
-
-    def item_arrays(self) -> ItemArrays:
-        """Return items, cargo and stations, the same arrays all the time; none unless robots carry items."""
-        return ItemArrays.none(self.world.worlds, self.world.rows)
-
-    def cargo(self) -> Ints:
-        """Return the thing that each robot (R,) carries, -1 for none; 0 where all that is known is that it carries."""
-        return np.where(self.world.carrying, 0, -1)
-
-    def recorded(self) -> tuple[Recorded, ...]:
-        """Return arrays that recordings keep beside poses, contacts and options; the same ones all the time."""
-        if CARRYING not in self.world.memory.kinds:
-            return ()
-        cargo = self.cargo()
-
-        def note() -> None:
-            cargo[:] = self.cargo()
-
-        return (Recorded("cargo", "robot", cargo, "the item that the robot carries, -1 for none", note),)
-
-    def drawn(self, world: int, rows: Ints) -> Mapping[str, Any]:
-        """Return what pictures show beside robots, `around` and trails: fields of `drawing.canvas.Canvas`."""
-        return {"cargo": np.where(self.cargo()[rows] >= 0, 1, 0)}
-
-    def facts_of_robots(self) -> Mapping[str, Floats]:
-        """Return what the global state has of each robot beside its pose: name -> (R,), within [-1, 1]."""
-        memory = self.world.memory
-        return {name: memory[name].values for name in memory.facts}
-
-    def facts_of_worlds(self) -> Mapping[str, Floats]:
-        """Return what the global state has of each world beside its time: name -> (W,), within [-1, 1]."""
-        return {}
-
-    def thing_names(self) -> list[str]:
-        """Return the names (K,) of what `thing_values` returns."""
-        kinds = zip(kinds_of(self.around), self.around, strict=True)
-        return [f"{kind}_{k}_{axis}" for kind, thing in kinds for k in range(thing.count) for axis in ("x", "y")]
-
-    def thing_values(self, scaled: Callable[[Floats], Floats]) -> Floats:
-        """Return what the global state has of things (W, K), within [-1, 1]; `scaled` makes this of places [m]."""
-        worlds = self.world.worlds
-        places = [scaled(thing.places).reshape(worlds, -1) for thing in self.around]
-        return np.concatenate((np.zeros((worlds, 0)), *places), axis=1)

@@ -1,0 +1,67 @@
+"""What a task shows of itself: one declaration, read by recordings, pictures, the global state and rays.
+
+Shapes: W worlds of N robots, R = W * N rows (robots), M things of a kind in each world.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final, NamedTuple
+
+from numpy.typing import NDArray
+
+from clean_swarm_env.physics.rays import Bodies
+from selforg.arrays import Flags
+
+AnyArray = NDArray[Any]
+ROBOT, WORLD = "robot", "world"
+MANY: Final = 1 << 30
+"""Most that a range of `Drawn.where` has where it has no end."""
+
+
+class Shown(NamedTuple):
+    """An array that a task shows, in which each robot, world or thing has an entry."""
+
+    name: str
+    axis: str
+    """`robot`, `world`, or what the things are called: `item`."""
+    values: AnyArray
+    """Whole numbers (R,), (W,) or (W, M), or places (W, M, 2) [m]; the same array all the time if it is recorded."""
+    about: str
+    """One sentence."""
+    parts: Mapping[str, AnyArray] = {}
+    """What the global state has of it: name -> numbers within [-1, 1]; of places it has x and y."""
+    there: Flags | None = None
+    """(W, M) which things the global state has places of; None: all."""
+    names: Sequence[str] = ()
+    """(M,) of the things in the global state; AXIS_0, AXIS_1 and so on unless given."""
+    met: Bodies | None = None
+    """What rays meet of it."""
+    recorded: bool = True
+    note: Callable[[], None] | None = None
+    """Fills `values` before a frame of a recording; None: they are always up to date."""
+
+
+class Drawn(NamedTuple):
+    """A sign that pictures draw for some of the things or robots that a task shows."""
+
+    at: str
+    """`Shown.axis` of things, whose places have the same name, or `robot` for a sign that is carried."""
+    sign: str
+    """Its name among those of `drawing.look`."""
+    where: Mapping[str, tuple[int, int]] = {}
+    """Name of a shown array -> least and largest value with which the sign is drawn."""
+    numbers: Sequence[int] | None = None
+    """Numbers of the things; None: all."""
+    radius: float = 0.0
+    """Of the area around each [m]."""
+
+
+class Counted(NamedTuple):
+    """What pictures of a recording count: things whose stage reached `done`, of those that came."""
+
+    name: str
+    """Of the shown array of stages; those below `done` are still to be done."""
+    done: int
+    about: str
+    """Such as "items dumped"."""
