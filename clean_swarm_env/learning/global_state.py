@@ -55,7 +55,7 @@ class GlobalState:
         shown = worlds.task.shown()
         own = (*OWN, *_parts(shown, ROBOT), *holds)
         robots = [f"robot_{k}_{name}" for k in range(worlds.robots) for name in own]
-        self.names = (*robots, *_thing_names(shown), "time", *_parts(shown, WORLD))
+        self.names = (*robots, *self._things(shown)[0], "time", *_parts(shown, WORLD))
         self.final = np.zeros((worlds.worlds, len(self.names)), dtype=np.float32)
 
     def now(self) -> NDArray[np.float32]:
@@ -64,20 +64,26 @@ class GlobalState:
         time = np.minimum(worlds.ticks / worlds.world.limits, 1.0)
         course = np.stack([time, *_parts(shown, WORLD).values()], axis=1)
         robots = self._robots(shown).reshape(worlds.worlds, -1)
-        return np.concatenate((robots, *self._things(shown), course), axis=1).astype(np.float32)
+        return np.concatenate((robots, *self._things(shown)[1], course), axis=1).astype(np.float32)
 
-    def _things(self, shown: Sequence[Shown]) -> list[Floats]:
-        """Return what there is of each kind of things (W, ...)."""
-        found = []
-        for axis in _kinds(shown):
+    def _things(self, shown: Sequence[Shown]) -> tuple[list[str], list[Floats]]:
+        """Return the names of the components of things, and the values (W, ...) of each kind of them."""
+        names: list[str] = []
+        values: list[Floats] = []
+        for axis in dict.fromkeys(one.axis for one in shown if one.axis not in (ROBOT, WORLD)):
             own = [one for one in shown if one.axis == axis]
-            parts = [part[..., None] for one in own for part in one.parts.values()]
+            parts = _parts(shown, axis)
             for one in own:
                 if one.values.ndim == 3:
-                    places = self._places(one.values)
-                    parts.append(places if one.there is None else np.where(one.there[..., None], places, 0.0))
-            found.append(np.concatenate(parts, axis=2, dtype=np.float64).reshape(self._worlds.worlds, -1))
-        return found
+                    there = True if one.there is None else one.there[..., None]
+                    parts["x"], parts["y"] = np.moveaxis(np.where(there, self._places(one.values), 0.0), 2, 0)
+            if parts:
+                things = next(
+                    (one.names for one in own if one.names), [f"{axis}_{k}" for k in range(own[0].values.shape[1])]
+                )
+                names += [f"{thing}_{part}" for thing in things for part in parts]
+                values.append(np.stack([*parts.values()], axis=2).reshape(self._worlds.worlds, -1))
+        return names, values
 
     def keep(self, ended: Ints) -> None:
         """Keep the state of the worlds (K,) whose missions have just ended as the final one."""
@@ -107,22 +113,5 @@ class GlobalState:
 
 
 def _parts(shown: Sequence[Shown], axis: str) -> dict[str, AnyArray]:
-    """Return what the global state has of robots or worlds."""
+    """Return what the global state has of an axis beside places."""
     return {name: values for one in shown if one.axis == axis for name, values in one.parts.items()}
-
-
-def _kinds(shown: Sequence[Shown]) -> list[str]:
-    """Return what the things are called that the global state has something of, each once."""
-    known = [one.axis for one in shown if one.parts or one.values.ndim == 3]
-    return [axis for axis in dict.fromkeys(known) if axis not in (ROBOT, WORLD)]
-
-
-def _thing_names(shown: Sequence[Shown]) -> list[str]:
-    """Return the names of the components of things."""
-    names = []
-    for axis in _kinds(shown):
-        own = [one for one in shown if one.axis == axis]
-        parts = [name for one in own for name in (*one.parts, *("xy" if one.values.ndim == 3 else ""))]
-        things = next((one.names for one in own if one.names), [f"{axis}_{k}" for k in range(own[0].values.shape[1])])
-        names += [f"{thing}_{part}" for thing in things for part in parts]
-    return names

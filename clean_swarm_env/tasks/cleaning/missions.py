@@ -11,7 +11,7 @@ from clean_swarm_env.config.events import Land, MoveSpots, MoveStations, Respawn
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.free_places import check_place
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import ItemCounts, TaskKind
+from clean_swarm_env.config.tasks import ItemCounts
 from clean_swarm_env.config.types import Point
 from clean_swarm_env.tasks.cleaning.draws import Places, Room, draw_events, random_spots, random_stations
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
@@ -24,88 +24,79 @@ NOWHERE: Final[Point] = (0.0, 0.0)
 """Place of stations that are not placed yet [m]."""
 
 
-class CleaningMissions(TaskKind):
-    """Cleaning before there is a world."""
+def check(mission: MissionConfig) -> None:
+    """Raise the error of the first place that robots cannot reach, or of too little room for items."""
+    world, task = mission.world, settings_of(mission)
+    if world.ground == "open":
+        raise impossible("world.ground", "a torus or a walled field with the task Cleaning", world.ground)
+    ground = "torus" if world.ground == "torus" else "field"
+    for key, (x, y) in _places(mission).items():
+        if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
+            expected = f"a point on the {ground} {world.width:g} m x {world.height:g} m"
+            raise impossible(key, expected, f"[{x:g}, {y:g}]")
+        apart = 0.0 if "spots" in key else task.stations.reach  # robots at a station have no wall before it
+        check_place(key, (x, y), world, mission.robots.radius, apart)
+    least = count_items(mission).expected
+    if 0 < task.garbage.capacity < least:
+        expected = f"0 or at least {least}, the items at the start and those that land"
+        raise impossible("task.garbage.capacity", expected, task.garbage.capacity)
 
-    begins_as_given = True
-    mission = {"name": "cleaning", "knowledge": "cleaning"}
 
-    @classmethod
-    def check(cls, mission: MissionConfig) -> None:
-        """Raise the error of the first place that robots cannot reach, or of too little room for items."""
-        world, task = mission.world, settings_of(mission)
-        if world.ground == "open":
-            raise impossible("world.ground", "a torus or a walled field with the task Cleaning", world.ground)
-        ground = "torus" if world.ground == "torus" else "field"
-        for key, (x, y) in _places(mission).items():
-            if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
-                expected = f"a point on the {ground} {world.width:g} m x {world.height:g} m"
-                raise impossible(key, expected, f"[{x:g}, {y:g}]")
-            apart = 0.0 if "spots" in key else task.stations.reach  # robots at a station have no wall before it
-            check_place(key, (x, y), world, mission.robots.radius, apart)
-        least = cls.count_items(mission).expected
-        if 0 < task.garbage.capacity < least:
-            expected = f"0 or at least {least}, the items at the start and those that land"
-            raise impossible("task.garbage.capacity", expected, task.garbage.capacity)
+def frame_settings(mission: MissionConfig) -> CleaningSettings:
+    """Return the settings without places and harmless collisions, and with as many items as there are rows."""
+    task = settings_of(mission)
+    rows = count_items(mission).rows
+    anywhere = {"count": 0, "respawn": 0.0, "capacity": rows, "spots": (), "spot_radius": 1.0}
+    stations = task.stations.at((NOWHERE,) * len(task.stations.places))
+    own = {"garbage": task.garbage.model_copy(update=anywhere), "stations": stations}
+    return task.model_copy(update=own | {"consequences": task.consequences.model_copy(update={"harmless": False})})
 
-    @classmethod
-    def frame_settings(cls, mission: MissionConfig) -> CleaningSettings:
-        """Return the settings without places and harmless collisions, and with as many items as there are rows."""
-        task = settings_of(mission)
-        rows = cls.count_items(mission).rows
-        anywhere = {"count": 0, "respawn": 0.0, "capacity": rows, "spots": (), "spot_radius": 1.0}
-        stations = task.stations.at((NOWHERE,) * len(task.stations.places))
-        own = {"garbage": task.garbage.model_copy(update=anywhere), "stations": stations}
-        return task.model_copy(update=own | {"consequences": task.consequences.model_copy(update={"harmless": False})})
 
-    @classmethod
-    def count_items(cls, mission: MissionConfig) -> ItemCounts:
-        """Return the numbers of items."""
-        garbage = settings_of(mission).garbage
-        expected = garbage.count + sum(event.items for event in mission.events if isinstance(event, Land))
-        keep_coming = garbage.respawn > 0.0 or any(e.rate > 0.0 for e in mission.events if isinstance(e, Respawn))
-        rows = garbage.capacity or max(expected, RANDOM_ITEMS if keep_coming else 0)
-        return ItemCounts(garbage.count, expected, rows, keep_coming)
+def count_items(mission: MissionConfig) -> ItemCounts:
+    """Return the numbers of items."""
+    garbage = settings_of(mission).garbage
+    expected = garbage.count + sum(event.items for event in mission.events if isinstance(event, Land))
+    keep_coming = garbage.respawn > 0.0 or any(e.rate > 0.0 for e in mission.events if isinstance(e, Respawn))
+    rows = garbage.capacity or max(expected, RANDOM_ITEMS if keep_coming else 0)
+    return ItemCounts(garbage.count, expected, rows, keep_coming)
 
-    @classmethod
-    def place_items(cls, mission: MissionConfig, rng: np.random.Generator) -> Floats:
-        """Return random places (M, 2) [m], about the spots."""
-        return Places.of(mission).draw(settings_of(mission).garbage.count, rng, mission)
 
-    @classmethod
-    def with_items(cls, mission: MissionConfig, **numbers: int) -> CleaningSettings:
-        """Return the settings with another `count` or `capacity` of items."""
-        task = settings_of(mission)
-        return task.model_copy(update={"garbage": task.garbage.model_copy(update=numbers)})
+def place_items(mission: MissionConfig, rng: np.random.Generator) -> Floats:
+    """Return random places (M, 2) [m], about the spots."""
+    return Places.of(mission).draw(settings_of(mission).garbage.count, rng, mission)
 
-    @classmethod
-    def item_ranges(cls, mission: MissionConfig) -> Mapping[str, Any]:
-        """Return numbers and rate of items."""
-        garbage = settings_of(mission).garbage
-        return {"items": (garbage.count,) * 2, "respawn": (garbage.respawn,) * 2}
 
-    @classmethod
-    def draw_scenario(
-        cls, family: FamilyConfig, size: Point, robots: int, rng: np.random.Generator
-    ) -> tuple[CleaningSettings, list[dict[str, Any]]]:
-        """Return settings with random items and, where the family says so, random stations and spots; random events."""
-        task, room = settings_of(family.mission), Room.of(family.mission, size)
-        items = int(rng.integers(family.items[0], family.items[1] + 1))
-        respawn = float(rng.uniform(*family.respawn))
-        stations = (
-            task.stations.at(_station_places(family, room, rng)) if family.stations == "random" else task.stations
-        )
-        spots = task.garbage.spots
-        if family.spots is not None:
-            spots = random_spots(int(rng.integers(family.spots[0], family.spots[1] + 1)), room, rng)
-        events = draw_events(family.changes, room, robots, len(spots), family.mission.time_limit, rng)
-        lying = {"count": items, "respawn": respawn, "spots": spots, "capacity": _rows_of_items(family)}
-        garbage = task.garbage.model_copy(update=lying)
-        drawn = {"garbage": garbage, "stations": stations}
-        if family.harmless > 0.0:
-            harmless = bool(rng.uniform() < family.harmless)
-            drawn["consequences"] = task.consequences.model_copy(update={"harmless": harmless})
-        return task.model_copy(update=drawn), events
+def with_items(mission: MissionConfig, **numbers: int) -> CleaningSettings:
+    """Return the settings with another `count` or `capacity` of items."""
+    task = settings_of(mission)
+    return task.model_copy(update={"garbage": task.garbage.model_copy(update=numbers)})
+
+
+def item_ranges(mission: MissionConfig) -> Mapping[str, Any]:
+    """Return numbers and rate of items."""
+    garbage = settings_of(mission).garbage
+    return {"items": (garbage.count,) * 2, "respawn": (garbage.respawn,) * 2}
+
+
+def draw_scenario(
+    family: FamilyConfig, size: Point, robots: int, rng: np.random.Generator
+) -> tuple[CleaningSettings, list[dict[str, Any]]]:
+    """Return settings with random items and, where the family says so, random stations and spots; random events."""
+    task, room = settings_of(family.mission), Room.of(family.mission, size)
+    items = int(rng.integers(family.items[0], family.items[1] + 1))
+    respawn = float(rng.uniform(*family.respawn))
+    stations = task.stations.at(_station_places(family, room, rng)) if family.stations == "random" else task.stations
+    spots = task.garbage.spots
+    if family.spots is not None:
+        spots = random_spots(int(rng.integers(family.spots[0], family.spots[1] + 1)), room, rng)
+    events = draw_events(family.changes, room, robots, len(spots), family.mission.time_limit, rng)
+    lying = {"count": items, "respawn": respawn, "spots": spots, "capacity": _rows_of_items(family)}
+    garbage = task.garbage.model_copy(update=lying)
+    drawn = {"garbage": garbage, "stations": stations}
+    if family.harmless > 0.0:
+        harmless = bool(rng.uniform() < family.harmless)
+        drawn["consequences"] = task.consequences.model_copy(update={"harmless": harmless})
+    return task.model_copy(update=drawn), events
 
 
 def _places(mission: MissionConfig) -> dict[str, Point]:

@@ -15,6 +15,7 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.physics.rays import Bodies
+from clean_swarm_env.tasks.cleaning import missions
 from clean_swarm_env.tasks.cleaning.agenda import Agendas
 from clean_swarm_env.tasks.cleaning.cargo import (
     handle_cargo_as_decided,
@@ -25,7 +26,6 @@ from clean_swarm_env.tasks.cleaning.cargo import (
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
-from clean_swarm_env.tasks.cleaning.missions import CleaningMissions
 from clean_swarm_env.tasks.cleaning.movers import Movers
 from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more, goals_of, network_of_robots
 from clean_swarm_env.tasks.cleaning.rounds import Rounds
@@ -46,7 +46,7 @@ from selforg.gradients.settings import BufferSettings
 
 
 @TASKS.register
-class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
+class Cleaning(Task[CleaningSettings, TaskState]):
     """All garbage has to be recycled and dumped; see `docs/cost.md` for what a mission costs.
 
     Attributes:
@@ -74,6 +74,12 @@ class Cleaning(CleaningMissions, Task[CleaningSettings, TaskState]):
     tally = Counted("item_stage", DONE, "items dumped")
     beside = ("fixed:Off", "Random")  # never to avoid, and any option in each decision period
     thinks_when_driven = always_acts = False
+    begins_as_given = True
+    mission = {"name": "cleaning", "knowledge": "cleaning"}
+    check, frame_settings = staticmethod(missions.check), staticmethod(missions.frame_settings)
+    count_items, place_items = staticmethod(missions.count_items), staticmethod(missions.place_items)
+    with_items, item_ranges = staticmethod(missions.with_items), staticmethod(missions.item_ranges)
+    draw_scenario = staticmethod(missions.draw_scenario)
 
     def __init__(self, world: World) -> None:
         super().__init__(world)
