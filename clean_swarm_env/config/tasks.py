@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
+from clean_swarm_env.config.events import Fail, Join, Remove, SetDelivery
 from clean_swarm_env.config.robots import RobotModel
 from clean_swarm_env.config.task_names import TASK, TASKS_HOME
 from clean_swarm_env.config.types import Point
@@ -61,6 +62,7 @@ class TaskKind:
         Settings: the settings of the task.
         story: one sentence: the robots, their place and their task.
         mission: keys of a mission that names the task, unless they are given: the task's own mission.
+        changes: whether robots and things may come and go during a mission; not where measures are of all robots.
         begins_as_given: whether starts say where robots and items are; else the task places them, unless a start does.
 
     """
@@ -70,12 +72,15 @@ class TaskKind:
     story: ClassVar[str] = ""
     mission: ClassVar[Mapping[str, Any]] = {}
     begins_as_given: ClassVar[bool] = False
+    changes: ClassVar[bool] = False
 
     @classmethod
     def check(cls, mission: Mission) -> None:
         """Raise the error of the first key of a mission that is impossible with the task."""
-        if mission.events:
-            raise impossible("events", f"none with the task {cls.name}", "some")
+        for number, event in enumerate(mission.events):
+            if not (cls.changes and isinstance(event, Join | Remove | Fail | SetDelivery)):
+                expected = "join, remove, fail or deliver" if cls.changes else "none"
+                raise impossible(f"events.{number}", f"{expected} with the task {cls.name}", event.do)
 
     @classmethod
     def frame_settings(cls, mission: Mission) -> TaskSettings:

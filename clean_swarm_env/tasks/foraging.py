@@ -42,6 +42,7 @@ class Foraging(Task[TaskSettings, Food]):
     baseline_option = "RandomSearch"
     mission = {"world": {"width": 30.0, "height": 30.0}, "robots": {"count": 12}, "time_limit": 300.0}
     apart, start_side = 0.6, 5.0
+    changes = True
 
     def place(self, start: WorldStart) -> None:
         """Put robots around the nest, and food away from it."""
@@ -55,6 +56,10 @@ class Foraging(Task[TaskSettings, Food]):
             Things("food", self.state.patches, diffusion=0.0, goal_radius=PATCH_RADIUS),
             Things("nest", nests, diffusion=0.0, goal_radius=NEST_RADIUS),
         )
+
+    def lose(self, rows: Ints) -> None:
+        """Forget what robots in `rows` (K,) carried that are taken away or fail: nobody brings it."""
+        self.state.carried[rows] = False
 
     def after_moving(self) -> None:
         """Count the items that robots have put down at the nest."""

@@ -14,9 +14,11 @@ from typing import Annotated, ClassVar, Final
 
 import numpy as np
 
+from clean_swarm_env.config.events import Event
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskKind
 from clean_swarm_env.physics.rays import Bodies
+from clean_swarm_env.world.agenda import NO_TICK
 from clean_swarm_env.world.measure import Measure
 from clean_swarm_env.world.promises import TASK_PROMISES
 from clean_swarm_env.world.reception import Reception
@@ -116,6 +118,13 @@ class StagedTask(TaskKind, ABC):
         self.asked[rows] = self._walk[rows] = 0.0
         for thing in self.around:
             thing.show(self.world.buffers["gradients"], world, self.world.now)
+
+    def come(self, world: int, tick: int) -> int:
+        """Let come to a world what comes by itself up to a tick; return the tick at which more comes."""
+        return NO_TICK
+
+    def happen(self, world: int, event: Event) -> None:
+        """Let an event of the task itself happen in a world."""
 
     def lose(self, rows: Ints) -> None:
         """Let go of robots in `rows` (K,) that are about to be taken away or to fail."""

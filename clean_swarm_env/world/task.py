@@ -49,7 +49,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
     recordings, states and training then take it as they take cleaning.
 
     Attributes:
-        name, story, mission, begins_as_given: see `TaskKind`.
+        name, story, mission, changes, begins_as_given: see `TaskKind`.
         priced, best_score, thinks_when_driven, always_acts, asked: see `StagedTask`.
         measures: figures of success; the first one that is no guard is the one that counts.
         baseline: what the mechanisms are compared with, in words; see `lead`. Empty: nothing.
@@ -58,7 +58,6 @@ class Task(StagedTask, ABC, Generic[S, T]):
         fewest: robots with which the measures have a meaning.
         start_side: side of the square in the middle in which robots start, 0: the whole ground [m].
         apart, away: least distance of robots from each other, and from the middle, at the start [m].
-        changes: whether robots and things may come and go during a mission; not where measures are of all robots.
         terms: terms of an observation unless others are chosen.
         counted: infos of learners beside times, collisions and the measures; see `borders.infos`.
         beside: strategies that every comparison has beside those chosen; the baseline unless given.
@@ -73,7 +72,6 @@ class Task(StagedTask, ABC, Generic[S, T]):
     start_side: ClassVar[float] = 0.0
     apart: ClassVar[float] = 1.0
     away: ClassVar[float] = 0.0
-    changes: ClassVar[bool] = False
     terms: ClassVar[tuple[str, ...]] = (
         "command", "things", "neighbour", "crowd", "movement", "facts", "task", "time", "holds",
     )  # fmt: skip

@@ -17,6 +17,7 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.physics.rays import Bodies
+from clean_swarm_env.world.agenda import Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.mission_end import tick_limit
@@ -49,6 +50,7 @@ class Worlds:
         minds: what the robots know and decide; its `network` and `coordinators` are attributes of the worlds too.
         team: which robots are present and at work.
         task: the work in the worlds.
+        agendas: the events to come.
 
     """
 
@@ -77,6 +79,7 @@ class Worlds:
         self.world = World(self.missions, self.floor, self.minds, self.team, self._clock)
         self.task: Task[Any, Any] = kind(self.world)
         self.minds.known, self.team.task = self.task.known, self.task
+        self.agendas = Agendas(self.world, self.task)
         around = self.minds.surroundings
         around.physics, around.bodies = self.floor.physics, self._bodies
         self.world.lead_to(self.task.around)
@@ -132,6 +135,7 @@ class Worlds:
         poses = np.array(start.robots) if start.robots else None
         placing = WorldStart(world, placed, self.floor.ground, stream, poses, items)
         self.task.place(placing)
+        self.agendas.reset(world, stream)
         for x, y in placing.places if mission.world.has_walls else ():
             if not self.floor.ground.is_free(np.array([x, y])):
                 expected = f"walls that leave {self.task.name} the places at which its robots begin"
@@ -192,6 +196,7 @@ class Worlds:
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
         floor, minds, task, now = self.floor, self.minds, self.task, self._clock.now
+        self.agendas.apply_due()
         able = task.start_tick()
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
         minds.receive(now)

@@ -72,7 +72,7 @@ def _count(evaluation: FamilyEvaluation, scenario: Scenario, found: dict[tuple[s
 def _case(batch: Batch) -> str:
     """Return the state of the first world: where garbage falls, and whether collisions are harmless."""
     cleaning = cleaning_of(batch.worlds.task)
-    where = "at spots" if cleaning.agendas.at_spots[0] else "anywhere"
+    where = "at spots" if cleaning.comings.at_spots[0] else "anywhere"
     return where + (", harmless" if cleaning.consequences.harmless[0] else "")
 
 

@@ -22,5 +22,5 @@ class TrueSeasonTerm(Term):
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the flags."""
         worlds = self.observed.worlds
-        at_spots = np.repeat(cleaning_of(worlds.task).agendas.at_spots, worlds.robots)[rows]
+        at_spots = np.repeat(cleaning_of(worlds.task).comings.at_spots, worlds.robots)[rows]
         out[0, rows], out[1, rows] = ~at_spots, at_spots

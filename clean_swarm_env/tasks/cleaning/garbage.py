@@ -12,19 +12,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import ceil
-from typing import Annotated, Final
+from typing import Annotated
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.tasks.cleaning.draws import Places
+from clean_swarm_env.world.agenda import NO_TICK
 from selforg.arrays import KEPT, Floats, Ints, Within
 from selforg.declared import make_arrays
 
 LYING, CARRIED, DONE, ABSENT = range(4)
 NOTHING = -1
-NO_TICK: Final = 1 << 62
-"""Tick of an event that never happens."""
 
 
 class Garbage:

@@ -12,17 +12,18 @@ from typing import Any
 
 import numpy as np
 
+from clean_swarm_env.config.events import Event
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.physics.rays import Bodies
 from clean_swarm_env.tasks.cleaning import missions
-from clean_swarm_env.tasks.cleaning.agenda import Agendas
 from clean_swarm_env.tasks.cleaning.cargo import (
     handle_cargo_as_decided,
     handle_cargo_in_reach,
     read_sensors,
     reset_commands,
 )
+from clean_swarm_env.tasks.cleaning.coming import Comings
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
@@ -52,7 +53,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     Attributes:
         site: items and stations; its `garbage` and `stations` are attributes here, too.
         consequences: what collisions have done to the robots.
-        agendas: the events to come.
+        comings: the garbage that comes.
         movers: mechanisms that move robots by themselves.
         rounds: leads robots round walls, if there are any.
         cargo_memory: what configurations know of the robots' cargo, and ask for.
@@ -86,7 +87,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         self.consequences = Consequences(world.mission, world.worlds, world.rows)
         self.site = Site(world, self.consequences)
         self.garbage, self.stations = self.site.garbage, self.site.stations
-        self.agendas, self.movers = Agendas(world, self.site), Movers(world, self.site)
+        self.comings, self.movers = Comings(world, self.site), Movers(world, self.site)
         self.rounds = Rounds(world, self.site, self.movers) if world.mission.world.has_walls else None
         self.cargo_memory = CargoMemory(world.memory)
 
@@ -128,12 +129,20 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     def place(self, start: WorldStart) -> None:
         """Put the items where the start has them, as it has the robots."""
         self.garbage.place(start.world, start.items % self.world.ground.extent)
-        self.agendas.reset(start.world, start.seed)
+        self.comings.reset(start.world, start.seed)
 
     def reset(self, world: int, rows: slice) -> None:
         """Show items and stations of a world, whose mission may have harmless collisions."""
         self.consequences.harmless[world] = settings_of(self.world.missions[world]).consequences.harmless
         self.site.show(world)
+
+    def come(self, world: int, tick: int) -> int:
+        """Let garbage come that arrives up to a tick; return the tick of the next arrival."""
+        return self.comings.come(world, tick)
+
+    def happen(self, world: int, event: Event) -> None:
+        """Let an event of garbage or stations happen."""
+        self.comings.happen(world, event)
 
     def lose(self, rows: Ints) -> None:
         """Let the cargo of robots in `rows` (K,) lie where they are."""
@@ -144,8 +153,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         self.consequences.reset(rows)
 
     def start_tick(self) -> Ints | None:
-        """Apply the events that are due; return the rows (K,) that decide, None for all."""
-        self.agendas.apply_due()
+        """Return the rows (K,) that decide, None for all: those that no collision stops."""
         return self.consequences.start_tick(self.world.team.at_work)
 
     def sense(self) -> None:
@@ -204,7 +212,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def done(self) -> Flags:
         """Return where all garbage that has come is dumped, and no more will come."""
-        done: Flags = self.agendas.over & (self.garbage.done == self.garbage.arrived)
+        done: Flags = self.comings.over & (self.garbage.done == self.garbage.arrived)
         return done
 
     def result(self) -> dict[str, Floats]:
@@ -223,7 +231,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def unavoidable(self, world: int) -> float:
         """Return the part of the cost that no team could avoid [s], because garbage comes when it comes."""
-        return unavoidable_cost(self.world.missions[world], self.agendas.came(world))
+        return unavoidable_cost(self.world.missions[world], self.comings.came(world))
 
     def item_arrays(self) -> ItemArrays:
         """Return items, cargo and stations."""

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.events import happening
-from clean_swarm_env.tasks.cleaning.agenda import Agenda
 from clean_swarm_env.tasks.cleaning.cost import cost_terms
+from clean_swarm_env.world.agenda import Agenda
 from tests.clean_swarm_env.courses import mission
 
 PHASES = (

@@ -183,7 +183,7 @@ def test_a_robot_joins_and_goes_only_where_and_when_there_is_room():
 def test_robots_join_at_random_places_without_touching_anybody():
     config = mission(robots={"count": 1}, events=[{"at": 0.0, "do": "join", "robots": 30}])
     worlds = worlds_at_start(config, [3, 4])
-    worlds.task.agendas.apply_due()
+    worlds.agendas.apply_due()
     for world in range(2):
         places = worlds.physics.positions[worlds.rows_of(world)]
         offsets = np.abs(places[:, None] - places[None])

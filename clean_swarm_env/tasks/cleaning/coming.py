@@ -1,0 +1,97 @@
+"""Garbage that comes during a mission: at random times, or by events."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+
+from clean_swarm_env.config.events import Event, Land, MoveSpots, MoveStations, Respawn
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.tasks.cleaning.draws import Places
+from clean_swarm_env.tasks.cleaning.garbage import Arrivals
+from clean_swarm_env.tasks.cleaning.settings import settings_of
+from clean_swarm_env.tasks.cleaning.site import Site
+from clean_swarm_env.world.agenda import own_streams
+from clean_swarm_env.world.view import World
+from selforg.arrays import KEPT, Flags
+
+
+class Coming:
+    """The garbage that comes to one world.
+
+    Attributes:
+        garbage: where it comes.
+        arrivals: when it comes by itself.
+        landings: random numbers for what lands.
+        landing: items that have still to land.
+        came: items that have come so far, also those for which there was no room.
+
+    """
+
+    def __init__(self, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
+        arriving, self.landings, _ = own_streams(seed)
+        self.garbage, items = Places.of(mission), mission.items
+        self.arrivals = Arrivals(arriving, settings_of(mission).garbage.respawn, 60.0 * mission.world.control_rate)
+        self.landing, self.came, self._ends = items.expected - items.first, items.first, not items.keep_coming
+
+    @property
+    def over(self) -> bool:
+        """Whether no more garbage will come."""
+        return self._ends and self.landing == 0
+
+
+class Comings:
+    """The garbage that comes to all worlds of a batch.
+
+    Attributes:
+        over: (W,) bool, worlds into which no more garbage will come.
+
+    """
+
+    over: Annotated[Flags, "W", KEPT]
+    _comings: Annotated[list[Coming | None], "W", KEPT]
+
+    def __init__(self, world: World, site: Site) -> None:
+        self._world, self._site = world, site
+        self._comings = [None] * world.worlds
+        self.over = np.zeros(world.worlds, dtype=np.bool_)
+
+    def reset(self, number: int, seed: np.random.SeedSequence) -> None:
+        """Begin a world anew; what comes depends on its mission and `seed` only."""
+        coming = self._comings[number] = Coming(self._world.missions[number], seed)
+        self.over[number] = coming.over
+
+    @property
+    def at_spots(self) -> Flags:
+        """Where (W,) garbage comes about spots now."""
+        return np.array([coming is not None and len(coming.garbage.spots) > 0 for coming in self._comings])
+
+    def came(self, number: int) -> int:
+        """Return how many items have come into a world, those without room included: whatever robots do."""
+        coming = self._comings[number]
+        return coming.came if coming is not None else 0
+
+    def come(self, number: int, tick: int) -> int:
+        """Let the items come that arrive up to a tick; return the tick of the next one."""
+        coming = self._comings[number]
+        assert coming is not None  # the world has been reset
+        for places in coming.arrivals.until(tick, coming.garbage, self._world.missions[number]):
+            coming.came += self._site.land(number, places)
+        return coming.arrivals.due
+
+    def happen(self, number: int, event: Event) -> None:
+        """Let an event of cleaning happen in a world."""
+        coming = self._comings[number]
+        assert coming is not None  # the world has been reset
+        if isinstance(event, Land):
+            mission = self._world.missions[number]
+            coming.came += self._site.land(number, coming.garbage.draw(event.items, coming.landings, mission))
+            coming.landing -= event.items
+            self.over[number] = coming.over
+        elif isinstance(event, Respawn):
+            coming.arrivals.set_rate(event.rate, int(self._world.ticks[number]))
+        elif isinstance(event, MoveSpots):
+            coming.garbage = coming.garbage.at(event.spots)
+        elif isinstance(event, MoveStations):
+            self._site.put_stations(number, np.array([event.recycling, event.dump]))
