@@ -1,6 +1,7 @@
 """A task of your own in one file: robots close in around a flock, and drive it into a ring.
 
 pip install .
+python examples/own_task.py
 clean-swarm --import examples/own_task.py run Shepherding
 clean-swarm --import examples/own_task.py evaluate --family Shepherding --scenarios 10 --record
 """
@@ -80,3 +81,9 @@ class Shepherding(Task[Flocking, Flock]):
         now, before = self.result()["sheep in the ring"], self.state.shown.copy()
         self.state.shown[:] = now
         return (now - before)[self.world.of_row]
+
+
+if __name__ == "__main__":
+    from train.live import play
+
+    play(Shepherding)
