@@ -2,6 +2,7 @@
 
     python -m docs.comparison.advised all table1 random-bumpers scouts      # every pair on 100 starts
     python -m docs.comparison.advised repeat table1 --minutes 1 --seeds 20  # advice with other seeds on these starts
+    python -m docs.comparison.advised table  # the tables of docs/tutorials/advise.md
 
 Pairs that cost more than twice the best after 20 starts stop there. Results are kept in docs/comparison/advised.json.
 """
@@ -17,6 +18,7 @@ from rich.console import Console
 
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.load import load_family
+from docs.figures.stored import ROOT, record
 from selector.documents.fields import JOINT
 from train.advising.evaluation import AdviceEvaluation
 from train.advising.opening import OpenedMission, document_of, open_mission
@@ -25,6 +27,7 @@ from train.evaluation import pipeline
 from train.evaluation.trial_task import TrialTask, scenario_named
 from train.request import Request
 
+COMMAND = "python -m docs.comparison.advised"
 RESULTS = Path(__file__).with_name("advised.json")
 SEED = 424_242
 """Seed of the starts on which everything is judged; no advice has it."""
@@ -79,14 +82,46 @@ def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) 
     return found
 
 
+def tables(kept: dict[str, Any]) -> dict[str, str]:
+    """Return the tables: advice beside the best of all pairs, and whether a selector was said to be worth it."""
+    found = {
+        "found": [
+            "| mission | pairs | best of all | experts | within 1.05 of it | worst | above the experts | CPU-min |"
+        ],
+        "worth": ["| mission | runs | worth it | not | starts of the last round | CPU-min |"],
+    }
+    for lines in found.values():
+        lines.append("|---" * (lines[0].count("|") - 1) + "|")
+    for mission, own in sorted(kept.items()):
+        told = own.get("advice", [])
+        minutes = f"{np.mean([one['cpu_s'] for one in told]) / 60.0:.1f}" if told else "-"
+        if told and "excess_s" in own:
+            means = {arm: float(np.mean(costs)) for arm, costs in own["excess_s"].items() if len(costs) == STARTS}
+            best, experts = min(means.values()), float(np.mean(own["excess_s"][own["experts"]]))
+            costs = np.array([one["excess_s"] for one in told])
+            near, above = int((costs <= 1.05 * best).sum()), int((costs > experts).sum())
+            found["found"].append(
+                f"| {mission} | {len(own['excess_s'])} | {best:.1f} s | {experts:.1f} s | {near} of {len(told)} "
+                f"| {costs.max() / best:.2f} | {above} | {minutes} |"
+            )
+        if told:
+            worth, starts = sum(one["worth_it"] for one in told), [one["starts"] for one in told]
+            span = f"{min(starts)} to {max(starts)}" if min(starts) < max(starts) else f"{starts[0]}"
+            found["worth"].append(f"| {mission} | {len(told)} | {worth} | {len(told) - worth} | {span} | {minutes} |")
+    return {name: "\n".join(lines) for name, lines in found.items()}
+
+
 def main() -> None:
     """Do what the command line says."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("what", choices=("all", "repeat"))
-    parser.add_argument("missions", nargs="+")
+    parser.add_argument("what", choices=("all", "repeat", "table"))
+    parser.add_argument("missions", nargs="*")
     parser.add_argument("--minutes", type=float, default=1.0)
     parser.add_argument("--seeds", type=int, default=20)
     given = parser.parse_args()
+    if given.what == "table":
+        for mark, table in tables(json.loads(RESULTS.read_text(encoding="utf-8"))).items():
+            record(f"tutorials/advise/{mark}", table, f"{COMMAND} table", [RESULTS.relative_to(ROOT).as_posix()])
     for mission in given.missions:
         kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
         own = kept.get(mission, {})
