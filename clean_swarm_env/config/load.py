@@ -2,9 +2,10 @@
 
 A task's name is the name of its own mission, unless a file has it, and of the random starts of that mission.
 Every mistake raises ConfigurationError: one line with file, key, expected and given. Files may ask for code and
-databases only with `trust` (docs/trust.md).
+databases only with `trust` (docs/trust.md). Knowledge that a file names by its path is looked for beside it first.
 """
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from clean_swarm_env.config.task_names import named_file
 from clean_swarm_env.config.tasks import find_task, with_changes
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
-from selector.documents.find import find_file
+from selector.documents.find import find_file, is_path
 from selector.documents.reading import read_mapping
 from selector.documents.trust import reading_files
 
@@ -25,7 +26,7 @@ def load_experiment(name_or_path: str, directories: Sequence[Path] = (), *, trus
     """Return the experiment of a name or of a path to a YAML file, its mission and start configurations resolved."""
     path = find_file("experiments", name_or_path, directories)
     with reading_files(trust=trust):
-        return validated(ExperimentConfig, _resolved(path, directories), shown(path))
+        return validated(ExperimentConfig, _resolved(read_mapping(path), path, directories), shown(path))
 
 
 def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> RobustnessConfig | None:
@@ -34,7 +35,7 @@ def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> Robu
     Each of its disturbances has its whole mission.
     """
     path = find_file("experiments", name_or_path, directories)
-    content = _resolved(path, directories)
+    content = _resolved(read_mapping(path), path, directories)
     if not content.keys() & {"disturbances", "strategies"}:
         return None
     given = content.get("disturbances")
@@ -50,11 +51,22 @@ def load_family(name_or_path: str, directories: Sequence[Path] = (), *, trust: b
 
     The name of a mission or of a task, or the path of a mission, is that of its family, too: its random starts.
     """
+    found = load_either(name_or_path, directories, trust=trust)
+    return found if isinstance(found, FamilyConfig) else random_starts(found)
+
+
+def load_either(
+    name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False
+) -> FamilyConfig | MissionConfig:
+    """Return the family of a name or of a path to a YAML file; the mission, if it is that of a mission or of a task."""
     path = named_file("families", name_or_path, directories)
-    if path is None or not read_mapping(path).keys() & {"mission", "description"}:
-        return random_starts(load_mission(name_or_path, directories, trust=trust))
+    if path is None:
+        return load_mission(name_or_path, directories, trust=trust)
+    content = read_mapping(path)
     with reading_files(trust=trust):
-        return validated(FamilyConfig, _resolved(path, directories), shown(path))
+        if content.keys() & {"mission", "description"}:
+            return validated(FamilyConfig, _resolved(content, path, directories), shown(path))
+        return validated(MissionConfig, _with_own_knowledge(content, path), shown(path))
 
 
 def random_starts(mission: MissionConfig) -> FamilyConfig:
@@ -70,7 +82,7 @@ def load_mission(
     if (path := named_file("missions", name_or_path, directories, where)) is None:
         return own_mission(name_or_path)
     with reading_files(trust=trust):
-        return validated(MissionConfig, read_mapping(path), shown(path))
+        return validated(MissionConfig, _with_own_knowledge(read_mapping(path), path), shown(path))
 
 
 def own_mission(task: str) -> MissionConfig:
@@ -79,10 +91,9 @@ def own_mission(task: str) -> MissionConfig:
     return validated(MissionConfig, {"name": name, "task": name}, f"task {name}")
 
 
-def _resolved(path: Path, directories: Sequence[Path]) -> dict[str, Any]:
+def _resolved(content: dict[str, Any], path: Path, directories: Sequence[Path]) -> dict[str, Any]:
     """Return the content of an experiment or a family, with the named mission and starts read into it."""
-    content = read_mapping(path)
-    content["mission"] = _mission_of(content.get("mission", {}), path, directories)
+    content["mission"] = _mission_of(_with_own_knowledge(content.get("mission", {}), path), path, directories)
     if isinstance(given := content.get("starts"), str):
         name = checked_name(given, f"{shown(path)}: starts")
         starts = read_mapping(find_file("starts", name, directories, f"{shown(path)}: starts: "))
@@ -100,3 +111,11 @@ def _mission_of(given: object, path: Path, directories: Sequence[Path]) -> objec
         changes = {key: value for key, value in given.items() if key != "base"}
         return with_changes(load_mission(base, directories, f"{shown(path)}: mission.base: ").model_dump(), changes)
     return given
+
+
+def _with_own_knowledge(mission: Any, path: Path) -> Any:  # noqa: ANN401  (whatever a file holds)
+    """Return the content of a mission in a file, with the whole path of knowledge that lies beside the file."""
+    name = mission.get("knowledge") if isinstance(mission, dict) else None
+    if isinstance(name, str) and is_path("knowledge", name) and os.path.exists(path.parent / name):
+        return {**mission, "knowledge": str(path.parent.resolve() / name)}
+    return mission

@@ -72,11 +72,12 @@ def find_file(kind: str, name: str, directories: Sequence[Path] = (), where: str
     """
     given = _path(kind, name)
     if given is not None:
-        inside = given / f"{kind}{KINDS[kind].ending}"  # as a folder of advice has it
-        given = inside if given.is_dir() and _is_file(inside) else given
-        if not _is_file(given):
-            raise DocumentError(f"{where}{name}: no such file")
-        return given
+        folder = os.path.isdir(given)  # as of an advice; it is quiet about paths that no file can have
+        file = given / f"{kind}{KINDS[kind].ending}" if folder else given
+        if not os.path.isfile(file):
+            told = f"expected a file, or a folder with {file.name}, got one without" if folder else "no such file"
+            raise DocumentError(f"{where}{name}: {told}")
+        return file
     found = files_of(kind, directories)
     if name not in found:
         ending = KINDS[kind].ending
@@ -136,14 +137,6 @@ def load_file(kind: str, name: str, model: "type[M]", directories: Sequence[Path
     return validated(model, read_mapping(path), shown(path))
 
 
-def _is_file(path: Path) -> bool:
-    """Return whether a path is that of a file; one that no file can have is not."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
-
-
 def is_path(kind: str, name: str) -> bool:
     """Return whether `name` is the path of a file of a kind, rather than its name."""
     return _path(kind, name) is not None
@@ -154,6 +147,6 @@ def _path(kind: str, name: str) -> Path | None:
     ending = KINDS[kind].ending
     if ending.startswith("/"):
         path = Path(name + ending)
-        return path if os.sep in name or _is_file(path) else None
+        return path if os.sep in name or os.path.isfile(path) else None
     endings = (".yaml", ".yml") if ending == ".yaml" else (ending,)
     return Path(name) if os.sep in name or name.endswith(endings) else None

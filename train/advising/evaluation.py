@@ -60,7 +60,7 @@ def ship(advice: Advice) -> None:
         learned=learned,
     )
     write_whole(folder / KNOWLEDGE, text.encode())
-    known = evaluation.opened.with_knowledge((folder / KNOWLEDGE).resolve())
+    known = evaluation.opened.with_knowledge(Path(KNOWLEDGE))  # which lies beside the file
     write_whole(folder / FAMILY, as_yaml(known.model_dump(mode="json")).encode())
     order = sorted(advice.costs, key=lambda arm: float(advice.costs[arm].mean()))
     other = next((arm for arm in order if arm != advice.found.winner), None)

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.config.known import knowledge_of
-from clean_swarm_env.config.load import load_family, load_mission
+from clean_swarm_env.config.load import load_either, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.task_names import named_file, task_names
+from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.config.tasks import with_changes
 from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
@@ -24,7 +24,6 @@ from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
-from selector.documents.reading import read_mapping
 from train.deciders.named import FIXED, POLICY, decider_named
 from train.deciders.unseen import decided_and_held, remarks_of, undecided, unseen
 from train.evaluation.base import DIGEST
@@ -178,12 +177,9 @@ def playable(directories: tuple[Path, ...]) -> list[str]:
 
 
 def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) -> Scenario:
-    path = named_file("families", name, directories, "play: ")
-    of_family = path is not None and name not in files_of("missions", directories)
-    if path is not None and path.suffix in (".yaml", ".yml") and path == Path(name):
-        of_family = "mission" in read_mapping(path)
-    if of_family:
-        return load_family(name, directories).scenario(seed, number - 1, "test")
-    mission = load_mission(name, directories)
-    start = random_start(mission, seed, number - 1)
-    return Scenario(start.id, run_seed(seed, start.id), mission, start)
+    named = name in files_of("missions", directories)
+    found = load_mission(name, directories) if named else load_either(name, directories)
+    if isinstance(found, FamilyConfig):
+        return found.scenario(seed, number - 1, "test")
+    start = random_start(found, seed, number - 1)
+    return Scenario(start.id, run_seed(seed, start.id), found, start)

@@ -181,3 +181,15 @@ def test_numbers_are_those_of_the_mission_unless_the_family_draws_them(tmp_path)
     assert own.items == (3, 4)
     path.write_text("name: own\ndescription: D.\nmission: {task: {garbage: {count: 7, respawn: 2.5}}}\n")
     assert (load_family(str(path)).items, load_family(str(path)).respawn) == ((7, 7), (2.5, 2.5))
+
+
+@pytest.mark.parametrize("text", ["knowledge: own.yaml", "description: D.\nmission: {knowledge: own.yaml}"])
+def test_knowledge_beside_a_file_is_found_wherever_the_folder_is(tmp_path, monkeypatch, text):
+    here, there = tmp_path / "here", tmp_path / "there"
+    here.mkdir()
+    monkeypatch.chdir(tmp_path)
+    (here / "yard.yaml").write_text(f"name: yard\n{text}\n")
+    assert load_family("here/yard.yaml").mission.knowledge == "own.yaml"  # of the working directory, if anywhere
+    (here / "own.yaml").write_text("")
+    here.rename(there)
+    assert load_family("there/yard.yaml").mission.knowledge == str(there / "own.yaml")

@@ -41,6 +41,10 @@ def test_a_path_is_taken_as_it_is(tmp_path, kind):
     shutil.rmtree(tmp_path / kind)
     with pytest.raises(DocumentError, match=rf"^file: mission: {name}: no such file$"):
         find_file(kind, name, where="file: mission: ")
+    if "/" not in KINDS[kind].ending:
+        expected = rf"^k: {tmp_path}: expected a file, or a folder with {kind}\{KINDS[kind].ending}, got one without$"
+        with pytest.raises(DocumentError, match=expected):
+            find_file(kind, str(tmp_path), where="k: ")
 
 
 def test_an_unknown_name_lists_what_all_directories_hold(tmp_path, kind):
