@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -23,7 +24,7 @@ from selector.documents.find import files_of
 from selector.documents.writing import write_whole
 from selector.knowledge import Knowledge, Option
 from selforg.plugins import PluginError
-from train.advising.opening import OpenedMission, document_of, open_mission, variants_of, without
+from train.advising.opening import OpenedMission, document_of, kind_of, open_mission, variants_of, without
 from train.advising.rounds import Lacking, needed
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.verdict import RANDOM
@@ -47,6 +48,8 @@ BROKE = "broke: "
 """Begins the count of missions that a plug-in broke off, before its error."""
 USUAL_SHARE = 0.05
 """Share of its time limit that a mission lasts, coarsely, before one has run."""
+KINDS_OF = 50
+"""Scenarios of a family among which there have to be several kinds."""
 LEAST_MISSIONS = 120
 """Missions without which nothing can be said."""
 
@@ -85,20 +88,37 @@ class Advising(Evaluation):
         request: the request, with the directory of the results.
         minutes: time of processors for all missions [min].
         missions: number of missions in place of that; then the same advice comes again on any machine.
+        kinds: whether to find what is best for each kind of scenario, too.
+
+    Attributes:
+        budget: what all missions may take: time of processors [s], or their number.
+        measured: whether the task has measures with targets.
+        censors: whether the cost of a mission that is not finished is unknown, as `censored` has it.
+        nothing_to_choose: whether each goal has one option only.
 
     """
 
-    def __init__(self, request: Request, minutes: float, missions: int | None = None) -> None:
+    def __init__(self, request: Request, minutes: float, missions: int | None = None, *, kinds: bool = False) -> None:
         super().__init__(request)
         assert request.output is not None
         self.folder = request.output
-        self._budget, self._missions = 60.0 * minutes if missions is None else float(missions), missions
+        self.budget, self.missions, self.kinds = (
+            60.0 * minutes if missions is None else float(missions),
+            missions,
+            kinds,
+        )
         family = load_family(request.name, self.directories).with_knowledge(request.knowledge, self.directories)
         with within(family.name):
             self._check_time(family, minutes)
             check_needs(family.largest, TASK_SCENARIOS, request.machine, TASK_SCENARIOS)
+            drawn = [family.scenario(request.seed, k, "train") for k in range(KINDS_OF if kinds else 0)]
+            if len(found := {kind_of(scenario.mission) for scenario in drawn}) == 1:
+                raise DocumentError(f"--kinds: expected scenarios of several kinds, got one: {found.pop()}")
             self.opened, self.choosers_that_fit = self._opened(open_mission(family, self.directories))
         self.family, self.mission = self.opened.family, self.opened.family.mission
+        self.measured = bool(task_class(self.mission).measures)
+        self.censors = not (self.measured or self.mission.items.keep_coming)
+        self.nothing_to_choose = self.opened.combinations == 1
         self.of_family = family.description != random_starts(family.mission).description
         self.goal = JOINT.join(self.opened.goals)
         self.stem, self.scenarios, self.context = self.family.name, [], ""
@@ -107,36 +127,31 @@ class Advising(Evaluation):
         asked = {
             "minutes": minutes,
             "missions": missions,
+            "kinds": kinds,
             "options": options,
             "learned": bool(self.opened.known.learned),
         }
         family_content = self.family.model_dump(mode="json")
         self.identify({"family": family_content, "seed": request.seed, "goal": self.goal, "advice": asked})
 
-    @property
-    def seconds(self) -> float:
-        """Time of processors that missions may take [s]; without an end where their number is given."""
-        return math.inf if self._missions else self._budget
+    def price(self, record: RunRecord) -> float:
+        """Return what a mission took of the budget."""
+        return 1.0 if self.missions else seconds_of(record)
 
-    @property
-    def measured(self) -> bool:
-        """Whether the task has measures with targets."""
-        return bool(task_class(self.mission).measures)
-
-    @property
-    def nothing_to_choose(self) -> bool:
-        """Whether each goal has one option only."""
-        return self.opened.combinations == 1
+    @cache  # noqa: B019  (an evaluation lives as long as its process)
+    def kind(self, name: str) -> str:
+        """Return the kind of a scenario; all are of one unless kinds are asked for."""
+        return kind_of(scenario_named(self.family, self.request.seed, name).mission) if self.kinds else ""
 
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the missions that the search needs next; once it is over, those of the last round."""
-        write_whole(self.folder / OPTIONS_FILE, document_of(self.opened.known.table, self.directories).encode())
+        self._write(OPTIONS_FILE, document_of(self.opened.known.table, self.directories))
         search = self.search(done)
         try:
             self.judged(search.run(), done)
         except Lacking as lacking:
             self.so_far = f"; {search.leads}" if search.rounds else ""
-            return [task for arm, own in lacking.missing.items() for task in self._tasks_of(arm, own)]
+            return [task for arm, own in lacking.missing.items() for task in self.tasks_of(arm, own)]
         return []
 
     def search(self, done: Done) -> AdviceSearch:
@@ -146,13 +161,14 @@ class Advising(Evaluation):
             self.choosers_that_fit,
             self._vary,
             done,
-            self._budget,
-            (lambda record: 1.0) if self._missions else seconds_of,
+            self.budget,
+            self.price,
             lambda record: mission_score(self.mission, record.result.cost_s),
-            counts=not self.mission.items.keep_coming,
+            counts=self.censors,
             entrants=lambda winner, finalists, choosers: (
                 len(self.entrants(winner, finalists, choosers)) + (len(finalists) if len(finalists) > 1 else 0)
             ),
+            kind=self.kind,
         )
 
     def entrants(self, winner: str, finalists: Sequence[str], choosers: Sequence[str]) -> list[str]:
@@ -170,11 +186,12 @@ class Advising(Evaluation):
         first = {arm: [(scenario_name("test", k), arm) for k in range(min(found.starts, JAMMED))] for arm in arms}
         runs = needed(first, done)
         stopped = {}
-        if not self.mission.items.keep_coming:
+        if self.censors:
             lost = {arm: sum(not one.result.completed for one in own) for arm, own in runs.items()}
             most = len(first[found.winner])
             if 2 * lost[found.winner] < most:
-                stopped = {arm: many for arm, many in lost.items() if 2 * many >= most}
+                goes = {arm for arm in lost if 2 * lost[arm] < most} | {*found.kinds.values()}
+                stopped = {arm: many for arm, many in lost.items() if arm not in goes}
         twice = found.finalists if len(found.finalists) > 1 else ()
         going = [arm for arm in arms if arm not in stopped]
         every = {
@@ -191,10 +208,6 @@ class Advising(Evaluation):
     def leading(self, costs: Mapping[str, Sequence[float]]) -> str:
         """Return who leads, in words."""
         return self.so_far.removeprefix("; ")
-
-    def task(self, arm: str, scenario: str) -> TrialTask:
-        """Return the task of one run of an arm."""
-        return self._tasks_of(arm, [scenario])[0]
 
     def _opened(self, wide: OpenedMission) -> tuple[OpenedMission, list[str]]:
         """Return an opened mission without the options that no robot can have, and the rules and policies that fit."""
@@ -230,17 +243,22 @@ class Advising(Evaluation):
     def _check_time(self, family: FamilyConfig, minutes: float) -> None:
         """Raise DocumentError if the fewest missions of which anything can be said take longer than there is time."""
         needed = USUAL_SHARE * needs_of(family.largest).time * LEAST_MISSIONS / 60.0
-        if needed > minutes and self._missions is None and not self.request.machine.forced:
+        if needed > minutes and self.missions is None and not self.request.machine.forced:
             expected = f"expected at least {math.ceil(needed)} for a mission of {family.largest.rows} robots"
             raise DocumentError(f"--minutes: {expected}, by a coarse estimate, got {minutes:g}; --force begins anyway")
 
     def _vary(self, held: Mapping[str, str]) -> Mapping[str, Sequence[Option]]:
         """Return the variants of options, and write them to their file; goal -> option."""
-        by_name = {goal: {one.name: one for one in own} for goal, own in self.opened.known.table.items()}
-        chosen = {goal: by_name[goal][name] for goal, name in held.items()}
+        table = self.opened.known.table
+        chosen = {goal: next(one for one in table[goal] if one.name == name) for goal, name in held.items()}
         self._varied = variants_of(chosen, self.directories)
-        write_whole(self.folder / NUMBERS_FILE, document_of(self._table_with(held), self.directories).encode())
+        self._write(NUMBERS_FILE, document_of(self._table_with(held), self.directories))
         return self._varied
+
+    @cache  # noqa: B019
+    def _write(self, name: str, text: str) -> None:
+        """Write a file with options, once: they follow from what was done before they are needed."""
+        write_whole(self.folder / name, text.encode())
 
     def variants(self, goal: str) -> Sequence[Option]:
         """Return the variants of the best option of a goal."""
@@ -263,7 +281,7 @@ class Advising(Evaluation):
         varied = kind == FIXED and names & set(options.split(JOINT))
         return self.folder.resolve() / (NUMBERS_FILE if varied or kind in (MACHINE, POLICY) else OPTIONS_FILE)
 
-    def _tasks_of(self, arm: str, names: Sequence[str]) -> list[TrialTask]:
+    def tasks_of(self, arm: str, names: Sequence[str]) -> list[TrialTask]:
         """Return the tasks of scenarios of an arm."""
         family = self.opened.with_knowledge(self.file_of(arm))
         seed, own = self.request.seed, self.directories

@@ -42,31 +42,23 @@ class AdviceEvaluation(Advising):
 
     def conclude(self) -> None:
         """Write what the advice is used with."""
-        ship(self.advice)
-
-
-def ship(advice: Advice) -> None:
-    """Write what an advice is used with."""
-    evaluation = advice.evaluation
-    folder = evaluation.folder
-    scores = learned_from_rounds(advice)
-    learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in scores.items()}
-    robot = evaluation.mission.network.robot
-    text = document_of(
-        options_known(advice),
-        evaluation.directories,
-        description=" ".join(advice.sentences),
-        robot=robot,
-        learned=learned,
-    )
-    write_whole(folder / KNOWLEDGE, text.encode())
-    known = evaluation.opened.with_knowledge(Path(KNOWLEDGE))  # which lies beside the file
-    write_whole(folder / FAMILY, as_yaml(known.model_dump(mode="json")).encode())
-    order = sorted(advice.costs, key=lambda arm: float(advice.costs[arm].mean()))
-    other = next((arm for arm in order if arm != advice.found.winner), None)
-    recordings = []
-    with TemporaryDirectory() as place:
-        for number, arm in enumerate(filter(None, (advice.found.winner, other))):
-            task = evaluation.task(arm, scenario_name("test", 0))
-            recordings.append(RecordedMission(record_run(task, Path(place) / f"{number}.swarm"), ()))
-        write_page(recordings, folder / REPLAY)
+        advice, folder = self.advice, self.folder
+        known = learned_from_rounds(advice).items()
+        learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in known}
+        text = document_of(
+            options_known(advice),
+            self.directories,
+            description=" ".join(advice.sentences),
+            robot=self.mission.network.robot,
+            learned=learned,
+        )
+        write_whole(folder / KNOWLEDGE, text.encode())
+        family = self.opened.with_knowledge(Path(KNOWLEDGE))  # which lies beside the file
+        write_whole(folder / FAMILY, as_yaml(family.model_dump(mode="json")).encode())
+        best, recordings = advice.found.winner, []
+        others = sorted(advice.costs, key=lambda arm: (arm == best, float(advice.costs[arm].mean())))
+        with TemporaryDirectory() as place:
+            for number, arm in enumerate(dict.fromkeys((best, others[0]))):
+                task = self.tasks_of(arm, [scenario_name("test", 0)])[0]
+                recordings.append(RecordedMission(record_run(task, Path(place) / f"{number}.swarm"), ()))
+            write_page(recordings, folder / REPLAY)

@@ -27,9 +27,8 @@ from train.advising.advice import seconds_of
 from train.advising.evaluation import FAMILY, AdviceEvaluation
 from train.advising.report import Advice, shown_cheaper, times
 from train.advising.scores import options_known
-from train.analysis.family_report import excesses_of, unfinished_of
+from train.analysis.family_report import ratio_of, unfinished_of
 from train.analysis.flips import ALPHA
-from train.analysis.intervals import Ratio
 from train.deciders.named import POLICY
 from train.evaluation import pipeline
 from train.evaluation.family import FamilyEvaluation
@@ -70,10 +69,15 @@ def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Consol
     words = [sys.executable, "-m", "clean_swarm_env", *(f"--import={name}" for name in named_plugins())]
     words += ["train", "ppo", "--config", str(folder / TRAINING)]
     words += [word for path in evaluation.directories for word in ("--configs", str(path))]
+    running: list[subprocess.Popen[str]] = []
     with ThreadPoolExecutor(min(len(TRAINING_SEEDS), evaluation.request.machine.workers)) as pool:
-        codes = list(pool.map(lambda seed: _trained(words, seed, folder), TRAINING_SEEDS))
-    if any(codes):
-        return max(codes)
+        try:
+            list(pool.map(lambda seed: _trained(words, seed, folder, running), TRAINING_SEEDS))
+        except KeyboardInterrupt as end:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in running:
+                process.terminate()  # which a Ctrl-C in a terminal has done
+            return evaluation.request.ended(end, folder, ": advice and trainings are kept")
     best = min(TRAINING_SEEDS, key=lambda seed: _validated(folder / TRAININGS.format(seed)))
     return _judge(advice, best, console)
 
@@ -106,14 +110,15 @@ def training_of(advice: Advice, minutes: float) -> TrainingConfig:
     )
 
 
-def _trained(words: Sequence[str], seed: int, folder: Path) -> int:
-    """Do or go on with the training of a seed; return its exit code."""
+def _trained(words: Sequence[str], seed: int, folder: Path, running: list[subprocess.Popen[str]]) -> None:
+    """Do or go on with the training of a seed, among the processes that run; if it fails, exit with its last line."""
     output = folder / TRAININGS.format(seed)
     more = ["--seed", str(seed), "--output", str(output), *(["--resume"] if output.exists() else [])]
-    done = subprocess.run([*words, *more], capture_output=True, text=True, check=False)
-    if done.returncode:
-        print(done.stderr.strip().rpartition("\n")[2], file=sys.stderr)
-    return done.returncode
+    process = subprocess.Popen([*words, *more], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    running.append(process)
+    told = process.communicate()[1]
+    if process.returncode:
+        raise SystemExit(told.strip().rpartition("\n")[2])
 
 
 def _validated(directory: Path) -> float:
@@ -146,16 +151,14 @@ def _judge(advice: Advice, seed: int, console: Console) -> int:
     if code != FINISHED:
         return code
     runs = judge.runs(runs_of(folder / JUDGED / JOURNAL), {held: (held,), "selector": ("selector",)})
-    left = unfinished_of(runs)
-    ratio = Ratio.between("selector", held, excesses_of(runs), left)
+    left, ratio = unfinished_of(runs), ratio_of(runs, "selector", held)
     cost = f"The selector that was trained for it costs {times(ratio)} of that on {runs.scenarios} further starts"
     if left:
         cost += f", with {int(left['selector'].sum())} unfinished beside {int(left[held].sum())}"
+    worse = ratio.p is not None and ratio.p < ALPHA and ratio.sign > 0.0
+    told = f"it is {'worse' if worse else 'not shown to be worth it'}, and does not ship"
     if shown_cheaper(ratio, ratio.p):
         shutil.copytree(policy, folder / POLICY_FOLDER, dirs_exist_ok=True)
-        console.print(f"{cost}: it is worth it, and ships in {folder / POLICY_FOLDER}.", soft_wrap=True)
-    else:
-        worse = ratio.p is not None and ratio.p < ALPHA and ratio.sign > 0.0
-        word = "it is worse" if worse else "it is not shown to be worth it"
-        console.print(f"{cost}: {word}, and does not ship.", soft_wrap=True)
+        told = f"it is worth it, and ships in {folder / POLICY_FOLDER}"
+    console.print(f"{cost}: {told}.", soft_wrap=True)
     return FINISHED

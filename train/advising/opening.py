@@ -15,6 +15,8 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from clean_swarm_env.world.task import task_class
 from selector.configurations.library import library_of
 from selector.documents.errors import DocumentError
@@ -136,15 +138,13 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
     library = library_of(directories)
     tried = []
     for goal, option in held.items():
-        numbers = {**library.parameters(option.configuration), **option.parameters}
+        numbers = {
+            name: value
+            for name, value in {**library.parameters(option.configuration), **option.parameters}.items()
+            if isinstance(value, int | float) and not isinstance(value, bool) and VARIED[0] <= abs(value) <= VARIED[1]
+        }
         own, taken = [], {one.name for one in library_options(goal, directories)}
         for (name, value), factor in product(numbers.items(), FACTORS):
-            if (
-                isinstance(value, bool)
-                or not isinstance(value, int | float)
-                or not VARIED[0] <= abs(value) <= VARIED[1]
-            ):
-                continue
             changed = round(value * factor) if isinstance(value, int) else float(f"{value * factor:.2g}")
             called = f"{option.name}-{name.replace('_', '')}{changed:g}"
             variant = Option(
@@ -165,6 +165,15 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
     for goal, variant in [one for one in chain(*zip_longest(*tried)) if one is not None][:MOST_VARIANTS]:
         found[goal].append(variant)
     return found
+
+
+def kind_of(mission: MissionConfig) -> str:
+    """Return the kind of a mission within its family: by its spots of garbage and places of stations."""
+    task = mission.task
+    if not isinstance(task, CleaningSettings):
+        return task.name
+    places, harmless = len(set(task.stations.places)), " harmless" * task.consequences.harmless
+    return f"spots {len(task.garbage.spots)} stations {places}{harmless}"
 
 
 def document_of(table: Mapping[str, Sequence[Option]], directories: tuple[Path, ...], **more: object) -> str:

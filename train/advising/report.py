@@ -8,6 +8,7 @@ Shapes: K starts of the last round, V worlds of each.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,9 +21,9 @@ from selector.documents.fields import JOINT
 from selforg.arrays import Floats
 from train.advising.advice import BROKE, Advising, seconds_of
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
-from train.analysis.family_report import FamilyRuns, excesses_of, family_report_of, unfinished_of
+from train.analysis.family_report import FamilyRuns, excesses_of, family_report_of, ratio_of, unfinished_of
 from train.analysis.flips import ALPHA
-from train.analysis.intervals import TOLD, Interval, Ratio, about_number, corrected_ps
+from train.analysis.intervals import TOLD, Ratio, about_number, corrected_ps
 from train.analysis.strategy_comparison import Estimate, cross_fitted
 from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left
 from train.deciders.named import FIXED, MACHINE, decider_named
@@ -34,6 +35,9 @@ from train.reports.text_table import EMPTY_CELL, Grid, Publication
 
 WORTH_LEARNING = 0.05
 """Gain of the best combination of each start, in hindsight, from which on training a selector may be worth it [-]."""
+NONE_FITS = "No rule or policy that ships fits this mission."
+WIDEST = 1000.0
+"""Upper end of the widest interval of a ratio that is said."""
 OVER = 1.5
 """Times the time that was given, from which on the advice says how long it took."""
 
@@ -91,7 +95,7 @@ class Advice:
 
     def ratio(self, arm: str) -> Ratio:
         """Return the ratio of an arm's mean excess to that of the best."""
-        return Ratio.between(arm, self.found.winner, self.costs, self.left)
+        return ratio_of(self.runs, arm, self.found.winner)
 
     @cached_property
     def hindsight(self) -> Ratio | None:
@@ -106,6 +110,24 @@ class Advice:
         return Ratio.of(cross_fitted(both)[None, :, None], both[:1].mean(axis=2, keepdims=True))
 
     @cached_property
+    def kinds(self) -> list[str]:
+        """The kinds (K,) of the starts."""
+        return [self.evaluation.kind(scenario_name("test", k)) for k in range(self.found.starts)]
+
+    @cached_property
+    def best_of_kinds(self) -> dict[str, str]:
+        """Kind of start -> the arm that the search found for it; the best of all for a kind that it did not meet."""
+        return {kind: self.found.kinds.get(kind, self.found.winner) for kind in sorted(set(self.kinds))}
+
+    @cached_property
+    def told(self) -> Ratio | None:
+        """The ratio of the best of each kind to the best of all, where kinds are asked for."""
+        if not self.evaluation.kinds:
+            return None
+        own = [self.costs[self.best_of_kinds[kind]][0, k, 0] for k, kind in enumerate(self.kinds)]
+        return Ratio.of(np.array(own), self.costs[self.found.winner][0, :, 0])
+
+    @cached_property
     def better(self) -> list[str]:
         """Rules and policies that are shown to beat the best combination, the best first."""
         names = [arm for arm in self.found.choosers if arm in self.costs]
@@ -115,10 +137,11 @@ class Advice:
 
     @property
     def gains(self) -> bool:
-        """Whether the best combination of each start is shown to gain something worth while."""
-        ratio = self.hindsight
-        told = ratio is not None and ratio.p is not None and ratio.p < ALPHA and ratio.sign < 0.0
-        return told and ratio is not None and (ratio.ratio or 1.0) <= 1.0 - WORTH_LEARNING
+        """Whether the best combination of each start, or of each kind, is shown to gain something worth while."""
+        ratios = [one for one in (self.hindsight, self.told) if one is not None]
+        told = [p is not None and p < ALPHA for p in corrected_ps(ratios)] if ratios else []
+        most = 1.0 - WORTH_LEARNING
+        return any(known and (one.ratio or 1.0) <= most for known, one in zip(told, ratios, strict=True))
 
     @property
     def sentences(self) -> list[str]:
@@ -129,7 +152,13 @@ class Advice:
         lost = self.left[self.found.winner].sum() if self.left else 0
         if 2 * lost >= self.found.starts:
             return [self._hold, *self._remarks, self._hopeless]
-        return [*filter(None, (self._hold, self._beside, self._on_the_way, self._worth, *self._remarks))]
+        parts = (self._hold, self._beside, self._on_the_way, self._by_kind, self._worth)
+        return [*filter(None, (*parts, *self._remarks))]
+
+    @property
+    def _way(self) -> str:
+        """What is held, in a word."""
+        return {1: "option", 2: "pair"}.get(len(self.held), "combination")
 
     @property
     def _first(self) -> int:
@@ -140,25 +169,25 @@ class Advice:
     def _hold(self) -> str:
         evaluation, found, opened = self.evaluation, self.found, self.evaluation.opened
         mean = Estimate.of(self.costs[found.winner].mean(axis=2))
-        sizes = {1: "options", 2: "pairs"}
-        left_out = self.search.left_out
-        tried = [sum(name not in left_out for name in opened.names(goal)) for goal in opened.goals]
-        of = f"{int(np.prod(tried))} {sizes.get(len(opened.goals), 'combinations')}"
+        tried = [len(set(opened.names(goal)) - self.search.left_out) for goal in opened.goals]
+        of = f"{int(np.prod(tried))} {self._way}s"
         variants = f" and {found.variants} variants of their numbers" if found.variants else ""
-        cost = f"{amount(mean.value)} s a mission{interval_words(mean.ci95, amount)} on {found.starts} fresh starts"
+        given = len(evaluation.family.starts)
+        starts = f"missions from its {given} start{'s' * (given > 1)}" if given else "starts"
+        cost = f"{amount(mean.value)} s a mission{interval_words(mean.ci95, amount)} on {found.starts} fresh {starts}"
         begin = f"{evaluation.family.name}: hold {self._words(found.winner)}: {cost}, the best of {of}{variants}."
         if not self.left:
             return begin
         lost, most = int(self.left[found.winner].sum()), most_left(self.left[found.winner])
-        word = "ended short of a target" if evaluation.measured else "left unfinished"
+        word = "left short of a target" if evaluation.measured else "left unfinished"
         many = f"{lost or 'No'} mission{'s' * (lost > 1)} of {found.starts} {'were' if lost > 1 else 'was'} {word}"
         return f"{begin} {many} (up to {most:.0%} may be)."
 
     @property
     def _hopeless(self) -> str:
-        limits = {mission.time_limit for mission in self.runs.missions}
-        words = f"the time limit of {max(limits):g} s may be too short"
-        return f"So nothing that was tried does this mission, and no selector is judged: {words}."
+        limit = max(mission.time_limit for mission in self.runs.missions)
+        short = f"the time limit of {limit:g} s may be too short"
+        return f"So nothing that was tried does this mission, and no selector is judged: {short}."
 
     @property
     def _beside(self) -> str:
@@ -172,7 +201,8 @@ class Advice:
                 costs = "" if parts else "cost " if name.endswith("scores") else "costs "
                 parts.append(f"{name} {costs}{times(self.ratio(arm), 'times as much' if not parts else '')}")
         same = "the experts' scores choose the same" if arm_of(opened.experts) == winner else ""
-        return sentence("; ".join(filter(None, (", ".join(parts), *lost, same))))
+        text = "; ".join(filter(None, (", ".join(parts), *lost, same)))
+        return f"{text[0].upper()}{text[1:]}." if text else ""
 
     @property
     def _on_the_way(self) -> str:
@@ -181,16 +211,22 @@ class Advice:
         parts += [
             f"{names[arm]} left {self.stopped[arm]} of {self._first} unfinished" for arm in names if arm in self.stopped
         ]
-        begin = "No rule or policy that ships fits this mission."
-        if parts:
-            begin = f"To change the choice during the mission: {', '.join(parts)}."
-        ratio = self.hindsight
+        told, ratio = ", ".join(parts), self.hindsight
+        begin = f"To change the choice during the mission: {told}." if told else NONE_FITS
         if ratio is None or ratio.ratio is None:
             return begin
-        ends = None if ratio.ci95 is None else (100.0 - 100.0 * ratio.ci95[1], 100.0 - 100.0 * ratio.ci95[0])
-        gain = f"{1.0 - ratio.ratio:.0%}{interval_words(ends, '{:.0f}'.format)}"
-        what = {1: "option", 2: "pair"}.get(len(self.evaluation.opened.goals), "combination")
-        return f"{begin} The best {what} of each start in hindsight gains {gain}."
+        return f"{begin} The best {self._way} of each start in hindsight gains {gain(ratio)}."
+
+    @property
+    def _by_kind(self) -> str:
+        if self.told is None:
+            return ""
+        best, starts = self.best_of_kinds, Counter(self.kinds)
+        held = "; ".join(f"{kind}: {self._words(arm)} ({starts[kind]} starts)" for kind, arm in best.items())
+        same = set(best.values()) == {self.found.winner}
+        return (
+            f"By kind: {held}. To tell the kind gains {'nothing: the best is the same' if same else gain(self.told)}."
+        )
 
     @property
     def _worth(self) -> str:
@@ -215,13 +251,14 @@ class Advice:
         if cheaper := [arm for arm in rivals if self.costs[arm].mean() < self.costs[self.found.winner].mean()]:
             names = listed([arm.removeprefix(f"{FIXED}:") for arm in cheaper])
             told.append(f"{names} cost less in the last round: the best is not known well; --minutes gives more time.")
+        own, budget = self.evaluation.directories, self.evaluation.budget
         for name in self.found.choosers:
-            named = decider_named(name, self.evaluation.directories)
-            own = self.evaluation.directories
-            told += [f"{one}." for one in remarks_of(name, named, self.runs.missions, own)]
-        spent = sum(map(seconds_of, self.done.values()))
-        if spent > OVER * self.evaluation.seconds:
-            told.append(f"It took {spent / 60.0:.1f} min of processors: in less nothing can be said of this mission.")
+            told += [f"{one}." for one in remarks_of(name, decider_named(name, own), self.runs.missions, own)]
+        spent = sum(map(self.evaluation.price, self.done.values()))
+        if spent > OVER * budget:
+            unit, word = (1.0, "missions") if self.evaluation.missions else (60.0, "min of processors")
+            took = f"{amount(spent / unit)} {word} in place of {amount(budget / unit)}"
+            told.append(f"It took {took}: a race goes on until few are left.")
         if self.search.left_out:
             told.append(
                 f"{len(self.search.left_out)} options were not tried for lack of time: --minutes or --missions."
@@ -244,14 +281,15 @@ class Advice:
     @property
     def content(self) -> dict[str, Any]:
         """Content of `summary.json`."""
-        ratios = {arm: self.ratio(arm).content for arm in self.costs if arm != self.found.winner}
         return {
             "mission": self.evaluation.family.name,
             "held": self.held,
             "starts": self.found.starts,
             "excess_s": {arm: float(own.mean()) for arm, own in self.costs.items()},
-            "ratios": ratios,
+            "ratios": {arm: self.ratio(arm).content for arm in self.costs if arm != self.found.winner},
             "hindsight": None if self.hindsight is None else self.hindsight.content,
+            "kinds": self.best_of_kinds if self.evaluation.kinds else {},
+            "told": None if self.told is None else self.told.content,
             "stopped": dict(self.stopped),
             "better": self.better,
             "worth_it": bool(self.better or self.gains),
@@ -264,10 +302,9 @@ class Advice:
         """One table for each round of the search."""
         found = []
         for done in self.search.rounds:
-            means = dict(zip(done.arms, done.means.tolist(), strict=True))
-            rows = [(arm, f"{means[arm]:.1f}", self._stopped(arm)) for arm in done.order]
-            count = done.costs.shape[1]
-            found.append(Grid(f"search, {done.title}: {count} starts", ("arm", "excess s", "stopped"), rows))
+            means, title = sorted(done.means.tolist()), f"search, {done.title}: {done.costs.shape[1]} starts"
+            rows = [(arm, f"{mean:.1f}", self._stopped(arm)) for arm, mean in zip(done.order, means, strict=True)]
+            found.append(Grid(title, ("strategy", "excess s", "stopped"), rows))
         return found
 
     def _stopped(self, arm: str) -> str:
@@ -284,13 +321,12 @@ def times(ratio: Ratio, words: str = "") -> str:
     if ratio.ratio is None:
         return "no ratio"
     digits = "{:.2f}".format if ratio.ratio < 10.0 else "{:.0f}".format
-    return f"{digits(ratio.ratio)}{' ' * bool(words)}{words}{interval_words(_within(ratio.ci95), digits)}"
+    ends = None if ratio.ci95 is None or ratio.ci95[1] > WIDEST else ratio.ci95
+    return f"{digits(ratio.ratio)}{' ' * bool(words)}{words}{interval_words(ends, digits)}"
 
 
-def _within(ends: Interval | None) -> Interval | None:
-    return None if ends is None or ends[1] > 1000.0 else ends
-
-
-def sentence(text: str) -> str:
-    """Return a text as a sentence; nothing for nothing."""
-    return f"{text[0].upper()}{text[1:]}." if text else ""
+def gain(ratio: Ratio) -> str:
+    """Return what a ratio saves, with its interval, in words."""
+    saved = 1.0 - (1.0 if ratio.ratio is None else ratio.ratio)
+    ends = None if ratio.ci95 is None else (100.0 - 100.0 * ratio.ci95[1], 100.0 - 100.0 * ratio.ci95[0])
+    return f"{'' if saved > 0.0 else 'nothing: '}{saved:.0%}{interval_words(ends, '{:.0f}'.format)}"

@@ -24,17 +24,27 @@ class Round:
     """(A, n) excess costs [s]; what a stopped arm did not do is its mean."""
     rewards: Floats
     """(A, n) rewards, likewise."""
+    kinds: tuple[str, ...]
+    """(n,) kinds of the starts."""
 
     @property
     def means(self) -> Floats:
         """Mean excess (A,) [s]."""
-        means: Floats = self.costs.mean(axis=1)
-        return means
+        return np.asarray(self.costs.mean(axis=1))
 
     @property
     def order(self) -> list[str]:
         """The arms, the cheapest first."""
         return [self.arms[place] for place in self.means.argsort(kind="stable")]
+
+    @property
+    def best_of_kinds(self) -> dict[str, str]:
+        """Kind of start -> the cheapest arm on those of the kind."""
+        kinds = np.array(self.kinds)
+        return {
+            kind: self.arms[int(self.costs[:, kinds == kind].mean(axis=1).argmin())]
+            for kind in dict.fromkeys(self.kinds)
+        }
 
 
 class Lacking(Exception):

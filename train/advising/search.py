@@ -64,6 +64,8 @@ class SearchResult:
     """Number of variants that were tried."""
     starts: int
     """Starts of the last round."""
+    kinds: Mapping[str, str]
+    """Kind of start -> the arm of the lowest excess on those of the kind."""
 
 
 @dataclass
@@ -88,6 +90,8 @@ class AdviceSearch:
     """Whether unfinished missions mean something."""
     entrants: Callable[[str, Sequence[str], Sequence[str]], int]
     """Returns the number of missions of each start in the last round."""
+    kind: Callable[[str], str] = lambda name: ""
+    """Returns the kind of a scenario; one kind has none that is best for it alone."""
     rounds: list[Round] = field(default_factory=list)
     stopped: dict[str, int] = field(default_factory=dict)
     """Arm that was stopped -> starts that it did not finish."""
@@ -102,7 +106,7 @@ class AdviceSearch:
         held = dict(self.opened.experts)
         look = self._round("first look", [arm_of(held)], LOOK_STARTS)
         if self.opened.combinations == 1:
-            return SearchResult(look.arms[0], look.arms[0], look.arms, (), 0, LAST_FEWEST)
+            return SearchResult(look.arms[0], look.arms[0], look.arms, (), 0, LAST_FEWEST, {})
         best = self._goals_alone(held)
         arms = [arm_of(dict(zip(best, names, strict=True))) for names in product(*best.values())]
         kept = list(dict.fromkeys((arm_of(self.opened.experts), *never_avoiding(self.opened, held))))
@@ -114,13 +118,16 @@ class AdviceSearch:
         leader, variants = arms[0], 0
         if more := self._variants(leader):
             count = self._starts(BUDGET_SHARES["numbers"], 2 * len(more))
-            arms = self._race("numbers", list(dict.fromkeys((*arms[:2], *more, *kept))), count, kept)
+            own = self.rounds[-1].best_of_kinds.values()
+            arms = self._race("numbers", list(dict.fromkeys((*arms[:2], *own, *more, *kept))), count, kept)
             variants = len(more)
+        kinds = self.rounds[-1].best_of_kinds
         choosers = self._choosers()
         finalists = (arms[0], *(arm for arm in portfolio(joint, arms[0]) if arm != arms[0]))[:FINALISTS]
-        left = (self.budget - self._spent) / (self._price * self.entrants(arms[0], finalists, choosers))
-        starts = int(np.clip(left, LAST_FEWEST, LAST_MOST))
-        return SearchResult(arms[0], leader, finalists, choosers, variants, starts)
+        finalists = tuple(dict.fromkeys((*finalists, *kinds.values())))
+        each = self._price * self.entrants(arms[0], finalists, choosers)
+        starts = int(np.clip((self.budget - self._spent) / each, LAST_FEWEST, LAST_MOST))
+        return SearchResult(arms[0], leader, finalists, choosers, variants, starts, kinds)
 
     @property
     def leads(self) -> str:
@@ -136,8 +143,7 @@ class AdviceSearch:
 
     def _starts(self, part: float, arms: int) -> int:
         """Return how many starts a race begins with that may take a `part` of the budget; `arms`: of all its rounds."""
-        wanted = part * self.budget / (self._price * max(arms, 1))
-        return int(np.clip(wanted, FEWEST_STARTS, MOST_STARTS))
+        return int(np.clip(part * self.budget / (self._price * max(arms, 1)), FEWEST_STARTS, MOST_STARTS))
 
     def _goals_alone(self, held: dict[str, str]) -> dict[str, list[str]]:
         """Race the options of each goal, with what won before for the others; return the best few of each goal.
@@ -159,7 +165,8 @@ class AdviceSearch:
             arms = {arm_of({**held, goal: name}): name for name in tried}
             count = self._starts(part, int(rounds[goal]))
             found = self._race(goal, list(arms), count) if len(arms) > 1 else list(arms)
-            best[goal] = [arms[arm] for arm in found][: FINALISTS if len(options) < 3 else FINALISTS - 1]
+            kept = (*found[: FINALISTS if len(options) < 3 else FINALISTS - 1], *self.rounds[-1].best_of_kinds.values())
+            best[goal] = list(dict.fromkeys(arms[arm] for arm in kept if arm in arms))
             beside[goal], held[goal] = partners, best[goal][0]
         return best
 
@@ -192,10 +199,9 @@ class AdviceSearch:
             done = self._round(title, arms, count)
             if len(arms) <= max(FINALISTS, len(kept) + 1):
                 return done.order
-            half = done.order[: max(len(arms) // 2, FINALISTS)]
-            half += [arm for arm in portfolio(done, half[0])[:2] if arm not in half]
-            half += [arm for arm in arms if arm in kept and arm not in half]
-            if len(half) == len(arms):
+            half = [*done.order[: max(len(arms) // 2, FINALISTS)], *portfolio(done, done.order[0])[:2]]
+            half += [*done.best_of_kinds.values(), *(arm for arm in arms if arm in kept)]
+            if len(half := list(dict.fromkeys(half))) == len(arms):
                 return done.order
             arms, count = half, min(2 * count, MOST_STARTS)
 
@@ -235,7 +241,8 @@ class AdviceSearch:
             np.array([filled_up([value(record) for record in own], count) for own in runs])
             for value in (lambda record: record.result.excess_s, self.reward)
         )
-        self.rounds.append(Round(title, tuple(arms), costs, rewards))
+        kinds = tuple(self.kind(scenario_name("train", number)) for number in numbers)
+        self.rounds.append(Round(title, tuple(arms), costs, rewards, kinds))
         return self.rounds[-1]
 
     def _runs(self, arms: Sequence[str], numbers: range) -> dict[str, list[RunRecord]]:

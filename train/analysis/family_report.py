@@ -19,6 +19,7 @@ from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
+from train.analysis.intervals import Ratio
 from train.analysis.statistics import Summary, summarise
 from train.analysis.strategy_comparison import StrategyComparison, compare_strategies
 from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies
@@ -119,7 +120,7 @@ class FamilyReport:
         """What came out, in one to three sentences."""
         random = RANDOM in self.runs.conditions
         tried = [label for label in self.runs.conditions if random and label not in (*self.runs.fixed, RANDOM)]
-        word = "ended short of a target" if self.measured else "left unfinished"
+        word = "left short of a target" if self.measured else "left unfinished"
         found = self.ranking.sentences((NEVER_AVOIDS, BASELINE, RANDOM), tried)
         return [*found, *filter(None, [unfinished_sentence(self.left, self.ranking, word)])]
 
@@ -179,6 +180,11 @@ def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
 def censored(runs: FamilyRuns) -> dict[str, Floats]:
     """Return `unfinished_of`, of cleaning alone: the costs of other tasks are known however a mission ends."""
     return {} if task_class(runs.family.mission).measures else unfinished_of(runs)
+
+
+def ratio_of(runs: FamilyRuns, label: str, to: str) -> Ratio:
+    """Return the ratio of the mean excess of a strategy to that of another."""
+    return Ratio.between(label, to, excesses_of(runs), censored(runs))
 
 
 def excesses_of(runs: FamilyRuns) -> dict[str, Floats]:

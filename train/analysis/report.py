@@ -144,7 +144,7 @@ def verdict_of(report: Report) -> list[str]:
     others = [f"{one.what} ({amount(one.ours)}, {source} {amount(one.theirs)})" for one in known if not one.agrees]
     said = f"{len(known) - len(others)} of {len(known)} figures agree with those {those}"
     compared = [f"{said}{'; not: ' * bool(others)}{'; '.join(others[:MOST_NAMED])}."] if known else []
-    word = "ended short of a target" if report.measured_by_task else "left unfinished"
+    word = "left short of a target" if report.measured_by_task else "left unfinished"
     unfinished = unfinished_sentence(report.left, ranking, word)
     return [*ranking.sentences()[: 1 if compared else 2], *compared, *filter(None, [unfinished])]
 

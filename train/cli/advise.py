@@ -1,5 +1,6 @@
 """`clean-swarm advise`: which coordination a mission needs, and whether a learned selector is worth it."""
 
+import os
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,8 +27,15 @@ def advise_command(
     ],
     minutes: Annotated[float, typer.Option(help="Time of processors for all missions [min].")] = 10.0,
     missions: Annotated[
-        int | None, typer.Option(help="About how many missions, in place of --minutes: the same advice on any machine.")
+        int | None,
+        typer.Option(
+            help="In place of --minutes: missions of the search, so that any machine gives the same advice; "
+            "some 400 are done at least, and up to twice as many where few are given."
+        ),
     ] = None,
+    kinds: Annotated[
+        bool, typer.Option("--kinds", help="Of a family: also say what is best for each kind of its scenarios.")
+    ] = False,
     learn: Annotated[
         bool,
         typer.Option("--learn", help="Then train a selector for the mission, judge it, and ship it if it is better."),
@@ -37,11 +45,10 @@ def advise_command(
     given: GivenOptions,
 ) -> None:
     """Say which options the robots of a mission should hold, how sure that is, and whether changing them pays."""
-    if not 0.0 < minutes <= MOST_MINUTES:
-        raise ConfigurationError(f"--minutes: expected a positive number up to {MOST_MINUTES:g}, got {minutes:g}")
+    for name, value in {"--minutes": minutes, "--training": training}.items():
+        if not 0.0 < value <= MOST_MINUTES:
+            raise ConfigurationError(f"{name}: expected a positive number up to {MOST_MINUTES:g}, got {value:g}")
     check_whole({"--missions": (missions, LEAST_MISSIONS, MOST_MISSIONS)})
-    if not 0.0 < training <= MOST_MINUTES:
-        raise ConfigurationError(f"--training: expected a positive number up to {MOST_MINUTES:g}, got {training:g}")
     check_named(given.directories, families=mission, knowledge=given.values["knowledge"])
     from train.advising.evaluation import AdviceEvaluation  # these import SciPy and Numba
     from train.evaluation import pipeline
@@ -53,7 +60,7 @@ def advise_command(
         from train.learning.session import check_installed
 
         check_installed("ppo")
-    evaluation = AdviceEvaluation(given.request(mission, output=output), minutes, missions)
+    evaluation = AdviceEvaluation(given.request(mission, output=output), minutes, missions, kinds=kinds)
     console = wide_console()
     code = pipeline.evaluate(evaluation, console)
     if code == FINISHED and not evaluation.nothing_to_choose:
@@ -68,12 +75,13 @@ def advise_command(
 
 def use_of(mission: str, folder: Path, directories: Sequence[Path], *, family: bool) -> list[str]:
     """Return how the advice in a folder is used, line by line."""
+    used = str(folder) if os.sep in str(folder) else f".{os.sep}{folder}"  # a path, and no name
     more = [word for path in directories for word in ("--configs", str(path))]
     more += [word for name in named_plugins() for word in ("--import", name)]
-    command = shlex.join(["clean-swarm", "evaluate", "--family", mission, "--knowledge", str(folder), *more])
+    command = shlex.join(["clean-swarm", "evaluate", "--family", mission, "--knowledge", used, *more])
     given = f"family={mission!r}" if family else repr(mission)
     return [
         f"use it:  {command} --strategy MaxScore",
-        f"         clean_swarm_v0.parallel_env({given}, knowledge={str(folder)!r})",
-        f"         {shlex.join(['clean-swarm', 'play', str(folder), *more])}",
+        f"         clean_swarm_v0.parallel_env({given}, knowledge={used!r})",
+        f"         {shlex.join(['clean-swarm', 'play', used, *more])}",
     ]

@@ -177,8 +177,7 @@ def playable(directories: tuple[Path, ...]) -> list[str]:
 
 
 def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) -> Scenario:
-    named = name in files_of("missions", directories)
-    found = load_mission(name, directories) if named else load_either(name, directories)
+    found = (load_mission if name in files_of("missions", directories) else load_either)(name, directories)
     if isinstance(found, FamilyConfig):
         return found.scenario(seed, number - 1, "test")
     start = random_start(found, seed, number - 1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from threading import Event, Thread
@@ -70,7 +70,7 @@ def time_left(task: Task) -> str:
 def _keep_log(task: Task, what: str, log: Path, ended: Event) -> None:
     while not ended.wait(LOG_EVERY):
         parts = (f"{task.completed:,.0f} of {task.total or 0:,.0f} {what}", time_left(task), task.fields["more"])
-        with log.open("a", encoding="utf-8") as file:
+        with suppress(OSError), log.open("a", encoding="utf-8") as file:  # others say that the disk is full
             file.write(f"{', '.join(filter(None, (strftime('%H:%M:%S'), *parts)))}\n")
 
 

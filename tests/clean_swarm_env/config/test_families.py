@@ -184,12 +184,7 @@ def test_numbers_are_those_of_the_mission_unless_the_family_draws_them(tmp_path)
 
 
 @pytest.mark.parametrize("text", ["knowledge: own.yaml", "description: D.\nmission: {knowledge: own.yaml}"])
-def test_knowledge_beside_a_file_is_found_wherever_the_folder_is(tmp_path, monkeypatch, text):
-    here, there = tmp_path / "here", tmp_path / "there"
-    here.mkdir()
-    monkeypatch.chdir(tmp_path)
-    (here / "yard.yaml").write_text(f"name: yard\n{text}\n")
-    assert load_family("here/yard.yaml").mission.knowledge == "own.yaml"  # of the working directory, if anywhere
-    (here / "own.yaml").write_text("")
-    here.rename(there)
-    assert load_family("there/yard.yaml").mission.knowledge == str(there / "own.yaml")
+def test_knowledge_is_found_beside_the_file_that_names_it(tmp_path, text):
+    for name, content in {"yard.yaml": f"name: yard\n{text}\n", "own.yaml": ""}.items():
+        (tmp_path / name).write_text(content)
+    assert load_family(str(tmp_path / "yard.yaml")).mission.knowledge == str(tmp_path / "own.yaml")

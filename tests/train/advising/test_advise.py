@@ -1,18 +1,28 @@
 """Advice by the command: what it says, what it leaves, how it ends and goes on."""
 
+import errno
 import json
+import os
+import re
+from itertools import chain, repeat
+from unittest.mock import Mock
 
+import numpy as np
 import pytest
 import yaml
+from rich.console import Console
 
 from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.config.load import load_family
 from selector.knowledge import library_options, load_knowledge
 from selector.strategies.problem import Problem
 from selforg.plugins import PluginError
 from tests.train.commands import command, done, refused
-from train.advising import opening, search
+from train.advising import advice, opening, search
 from train.evaluation.trial_task import TrialTask
 from train.live.chosen import chosen
+from train.request import Request
+from train.running.finished_runs import runs_of
 
 YARD = {
     "name": "yard",
@@ -48,8 +58,11 @@ def few(monkeypatch):
 
 def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatch):
     few(monkeypatch)
+    written, write = [], advice.write_whole
+    monkeypatch.setattr(advice, "write_whole", lambda path, text: (written.append(path.name), write(path, text)))
     code, out, err = command("advise", "yard.yaml", *QUICK)
     assert code == 0, err
+    assert sorted(written) == ["numbers.yaml", "options.yaml", "options.yaml"]  # once to see whether all can be built
     said = json.loads((tmp_path / "advice/yard/summary.json").read_text())
     first = " and ".join(said["held"].values())
     assert f"yard: hold {first}: " in out
@@ -68,7 +81,26 @@ def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatc
     again = done("advise", "yard.yaml", *QUICK, "--resume")
     assert (tmp_path / "advice/yard/runs.jsonl").read_bytes() == before
     assert next(line for line in again.splitlines() if line.startswith("yard: ")) in out
-    done("evaluate", "--family", "advice/yard", "--strategy", "MaxScore", "--scenarios", 2)
+    assert "| strategy |" in (tmp_path / "advice/yard/table.md").read_text().partition("## search, ")[2]
+    (tmp_path / "advice").rename(tmp_path / "moved")
+    done("evaluate", "--family", "moved/yard", "--strategy", "MaxScore", "--scenarios", 2)
+
+
+def test_what_is_best_for_each_kind_of_start_is_judged_on_the_last_round(tmp_path, monkeypatch):
+    few(monkeypatch)
+    (tmp_path / "yards.yaml").write_text(
+        yaml.safe_dump({"name": "yards", "description": "D.", "mission": YARD, "spots": [0, 1]})
+    )
+    out = done("advise", "yards.yaml", "--kinds", *QUICK)
+    said = json.loads((tmp_path / "advice/yards/summary.json").read_text())
+    own, drawn = said["kinds"], [load_family("yards.yaml").scenario(0, k, "test") for k in range(5)]
+    kinds = [f"spots {len(one.mission.task.garbage.spots)} stations 2" for one in drawn]
+    runs = {one.key: one.result.excess_s for one in runs_of(tmp_path / "advice/yards/runs.jsonl")}
+    told = [runs[f"test-{k + 1}", own[kind]] for k, kind in enumerate(kinds)]
+    best = [runs[f"test-{k + 1}", "fixed:" + "+".join(said["held"].values())] for k in range(5)]
+    assert said["told"]["ratio"] == pytest.approx(np.mean(told) / np.mean(best))
+    assert set(own) == set(kinds) == {"spots 0 stations 2", "spots 1 stations 2"}
+    assert f" ({kinds.count('spots 1 stations 2')} starts). To tell the kind gains " in out
 
 
 @pytest.mark.parametrize(
@@ -80,6 +112,7 @@ def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatc
         (["table1", "--missions", 5], "--missions: expected a whole number of at least 100"),
         (["table1", "--training", -1], "--training: expected a positive number"),
         (["table1", "--minutes", 0.01], "--minutes: expected at least"),
+        (["yard.yaml", "--kinds"], "yard: --kinds: expected scenarios of several kinds, got one: spots 0 stations 2"),
         (["table1", "--knowledge", "nothing"], "unknown expert knowledge 'nothing'"),
     ],
 )
@@ -105,11 +138,47 @@ def test_an_option_that_a_plugin_breaks_drops_out_and_is_named(tmp_path, monkeyp
 
 def test_a_mission_that_nothing_finishes_is_said_to_be_one(tmp_path, monkeypatch):
     few(monkeypatch)
-    (tmp_path / "yard.yaml").write_text(yaml.safe_dump(YARD | {"time_limit": 2.0}))
+    start = {
+        "id": "a",
+        "robots": [[1.0, 1.0, 0.0], [3.0, 1.0, 0.0], [5.0, 1.0, 0.0]],
+        "items": [[1.0, 5.0], [5.0, 5.0]],
+    }
+    family = {"name": "yard", "description": "One start.", "mission": YARD | {"time_limit": 2.0}, "starts": [start]}
+    (tmp_path / "yard.yaml").write_text(yaml.safe_dump(family))
     out = done("advise", "yard.yaml", *QUICK)
+    assert "on 5 fresh missions from its 1 start, " in out
     assert "5 missions of 5 were left unfinished (up to 100% may be)." in out
     assert "So nothing that was tried does this mission, and no selector is judged: the time limit of 2 s may be" in out
     assert "worth it" not in out
+
+
+def test_a_full_disk_and_a_changed_number_cost_no_kept_mission(tmp_path, monkeypatch):
+    few(monkeypatch)
+    journal, full = tmp_path / "advice/yard/runs.jsonl", OSError(errno.ENOSPC, "No space left on device")
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", Mock(side_effect=chain([None] * 40, repeat(full))))
+        code, out, err = command("advise", "yard.yaml", *QUICK)
+    assert (code, out) == (1, "")
+    assert "error: advice/yard/runs.jsonl: cannot be written (No space left on device); earlier results stay" in err
+    kept = re.sub('"cost_s": [0-9.]+', '"cost_s": 99.5', journal.read_text(), count=1)
+    journal.write_text(kept + kept[:50])  # a crash cut off the last line
+    done("advise", "yard.yaml", *QUICK, "--resume")
+    assert set(kept.splitlines()) < set(journal.read_text().splitlines())
+
+
+@pytest.mark.extra
+def test_an_interrupted_training_ends_the_others_and_says_how_to_go_on(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("torch")
+    from train.advising import learning
+
+    process = Mock(communicate=Mock(side_effect=KeyboardInterrupt))
+    monkeypatch.setattr(learning.subprocess, "Popen", Mock(return_value=process))
+    monkeypatch.setattr(learning, "training_of", Mock(return_value=Mock(model_dump=Mock(return_value={}))))
+    request = Request("yard", words=("clean-swarm", "advise", "yard", "--learn"), output=tmp_path)
+    assert learning.train_selector(Mock(folder=tmp_path, directories=(), request=request), 1.0, Console()) == 130
+    assert process.terminate.called
+    words = "clean-swarm advise yard --learn --resume"
+    assert capsys.readouterr().err == f"interrupted: advice and trainings are kept; to go on:\n  {words}\n"
 
 
 def test_a_task_of_one_option_has_nothing_to_choose(tmp_path):

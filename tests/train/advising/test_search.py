@@ -53,7 +53,8 @@ def beside_bad_partners(arm, costs):
 class Missions:
     """Invented missions: each arm on each start has its true cost with a spread of a fifth; some arms jam."""
 
-    def __init__(self, wide, costs, seed=0, jams=(), order=None, cost=None):
+    def __init__(self, wide, costs, seed=0, jams=(), order=None, cost=None, kind=lambda name: ""):
+        self.kind = kind
         self.wide, self.costs, self.seed, self.jams, self.order = wide, costs, seed, jams, order
         self.cost = cost or cost_of
         self.done = {}
@@ -70,6 +71,7 @@ class Missions:
             lambda record: -record.result.cost_s,
             counts=True,
             entrants=lambda winner, finalists, choosers: 8,
+            kind=self.kind,
         )
 
     def found(self, **more):
@@ -89,6 +91,8 @@ class Missions:
         noise = np.random.default_rng([self.seed, start, *arm.encode()]).normal(0.0, 0.2)
         jams = arm in self.jams
         cost = 6000.0 if jams else self.cost(arm, self.costs) * float(np.exp(noise))
+        if self.kind(scenario) == "odd" and max(self.costs["Avoid"], key=self.costs["Avoid"].get) in arm.split("+"):
+            cost *= 0.25  # the worst elsewhere is the best here
         result = MissionResult(not jams, cost, (0.0,), (0.0,), 10, 5, 100, 1.0, cost, 0.0)
         record = RunRecord("invented", scenario, 0, arm, result, 1.0)
         assert record.key not in self.done, "a mission is asked for twice"
@@ -158,6 +162,17 @@ def test_arms_that_jam_stop_after_ten_starts_unless_all_do():
     search, found = Missions(wide, costs, jams=everything).found(minutes=60.0)
     assert not search.stopped
     assert found.starts >= LAST_FEWEST
+
+
+def test_what_is_best_for_a_kind_of_start_stays_in_the_races_though_it_is_the_worst_elsewhere():
+    for seed in range(5):
+        wide, costs = invented(seed)
+        worst = max(costs["Avoid"], key=costs["Avoid"].get)
+        missions = Missions(wide, costs, seed, kind=lambda name: ("even", "odd")[int(name.rpartition("-")[2]) % 2])
+        _, found = missions.found(choosers=())
+        assert {kind: worst in arm.split("+") for kind, arm in found.kinds.items()} == {"odd": True, "even": False}
+        assert worst not in found.winner.split("+")
+        assert set(found.kinds.values()) <= set(found.finalists)
 
 
 def truth(costs):

@@ -1,10 +1,15 @@
 """The report on a family: unfinished missions beside every mean, what is compared, and the figure."""
 
+from types import SimpleNamespace
+
+import pytest
+
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
-from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.tasks.cleaning.cost import mission_cost
 from tests.train.records import record
-from train.analysis.family_report import FamilyRuns, family_report_of
+from train.advising.report import Advice
+from train.analysis.family_report import FamilyRuns, family_report_of, ratio_of
 from train.reports.charts import picture_of
 from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family
@@ -44,6 +49,14 @@ def test_a_single_fixed_option_is_not_called_the_best():
     assert gaps.title == "cost beside fixed:a"
     assert "ratio to fixed:a" in gaps.heads
     assert "only fixed option that ran" in gaps.notes[0]
+
+
+@pytest.mark.parametrize(("name", "tests"), [("ReachGoal", 1), ("table1", 2)])
+def test_costs_of_tasks_with_measures_are_known_however_a_mission_ends(name, tests):
+    own = [record("test-1", "a"), record("test-1", "b", completed=False)]
+    runs = FamilyRuns(load_family(name), "", 0, 1, 1, {"a": ("a",), "b": ("b",)}, (), own)
+    advice = Advice(None, None, SimpleNamespace(winner="b"), runs, {}, {})
+    assert len(advice.ratio("a").tests) == len(ratio_of(runs, "a", "b").tests) == tests
 
 
 def test_the_figure_shows_costs_and_durations_side_by_side_and_nothing_below_0():
