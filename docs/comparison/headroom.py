@@ -27,10 +27,10 @@ from rich.console import Console
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
 from clean_swarm_env.learning.warm_up import usable_cpus
-from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from docs.comparison.claims import too_few
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
+from train.advising.opening import kind_of
 from train.analysis.family_report import FamilyRuns, censored, excesses_of, ranking_of, unfinished_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import Ratio
@@ -284,14 +284,7 @@ def race(
 
 def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
     """Return the kind (T,) of each scenario."""
-    tasks = [scenario.mission.task for scenario in scenarios]
-    return [
-        f"spots {len(task.garbage.spots)} stations {len(set(task.stations.places))}"
-        + (" harmless" if task.consequences.harmless else "")
-        if isinstance(task, CleaningSettings)
-        else task.name
-        for task in tasks
-    ]
+    return [kind_of(scenario.mission) for scenario in scenarios]
 
 
 def main(arguments: list[str]) -> None:
