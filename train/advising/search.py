@@ -20,6 +20,7 @@ from itertools import product
 import numpy as np
 
 from clean_swarm_env.config.families import scenario_name
+from clean_swarm_env.config.types import AVOIDANCE
 from selector.documents.fields import JOINT
 from selector.knowledge import ENOUGH, Option
 from selforg.arrays import Flags
@@ -44,7 +45,7 @@ BUDGET_SHARES = {"goals": 0.35, "together": 0.15, "numbers": 0.12, "choosers": 0
 """Part of the budget for each part of the search; the last round gets the rest."""
 FEWEST_STARTS, MOST_STARTS = 2, 32
 """Bounds of the starts of a round."""
-LAST_FEWEST, LAST_MOST = 8, 100
+LAST_FEWEST, LAST_MOST = 20, 100
 """Bounds of the starts of the last round."""
 
 
@@ -108,7 +109,7 @@ class AdviceSearch:
         if self.opened.combinations == 1:
             return SearchResult(look.arms[0], look.arms[0], look.arms, (), 0, LAST_FEWEST, {})
         best = self._goals_alone(held)
-        arms = [arm_of(dict(zip(best, names, strict=True))) for names in product(*best.values())]
+        arms = [arm_of(held | dict(zip(best, names, strict=True))) for names in product(*best.values())]
         kept = list(dict.fromkeys((arm_of(self.opened.experts), *never_avoiding(self.opened, held))))
         if len(best) > 1:
             every = list(dict.fromkeys((*arms, *kept)))
@@ -148,10 +149,12 @@ class AdviceSearch:
     def _goals_alone(self, held: dict[str, str]) -> dict[str, list[str]]:
         """Race the options of each goal, with what won before for the others; return the best few of each goal.
 
-        A goal whose partners were others in its race does it again: beside bad partners the best may be the last. Of
-        three goals or more two are left of each, or else too many combinations would have to race.
+        Avoidance comes first, since others tell nothing where robots jam. A goal whose partners were others in its race
+        does it again: beside bad partners the best may be the last. Of three goals or more two are left of each, or
+        else too many combinations would have to race.
         """
-        options = {goal: self.opened.names(goal) for goal in self.opened.goals}
+        first = sorted(self.opened.goals, key=lambda goal: goal != AVOIDANCE)
+        options = {goal: self.opened.names(goal) for goal in first}
         rounds = {goal: len(own) * max(np.ceil(np.log2(len(own) / FINALISTS)), 1.0) for goal, own in options.items()}
         order = [*options, *list(options)[:-1]]
         best: dict[str, list[str]] = {}
