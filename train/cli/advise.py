@@ -3,8 +3,9 @@
 import os
 import shlex
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,6 +14,9 @@ from selforg.plugins import named_plugins
 from train.cli.listing import check_named
 from train.cli.options import REPORTING, GivenOptions, asking, check_whole, wide_console
 from train.running.commands import FINISHED
+
+if TYPE_CHECKING:  # imports Numba
+    from train.request import Request
 
 MOST_MINUTES, LEAST_MISSIONS, MOST_MISSIONS = 1e5, 100, 1_000_000
 ADVICE = Path("advice")
@@ -60,11 +64,12 @@ def advise_command(
         from train.learning.session import check_installed
 
         check_installed("ppo")
-    evaluation = AdviceEvaluation(given.request(mission, output=output), minutes, missions, kinds=kinds)
+    request = with_other_starts(given.request(mission, output=output))
+    evaluation = AdviceEvaluation(request, minutes, missions, kinds=kinds)
     console = wide_console()
     code = pipeline.evaluate(evaluation, console)
     if code == FINISHED and not evaluation.nothing_to_choose:
-        for line in use_of(mission, output, given.directories, family=evaluation.of_family):
+        for line in use_of(mission, output, given.directories, request.seed + 1, family=evaluation.of_family):
             console.print(line, soft_wrap=True)
         if learn:
             from train.advising.learning import train_selector  # imports torch
@@ -73,12 +78,25 @@ def advise_command(
     raise typer.Exit(code)
 
 
-def use_of(mission: str, folder: Path, directories: Sequence[Path], *, family: bool) -> list[str]:
-    """Return how the advice in a folder is used, line by line."""
+def with_other_starts(request: "Request") -> "Request":
+    """Return a request whose starts are others than those of the advice with whose knowledge it begins."""
+    from train.running.run_folder import MANIFEST, read_manifest
+
+    before = Path(request.knowledge or "")
+    if request.knowledge is None or not (before / MANIFEST).is_file():
+        return request
+    seed = read_manifest(before).get("identity", {}).get("seed")
+    return replace(request, seed=request.seed + 1) if seed == request.seed else request
+
+
+def use_of(mission: str, folder: Path, directories: Sequence[Path], seed: int, *, family: bool) -> list[str]:
+    """Return how the advice in a folder is used, line by line; `seed`: of starts that it was not made from."""
     used = str(folder) if os.sep in str(folder) else f".{os.sep}{folder}"  # a path, and no name
     more = [word for path in directories for word in ("--configs", str(path))]
     more += [word for name in named_plugins() for word in ("--import", name)]
-    command = shlex.join(["clean-swarm", "evaluate", "--family", mission, "--knowledge", used, *more])
+    command = shlex.join(
+        ["clean-swarm", "evaluate", "--family", mission, "--knowledge", used, "--seed", str(seed), *more]
+    )
     given = f"family={mission!r}" if family else repr(mission)
     return [
         f"use it:  {command} --strategy MaxScore",
