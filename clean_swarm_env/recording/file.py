@@ -13,11 +13,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Annotated, Any, Final, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, model_validator
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.recording.by_hand import ByHand
 from clean_swarm_env.recording.channels import MOST_NUMBERS, Amount, Channel, PackedFrames, Text
+from clean_swarm_env.world.by_hand import Change, change_of
 from selector.documents.fields import Flag, NonNegative, Number, Positive, Share
 from selector.documents.writing import writing_to
 
@@ -227,5 +227,5 @@ class Directory(_Object):
     sizes: tuple[tuple[Amount, Literal[1, 2, 4]], ...]
     """For each channel how many columns change, and the width of a number."""
     deposits: Annotated[tuple[_Deposit, ...], Field(max_length=63)] = ()
-    by_hand: tuple[ByHand, ...] = ()
+    by_hand: tuple[Annotated[Change, PlainValidator(change_of)], ...] = ()
     """What was done by hand before these frames were decided."""

@@ -55,6 +55,9 @@ class RecordSettings:
     policies: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """The trained networks that may choose, by name, as plain data; with minds their inputs are recorded, too."""
 
+    put: bool = False
+    """Whether things may be put elsewhere by hand, so that the places of all of them are recorded."""
+
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of the components of an observation that are recorded, each once."""
@@ -85,7 +88,7 @@ class MissionRecorder:
         self._messages = MessageLog(worlds)
         self._opinions: dict[str, Floats] = {}
         self._poses: Floats = np.zeros((worlds.rows, 3))
-        self._moving = [thing.places for thing in worlds.task.around if thing.moves]
+        self._moving = [thing.places for thing in worlds.task.around if thing.moves or settings.put]
         self._moved: Floats = np.zeros((worlds.worlds, sum(places.shape[1] for places in self._moving), 2))
         sampled = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
         sampled += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
@@ -136,7 +139,7 @@ class MissionRecorder:
             facts["counted"] = task.tally._asdict()
         if not items:
             facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)
-            facts["things"] = list(things_of(worlds, world))
+            facts["things"] = list(things_of(worlds, world, moving=self.settings.put))
         if mission.world.zones:
             facts["zones"] = zones_shown(worlds)
         if mission.world.has_walls:

@@ -59,8 +59,11 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
             yield Sampled(whole_channel(one.name, axis, one.about), one.values, None, one.note)
 
 
-def things_of(worlds: Worlds, world: int) -> Iterator[dict[str, Any]]:
-    """Yield the things of a world as plain data; `moves` counts those that move, in the order of their channels."""
+def things_of(worlds: Worlds, world: int, *, moving: bool = False) -> Iterator[dict[str, Any]]:
+    """Yield the things of a world as plain data; `moves` counts those that move, in the order of their channels.
+
+    With `moving` all of them may.
+    """
     count = 0
     for thing in worlds.task.around:
         places = thing.places[world]
@@ -68,9 +71,9 @@ def things_of(worlds: Worlds, world: int) -> Iterator[dict[str, Any]]:
         for (x, y), diffusion, radius in zip(places.tolist(), *reaches, strict=True):
             what = {"channel": thing.channel, "attraction": thing.attraction}
             yield {**what, "x": x, "y": y, "diffusion": diffusion, "radius": radius} | (
-                {"moves": count} if thing.moves else {}
+                {"moves": count} if thing.moves or moving else {}
             )
-            count += thing.moves
+            count += thing.moves or moving
 
 
 def walls_shown(worlds: Worlds) -> Floats:

@@ -5,9 +5,12 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
+from clean_swarm_env.config.types import Index
+from clean_swarm_env.world.by_hand import WORLD, by_hand, free_place, show_things
 from clean_swarm_env.world.measure import Measure
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
+from selector.documents.fields import Number
 from selforg.arrays import KEPT, Flags, Floats, Ints
 
 PATCH_RADIUS, NEST_RADIUS = 0.5, 1.5  # [m]
@@ -73,3 +76,13 @@ class Foraging(Task[TaskSettings, Food]):
         """Return the items that the team has brought, divided by the minutes of the whole mission."""
         minutes = self.world.limits * self.world.period / 60.0
         return {"items brought per minute": self.state.brought / minutes}
+
+
+@by_hand
+def put_food(task: Foraging, patch: Index, x: Number, y: Number) -> None:
+    """Put a patch of food at another place [m]."""
+    patches = task.state.patches[WORLD]
+    if patch >= len(patches):
+        raise ValueError(f"patch {patch}: expected a number below {len(patches)}")
+    patches[patch] = free_place(task.world, x, y)
+    show_things(task)

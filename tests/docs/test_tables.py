@@ -1,7 +1,6 @@
 """The tables of the pages are those of the code: names, units, defaults and meanings."""
 
 import re
-from typing import get_args
 
 import pytest
 
@@ -11,10 +10,10 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.learning.reward import RewardConfig
-from clean_swarm_env.recording.by_hand import ByHand
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks import TASKS, Task
+from clean_swarm_env.world.by_hand import CHANGES
 from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission import MissionRun
 from selector.strategies.registry import STRATEGIES
@@ -99,9 +98,6 @@ def test_parameters_of_strategies(name):
 def test_changes_by_hand():
     rows = re.findall(r"^\| `(\w+)` \| (`.*`) \| (.*) \|$", text_of("docs/play.md"), flags=re.MULTILINE)
     shown = {do: (set(re.findall(r"`(\w+)`", names)), about) for do, names, about in rows}
-    (union, *_) = get_args(ByHand)
-    coded = {}
-    for change in get_args(union):
-        (do,) = get_args(change.model_fields["do"].annotation)
-        coded[do] = (set(change.model_fields) - {"do", "tick"}, change.__doc__)
+    kinds = {CHANGES.name_of(change): change for change in CHANGES}
+    coded = {do: (set(change.model_fields) - {"do", "tick"}, change.__doc__) for do, change in kinds.items()}
     assert shown == coded

@@ -15,9 +15,9 @@ from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.config.tasks import with_changes
 from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
-from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.file import SUFFIX
 from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.world.by_hand import Change
 from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
 from selector.coordination.model import CoordinatorModel

@@ -9,16 +9,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
-from clean_swarm_env.recording.by_hand import ByHand, Change, FollowStrategy, HoldOption
 from clean_swarm_env.recording.file import end_of
 from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.by_hand import CHANGES, Change, FollowStrategy, HoldOption, change_of
 from clean_swarm_env.world.mission_end import RUNNING
+from clean_swarm_env.world.task import task_class
 from selector.documents.errors import DocumentError, one_line, validated
 from selector.documents.find import files_of
 from selector.documents.plain import short
@@ -34,7 +35,6 @@ from train.live.chosen import SPARE_ROBOTS, PlayedMission, usual
 
 OFFERED = ("MaxScore", "Random")
 """Strategies that a user may choose where they fit, besides fixed options and those of files."""
-_CHANGE: TypeAdapter[Change] = TypeAdapter(ByHand)
 
 
 class Session:
@@ -62,7 +62,8 @@ class Session:
         mode: Mode = "velocity" if named.mode == "velocity" else "both"
         self._what_if: WhatIf | None = None
         self._seen_terms, policies = self._seen(named)
-        settings = RecordSettings(output.parent, minds, about, output.name, mode == "both", policies)
+        own = any(issubclass(task_class(play.scenario.mission), kind.changes) for kind in CHANGES)
+        settings = RecordSettings(output.parent, minds, about, output.name, mode == "both", policies, own)
         self.batch = Batch(
             play.scenario.mission,
             source=lambda _: next(scenarios, None),
@@ -113,7 +114,7 @@ class Session:
         ValueError, of one line, says what is impossible.
         """
         try:
-            change = _CHANGE.validate_python({**order, "tick": self.ticks})
+            change = change_of({**order, "tick": self.ticks})
         except ValidationError as error:
             raise ValueError(one_line(error, "by hand")) from error
         if self.result is not None:

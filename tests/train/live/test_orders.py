@@ -13,10 +13,10 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from clean_swarm_env.recording.by_hand import Change, FollowStrategy
 from clean_swarm_env.recording.file import blocks_in
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, frames_from
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING
+from clean_swarm_env.world.by_hand import Change, FollowStrategy
 from tests.train.live.sessions import SMALL, asked, ordered, play_of, served
 from train.live.chosen import again
 from train.live.session import Session

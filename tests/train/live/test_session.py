@@ -117,8 +117,8 @@ def small(tmp_path_factory):
 @pytest.mark.parametrize(
     ("order", "expected"),
     [
-        ({"do": "dance"}, "by hand: .*put_robot"),
-        ({}, "by hand: "),
+        ({"do": "dance"}, "unknown change by hand 'dance' .*put_robot"),
+        ({}, "unknown change by hand ''"),
         ({"do": "put_robot", "robot": 1, "x": float("nan"), "y": 0.0}, "by hand: .*x"),
         ({"do": "put_robot", "robot": 1, "x": 1.0}, "by hand: .*y"),
         ({"do": "hold_option", "option": "Repulsion"}, "unknown option 'Repulsion' \\(known: "),

@@ -1,5 +1,6 @@
 """Missions of every task are played, changed by hand, and run again with the same bits."""
 
+import numpy as np
 import pytest
 
 from clean_swarm_env.config.task_names import task_names
@@ -21,6 +22,38 @@ def test_every_task_can_be_played(tmp_path, task, monkeypatch):
     recording = RecordedMission(tmp_path / "a.swarm")
     assert recording.frames == 3
     assert recording.head["about"]["experiment"] == task
+
+
+def test_food_is_put_elsewhere_by_hand_and_is_recorded_seen_and_put_there_again(tmp_path):
+    session = Session(chosen("Foraging", 1, 0, None, ()), tmp_path / "a.swarm", minds=False)
+    session.tick()
+    robot, food = session.worlds.physics.positions[0].tolist(), session.worlds.task.state.patches[0]
+    stayed = food[0].tolist()
+    assert not session.worlds.world.carrying.any()
+    for order, expected in (
+        ({"do": "put_food", "patch": 2, "x": 1.0, "y": 1.0}, "patch 2: expected a number below 2"),
+        ({"do": "put_food", "patch": 1, "x": 1.0}, "by hand: y: missing key"),
+        ({"do": "put_item", "item": 1, "x": 1.0, "y": 1.0}, "put_item: expected the task Cleaning, got Foraging"),
+    ):
+        with pytest.raises(ValueError, match=expected):
+            session.do(order)
+    session.do({"do": "put_food", "patch": 1, "x": robot[0] + 30.0, "y": robot[1]})
+    for _ in range(3):
+        session.tick()
+    assert session.worlds.world.carrying[0]  # it has taken of the food that came to it
+    session.close()
+    recording = RecordedMission(tmp_path / "a.swarm")
+    assert [thing["moves"] for thing in recording.head["things"]] == [0, 1, 2]
+    places = np.stack([recording["thing_x"], recording["thing_y"]], axis=2)
+    np.testing.assert_allclose(places[3, :2], [stayed, robot], atol=1e-3)
+    assert np.hypot(*(places[0, 1] - robot)) > 3.0
+    again = Session(chosen(str(tmp_path / "a.swarm"), 1, 0, None, ()), tmp_path / "b.swarm", minds=False)
+    while again.ticks < 4:
+        again.tick()
+    again.close()
+    repeated = RecordedMission(tmp_path / "b.swarm")
+    assert repeated.by_hand == recording.by_hand
+    assert all((repeated.whole(name) == recording.whole(name)).all() for name in recording)
 
 
 def test_what_other_tasks_do_not_have_is_one_line(tmp_path):

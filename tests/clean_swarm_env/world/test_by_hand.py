@@ -2,15 +2,12 @@
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter
 
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.recording.by_hand import ByHand, Change
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, LYING
+from clean_swarm_env.world.by_hand import by_hand, change_of
 from clean_swarm_env.world.mission import Course, MissionRun
 from tests.clean_swarm_env.courses import mission, ticked
-
-CHANGE: TypeAdapter[Change] = TypeAdapter(ByHand)
 
 
 @pytest.fixture
@@ -23,7 +20,7 @@ def worlds():
 
 
 def made(worlds, **change):
-    CHANGE.validate_python({"tick": 10, **change}).make(worlds)
+    change_of({"tick": 10, **change}).make(worlds)
 
 
 def free_place(worlds) -> tuple[float, float]:
@@ -144,3 +141,10 @@ def test_a_carried_item_is_not_moved_by_hand(worlds):
     item = int(np.flatnonzero(worlds.task.garbage.stage[0] == CARRIED)[0])
     with pytest.raises(ValueError, match=f"item {item}: expected an item that lies"):
         made(worlds, do="put_item", item=item, x=1.0, y=1.0)
+
+
+def test_a_function_that_does_not_say_what_it_changes_is_no_change():
+    def vanish(task, robot: int): ...
+
+    with pytest.raises(TypeError, match="vanish: expected a first parameter of the type Worlds or of a task, got task"):
+        by_hand(vanish)
