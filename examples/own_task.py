@@ -40,6 +40,7 @@ class Shepherding(Task[Flocking, Flock]):
     measures = (Measure("sheep in the ring", "-", "higher", 0.8, "0.3 of them are there at the start"),)
     goal = "CircleFormation"  # whose options in the knowledge `library` serve this task
     mission = {"world": {"width": 20.0, "height": 20.0}, "robots": {"count": 12}, "time_limit": 60.0}
+    doing = {"CircleFormation": "closes in around the flock"}  # what `explain` says of robots
     away, ring = 7.0, 3.0
 
     def place(self, start: WorldStart) -> None:

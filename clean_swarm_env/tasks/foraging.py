@@ -43,6 +43,8 @@ class Foraging(Task[TaskSettings, Food]):
     )
     baseline = "random search: the same robots, which never follow a trail"
     baseline_option = "RandomSearch"
+    searching = {"Foraging": "explore"}
+    sees = "food_seen"
     mission = {"world": {"width": 30.0, "height": 30.0}, "robots": {"count": 12}, "time_limit": 300.0}
     apart, start_side = 0.6, 5.0
     changes = True
@@ -63,6 +65,14 @@ class Foraging(Task[TaskSettings, Food]):
     def lose(self, rows: Ints) -> None:
         """Forget what robots in `rows` (K,) carried that are taken away or fail: nobody brings it."""
         self.state.carried[rows] = False
+
+    def target(self, row: int) -> tuple[str, float] | None:
+        """Return the nest for a robot with an item, else the nearest food, if it sees any."""
+        world = self.world
+        if world.reading(row, "carrying"):
+            return "the nest", world.nearest(row, world.ground.centre[None])
+        seen = world.reading(row, self.sees)
+        return ("food", world.nearest(row, self.state.patches[row // world.robots])) if seen else None
 
     def after_moving(self) -> None:
         """Count the items that robots have put down at the nest."""

@@ -184,7 +184,7 @@ class Course:
 def result_of(worlds: Worlds, world: int) -> MissionResult:
     """Return the result of a world up to now."""
     task, values = worlds.task, worlds.task.result()
-    ticks, done = int(worlds.ticks[world]), int(task.item_arrays().done[world])
+    ticks, done = int(worlds.ticks[world]), task.items_done(world)
     time = max(ticks, 1) * worlds.period
     events, samples = worlds.collisions.events[world], worlds.collisions.samples[world]
     return MissionResult(

@@ -61,6 +61,10 @@ class Task(StagedTask, ABC, Generic[S, T]):
         terms: terms of an observation unless others are chosen.
         counted: infos of learners beside times, collisions and the measures; see `borders.infos`.
         beside: strategies that every comparison has beside those chosen; the baseline unless given.
+        doing, searching: behaviour -> what a robot does while it runs, such as "picks an item"; what a robot does that
+            looks for something, as a verb, such as "explore".
+        sees: the sensor of robots that see what they look for.
+        missed: head of the column, and words, of missions that were not completed.
         world, settings, state: the worlds, the settings, and the arrays of this task.
 
     """
@@ -76,6 +80,10 @@ class Task(StagedTask, ABC, Generic[S, T]):
         "command", "things", "neighbour", "crowd", "movement", "facts", "task", "time", "holds",
     )  # fmt: skip
     counted: ClassVar[tuple[str, ...]] = ("own_collisions", "own_contact_s")
+    doing: ClassVar[Mapping[str, str]] = {}
+    searching: ClassVar[Mapping[str, str]] = {}
+    sees: ClassVar[str] = ""
+    missed: ClassVar[tuple[str, str]] = ("missed", "ended short of a target")
     beside: ClassVar[tuple[str, ...]] = ()
 
     settings: S
@@ -147,6 +155,26 @@ class Task(StagedTask, ABC, Generic[S, T]):
     def reward(self) -> Floats | None:
         """Return the rewards (R,) of the last decision period; None: what the measures have gained (`rewards`)."""
         return None
+
+    def target(self, row: int) -> tuple[str, float] | None:
+        """Return the word for where the robot of a row wants to go, and its distance [m], -1 if it is not known."""
+        return None
+
+    def items_done(self, world: int) -> int:
+        """Return how many items of a world are done, for results; 0 for a task that has measures instead."""
+        return 0
+
+    def spent(self, world: int, values: Mapping[str, Floats]) -> float:
+        """Return what the mission of a world has cost so far [s]: what it costs if it ends now; `values`: of `result`.
+
+        What options bring about in the next seconds is compared by it.
+        """
+        return self.cost(world, values)
+
+    @classmethod
+    def cost_words(cls, mission: MissionConfig) -> str:
+        """Return what the cost of a mission is made of."""
+        return f"{mission.time_limit:g} s times the measure that is worst by its target"
 
     def command(self, commands: Commands) -> None:
         """Write the commands with which a control period begins, before behaviours write theirs; none unless you do."""

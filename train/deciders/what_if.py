@@ -18,9 +18,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.tasks.cleaning.cost import collision_price, cost_terms
 from clean_swarm_env.world.mission_end import RUNNING
-from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import JOINT
 from selforg.arrays import Ints
 from train.deciders.decided_goal import DecidedGoal
@@ -89,24 +87,28 @@ class WhatIf:
         return told
 
     def _foretold(self, robot: int, decider: Decider, observations: Observations, held: Ints) -> dict[str, Any]:
-        """Return what the copy does next: way of the robot, collisions, items and cost."""
+        """Return what the copy does next: way of the robot, collisions, items, cost, and the measures at the end."""
         copy, worlds = self._copy, self._copy.worlds
-        counts, items = worlds.collisions, worlds.task.item_arrays()
-        before = int(counts.events[0, 0]), int(counts.samples[0, 0]), int(items.done[0])
-        own, path = 0, [worlds.physics.positions[robot].tolist()]
+        before, own, path = self._figures(), 0, [worlds.physics.positions[robot].tolist()]
         for _ in self._ticks(decider, observations, held):
             own += int(worlds.collisions.entered_in_tick[robot])
             path.append(worlds.physics.positions[robot].tolist())
-        after = int(counts.events[0, 0]), int(counts.samples[0, 0]), int(items.done[0])
-        price = _price(worlds, *after[:2]) - _price(worlds, *before[:2])
+        collisions, items, cost = (after - first for after, first in zip(self._figures(), before, strict=True))
+        measures = {name: float(values[0]) for name, values in worlds.task.result().items()}
         return {
             "seconds": round((len(path) - 1) * copy.period, 9),
-            "collisions": after[0] - before[0],
+            "collisions": int(collisions),
             "own_collisions": own,
-            "items": after[2] - before[2],
-            "cost_s": round((len(path) - 1) * copy.period + price, 9),
+            "items": int(items),
+            "cost_s": round(cost, 9),
             "path": path,
+            **({"measures": measures} if measures else {}),
         }
+
+    def _figures(self) -> tuple[float, ...]:
+        """Return collisions and items of the copy so far, and what it has cost [s]."""
+        worlds, task = self._copy.worlds, self._copy.worlds.task
+        return int(worlds.collisions.events[0, 0]), task.items_done(0), task.spent(0, task.result())
 
     def _ticks(self, decider: Decider, observations: Observations, held: Ints) -> Iterator[None]:
         """Run the copy for the time that is foretold, or to the end of the mission; yield after each control period."""
@@ -128,11 +130,3 @@ class WhatIf:
                 if not left:
                     return
             observations = copy.end_period().observations
-
-
-def _price(worlds: Worlds, events: int, samples: int) -> float:
-    """Return the price of collisions [s]; 0 where a task has none."""
-    if not worlds.task.priced:
-        return 0.0
-    terms = cost_terms(worlds.missions[0])
-    return collision_price(terms.event * events + terms.sample * samples, terms.limit)

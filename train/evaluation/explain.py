@@ -56,8 +56,7 @@ def explained(
             places.append(worlds.minds.poses.positions[robot].copy())
         places.append(worlds.physics.positions[robot].copy())
         running.append(worlds.network.executing[robot] == 1)
-        seen = worlds.network.model.sensor_index.get("garbage_seen", -1)
-        unseen.append(seen < 0 or worlds.network.readings[robot, seen] == 0.0)
+        unseen.append(worlds.world.reading(robot, worlds.task.sees) == 0.0)
     step, period = explain_robot(worlds, robot), worlds.period
     ways = Torus(*worlds.extent).offsets(places[-2], np.array(places[:-1]))
     stayed = _latest(np.linalg.norm(ways, axis=1) < STILL) - 1
@@ -67,7 +66,7 @@ def explained(
         if running[-1][b]
     }
     facts = facts_of(worlds, step, round(_latest(np.array(unseen)) * period, 9))
-    told: dict[str, Any] = {"sentence": sentence(facts), "facts": asdict(facts), "policy": {}}
+    told: dict[str, Any] = {"sentence": sentence(facts, type(worlds.task)), "facts": asdict(facts), "policy": {}}
     for one in latest:
         told["policy"] = one.decider.moves(robot) if isinstance(one.decider, PolicyDecider) else {}
     if ahead:
@@ -121,10 +120,11 @@ def _foretold(options: Sequence[dict[str, Any]]) -> Table:
     table = Table(
         title=f"the next {options[0]['seconds']:g} s if it took", box=None, title_justify="left", pad_edge=False
     )
-    for head in ("option", "own collisions", "collisions", "items dumped", "cost s"):
+    figures = [one.get("measures") or {"items dumped": one["items"]} for one in options]
+    for head in ("option", "own collisions", "collisions", *figures[0], "cost s"):
         table.add_column(head, justify="left" if head == "option" else "right", no_wrap=True)
-    for one in options:
-        counts = (one["own_collisions"], one["collisions"], one["items"])
+    for one, own in zip(options, figures, strict=True):
+        counts = (one["own_collisions"], one["collisions"], *(f"{value:.3g}" for value in own.values()))
         table.add_row(Text(one["option"]), *map(str, counts), f"{one['cost_s']:.1f}")
     return table
 

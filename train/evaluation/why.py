@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import atan2, hypot, tau
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from clean_swarm_env.config.types import AVOIDANCE
-from clean_swarm_env.tasks.cleaning.garbage import LYING
 from clean_swarm_env.world.explaining import Movements, RobotStep
+from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.store import columns as c
 from selforg.space import Torus
@@ -24,8 +24,6 @@ SLOW: Final = 0.05
 """What a difference of speeds must have to count [m/s]."""
 NAMED_FROM: Final = 0.25
 """Share from which a second neighbour is named."""
-DOING: Final = {"PickGarbage": "picks an item", "Recycle": "recycles its item", "Dump": "dumps its leftovers"}
-PATROLS: Final = {"Patrol", "ExplorationPatrol"}
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ class Facts:
     target: tuple[str, float] | None
     """Where it wants to go, and how far that is [m], -1 if it is not known."""
     unseen: float
-    """Time since it last saw garbage [s]."""
+    """Time since it last saw what it looks for [s]."""
 
 
 def facts_of(worlds: Worlds, step: RobotStep, unseen: float) -> Facts:
@@ -71,32 +69,13 @@ def facts_of(worlds: Worlds, step: RobotStep, unseen: float) -> Facts:
         heading=atan2(*poses.own[row, 0, [c.POSE_HEADING + 1, c.POSE_HEADING]]),
         causes=tuple(near),
         share=round(float(movements.shares[row, 1]), 3),  # as recordings hold it
-        target=_target(worlds, step, space),
+        target=worlds.task.target(row),
         unseen=unseen,
     )
 
 
-def _target(worlds: Worlds, step: RobotStep, space: Torus) -> tuple[str, float] | None:
-    """Return the kind of place that a robot wants to go to, and its distance to the nearest; None without one."""
-    items, read = worlds.task.item_arrays(), step.network.readings
-    if "garbage_seen" not in read:
-        return None
-    if read["carrying"]:
-        word, places = (
-            ("a dump" if read["recycled"] else "recycling"),
-            items.stations[0][items.station_kinds == bool(read["recycled"])],
-        )
-    else:
-        word, places = "an item", items.positions[0][(items.stage[0] == LYING) & (read["garbage_seen"] > 0)]
-    if not len(places):
-        return None
-    if read["carrying"] and len(places) > 1 and "Transport" in step.options:
-        return word, -1.0
-    return word, float(np.linalg.norm(space.offsets(worlds.minds.poses.positions[step.robot], places), axis=1).min())
-
-
-def sentence(facts: Facts) -> str:
-    """Return one sentence about what a robot does and because of whom."""
+def sentence(facts: Facts, task: type[Task[Any, Any]]) -> str:
+    """Return one sentence about what a robot does and because of whom, in the words of a task."""
     if facts.state != "at work":
         return "does nothing: it has failed" if facts.state == "failed" else "is not there"
     if facts.stands > 0.0:
@@ -111,12 +90,13 @@ def sentence(facts: Facts) -> str:
         who = f"robot {first}, {away:.1f} m away" + (
             f", and robot {others[0][0]}" if others and facts.share >= NAMED_FROM else ""
         )
-        return f"{_avoiding(facts)} because of {who}; would {f'go to {to}' if to else 'patrol'}"
-    done = [DOING[name] for name in facts.running if name in DOING]
+        wanted = f"go to {to}" if to else next(iter(task.searching.values()), "go on")
+        return f"{_avoiding(facts)} because of {who}; would {wanted}"
+    done = [task.doing[name] for name in facts.running if name in task.doing]
     if done or to:
         return done[0] if done else f"goes to {to}"
-    if PATROLS & set(facts.running):
-        return f"patrols: nothing seen for {facts.unseen:.0f} s"
+    if searching := [task.searching[name] for name in facts.running if name in task.searching]:
+        return f"{searching[0]}s: nothing seen for {facts.unseen:.0f} s"
     return f"runs {' and '.join(facts.running)}" if facts.running else "does nothing: no behaviour runs"
 
 

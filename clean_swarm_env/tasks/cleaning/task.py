@@ -25,7 +25,7 @@ from clean_swarm_env.tasks.cleaning.cargo import (
 )
 from clean_swarm_env.tasks.cleaning.coming import Comings
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
-from clean_swarm_env.tasks.cleaning.cost import mission_cost, unavoidable_cost
+from clean_swarm_env.tasks.cleaning.cost import collision_price, cost_terms, mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.movers import Movers
 from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more, goals_of, network_of_robots
@@ -73,6 +73,10 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         "own_avoiding_s",
     )  # fmt: skip
     tally = Counted("item_stage", DONE, "items dumped")
+    doing = {"PickGarbage": "picks an item", "Recycle": "recycles its item", "Dump": "dumps its leftovers"}
+    searching = {"Patrol": "patrol", "ExplorationPatrol": "patrol"}
+    sees = "garbage_seen"
+    missed = ("unfinished", "left unfinished")
     beside = ("fixed:Off", "Random")  # never to avoid, and any option in each decision period
     thinks_when_driven = always_acts = False
     begins_as_given = True
@@ -232,6 +236,36 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     def unavoidable(self, world: int) -> float:
         """Return the part of the cost that no team could avoid [s], because garbage comes when it comes."""
         return unavoidable_cost(self.world.missions[world], self.comings.came(world))
+
+    def target(self, row: int) -> tuple[str, float] | None:
+        """Return the nearest station for a robot with an item, else the nearest item, if it sees any."""
+        world, minds = row // self.world.robots, self.world.minds
+        if self.world.reading(row, "carrying"):
+            recycled = bool(self.world.reading(row, "recycled"))
+            stations = self.stations[world, self.site.kinds == recycled]
+            chosen = len(stations) > 1 and any(one.model.goal == "Transport" for one in minds.coordinators)
+            return "a dump" if recycled else "recycling", -1.0 if chosen else self.world.nearest(row, stations)
+        lying = self.garbage.positions[world, self.garbage.stage[world] == LYING]
+        seen = self.world.reading(row, self.sees) and len(lying)
+        return ("an item", self.world.nearest(row, lying)) if seen else None
+
+    def items_done(self, world: int) -> int:
+        """Return how many items are dumped."""
+        return int(self.garbage.done[world])
+
+    def spent(self, world: int, values: Mapping[str, Floats]) -> float:
+        """Return the time and the price of the collisions [s]."""
+        counts, terms = self.world.floor.collisions, cost_terms(self.world.missions[world])
+        priced = terms.event * int(counts.events[world, 0]) + terms.sample * int(counts.samples[world, 0])
+        return float(self.world.seconds[world]) + collision_price(priced, terms.limit)
+
+    @classmethod
+    def cost_words(cls, mission: MissionConfig) -> str:
+        """Return the prices of a mission."""
+        left, coming = cost_terms(mission).left, mission.items.keep_coming
+        contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
+        event = f"seconds + {mission.collision_cost:g} s a collision event{contact}"
+        return f"for each item done, {event}" if coming else f"{event} + {left:g} s an item left"
 
     def item_arrays(self) -> ItemArrays:
         """Return items, cargo and stations."""

@@ -21,13 +21,13 @@ CASES = [
 
 def happened(session, robot: int, option: str) -> dict:
     """Let a robot take an option in a session, and return what happens then."""
-    counts, items = session.worlds.collisions, session.worlds.task.item_arrays()
-    before, path = (int(counts.events[0, 0]), int(items.done[0])), [session.worlds.physics.positions[robot].tolist()]
+    counts, task = session.worlds.collisions, session.worlds.task
+    before, path = (int(counts.events[0, 0]), task.items_done(0)), [session.worlds.physics.positions[robot].tolist()]
     session.do({"do": "hold_option", "robots": [robot], "option": option})
     for _ in range(round(FORETOLD / session.period)):
         session.tick()
         path.append(session.worlds.physics.positions[robot].tolist())
-    return {"path": path, "collisions": int(counts.events[0, 0]) - before[0], "items": int(items.done[0]) - before[1]}
+    return {"path": path, "collisions": int(counts.events[0, 0]) - before[0], "items": task.items_done(0) - before[1]}
 
 
 @pytest.mark.parametrize(("strategy", "ticks"), CASES)
@@ -76,6 +76,21 @@ def test_options_of_several_goals_are_held_and_foretold(tmp_path):
     assert {name: foretold["Off"][name] for name in told} == told
     coordinator = other.worlds.minds.coordinator_of("AvoidCollision")
     assert coordinator.model.options[coordinator.held[3]] == "Off"
+
+
+def test_of_a_task_with_measures_these_and_its_cost_are_foretold(tmp_path):
+    session, other = (Session(chosen("Foraging", 1, 0, None, ()), tmp_path / name, minds=False) for name in "ab")
+    for each in (session, other):
+        for _ in range(190):
+            each.tick()
+    (foretold,) = [one for one in session.what_if(3) if one["option"] == "Foraging"]
+    task = other.worlds.task
+    before = task.cost(0, task.result())
+    told = happened(other, 3, "Foraging")
+    assert {name: foretold[name] for name in told} == told
+    assert foretold["measures"] == {name: values[0] for name, values in task.result().items()}
+    assert foretold["cost_s"] == pytest.approx(task.cost(0, task.result()) - before)
+    assert foretold["cost_s"] < 0.0
 
 
 def test_the_end_of_the_mission_ends_what_is_foretold(tmp_path):

@@ -8,13 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.starts import run_seed
+from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.tasks.foraging import Foraging
+from clean_swarm_env.world.explaining import explain_robot
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun
 from tests.clean_swarm_env.courses import difference, snapshot
 from tests.train.commands import changed, command, done, refused
 from train.evaluation.repeat import steps_of, task_of
+from train.evaluation.why import facts_of, sentence
 
 CONDITIONS = [
     {"name": name, "scores": {"AvoidCollision": {name: 2.0}}}
@@ -280,3 +284,15 @@ def test_a_running_coordinator_is_explained_from_inside(evaluated):
     assert (inside["name"], inside["running"], inside["why"]) == ("Avoid", True, "started: ready and active enough")
     idle = next(row for row in range(5) if row not in running)
     assert json.loads(done(*words, idle, "--json"))["coordinators"][0]["inner"] is None
+
+
+def test_a_task_says_in_its_words_what_its_robots_do():
+    mission = load_mission("Foraging")
+    course, said = Course(MissionRun(mission, random_start(mission, 0, 0), 3, {}), explained=True), set()
+    while len(said) < 3:
+        course.tick()
+        for robot in range(course.worlds.robots):
+            facts = facts_of(course.worlds, explain_robot(course.worlds, robot), 3.0)
+            said.add(sentence(facts, Foraging).partition(",")[0])
+            assert facts.target is None or 0.0 < facts.target[1] < 22.0
+    assert said == {"explores: nothing seen for 3 s", "goes to food", "goes to the nest"}

@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 
+from clean_swarm_env.tasks import Cleaning
 from tests.train.commands import done, refused
 from tests.train.replay.conftest import CONDITIONS
 from train.evaluation.why import Facts, sentence
@@ -47,7 +48,7 @@ CASES = {
 
 @pytest.mark.parametrize("expected", CASES)
 def test_the_sentence_follows_the_rules(expected):
-    assert sentence(CASES[expected]) == expected
+    assert sentence(CASES[expected], Cleaning) == expected
 
 
 @pytest.mark.page
@@ -79,7 +80,7 @@ def test_facts_and_inputs_are_those_of_the_command(opened, explained, recordings
         if facts["target"]:
             assert shown["target"][1] == pytest.approx(facts["target"][1], abs=0.003)
         facts = {**shown, "target": tuple(shown["target"]) if shown["target"] else None}
-        assert page.text_content("[data-sentence]") == sentence(Facts(**facts))
+        assert page.text_content("[data-sentence]") == sentence(Facts(**facts), Cleaning)
         avoided += "because of robot" in step["sentence"]
         move = step["policy"].get("AvoidCollision")
         if move is not None and recordings[k]["working"][frame, robot]:
