@@ -1,18 +1,24 @@
-"""Start configurations: random ones by seed, and what a mission makes of given ones.
+"""Start configurations: random ones by seed, those of a file, and what a mission makes of given ones.
 
 Scenario k of seed S draws from `SeedSequence(S, spawn_key=(k,))`, with one child for the robots and one for the items.
 So a scenario does not depend on the number of scenarios or workers, nor do its items depend on the number of robots.
 """
 
 import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.robots import models_of_rows, of_each
-from clean_swarm_env.config.tasks import find_task
+from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
-from selector.documents.errors import validated
+from selector.documents.errors import impossible, shown, validated
+from selector.documents.fields import Closed, Positive
+from selector.documents.reading import read_json
 from selforg.arrays import Floats
 from selforg.space import Torus
 
@@ -136,3 +142,54 @@ def _check_apart(mission: MissionConfig, scenario: str, places: Floats, size: Fl
             away = distances(places[row], others, size)[nearest]
             expected = f"solid robots at least {radii[row] + radii[nearest]:g} m apart"
             raise ConfigurationError(f"scenario {scenario}: robots.{row}: expected {expected}, got {away:.3g} m")
+
+
+class StartsCase(StartConfiguration, extra="ignore"):
+    """One case of a file of start configurations."""
+
+    measured: dict[str, dict[str, float | None]] = Field(default={})
+    """Name of a condition -> figure -> value, as measured on this case by another implementation."""
+
+
+class StartsFile(Closed, extra="ignore"):
+    """A file of start configurations with its torus; keys that no task reads are ignored, for the files of others."""
+
+    torus_m: tuple[Positive, Positive]
+    """Lengths of the torus along x and y [m]."""
+    cases: Annotated[tuple[StartsCase, ...], Field(min_length=1)]
+    """The start configurations, each with the figures measured on it."""
+
+    @model_validator(mode="after")
+    def _unique_ids(self) -> Self:
+        ids = [case.id for case in self.cases]
+        for twice in (one for one in ids if ids.count(one) > 1):
+            raise impossible("cases", "unique ids", f"{twice!r} twice")
+        return self
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Read a JSON file; one that cannot be used raises ConfigurationError."""
+        return validated(cls, read_json(path), shown(path))
+
+    @property
+    def starts(self) -> tuple[StartConfiguration, ...]:
+        """The start configurations alone."""
+        return tuple(StartConfiguration(id=c.id, robots=c.robots, items=c.items) for c in self.cases)
+
+    @property
+    def measured(self) -> Mapping[str, Mapping[str, Mapping[str, float | None]]]:
+        """Scenario -> name of a condition -> figure -> value."""
+        return {case.id: case.measured for case in self.cases}
+
+    def task_of(self, mission: MissionConfig) -> TaskSettings:
+        """Return the settings of the task of a mission with what this file says of it."""
+        return mission.task
+
+    def world_of(self, mission: MissionConfig) -> MissionConfig:
+        """Return `mission` on the torus of this file, with what it says of the task."""
+        width, height = self.torus_m
+        world = mission.world.model_copy(update={"width": width, "height": height})
+        parts = {"world": world.model_dump(), "task": self.task_of(mission).model_dump()}
+        return validated(
+            MissionConfig, {**mission.model_dump(), **parts}, "the mission on the torus of this file", own=True
+        )

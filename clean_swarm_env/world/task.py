@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, create_model
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import StartsFile
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.staged import StagedTask
@@ -65,6 +66,8 @@ class Task(StagedTask, ABC, Generic[S, T]):
             looks for something, as a verb, such as "explore".
         sees: the sensor of robots that see what they look for.
         missed: head of the column, and words, of missions that were not completed.
+        excess: what a cost is beyond the part that nobody can avoid.
+        Starts: what files of start configurations say.
         world, settings, state: the worlds, the settings, and the arrays of this task.
 
     """
@@ -80,10 +83,12 @@ class Task(StagedTask, ABC, Generic[S, T]):
         "command", "things", "neighbour", "crowd", "movement", "facts", "task", "time", "holds",
     )  # fmt: skip
     counted: ClassVar[tuple[str, ...]] = ("own_collisions", "own_contact_s")
+    Starts: ClassVar[type[StartsFile]] = StartsFile
     doing: ClassVar[Mapping[str, str]] = {}
     searching: ClassVar[Mapping[str, str]] = {}
     sees: ClassVar[str] = ""
-    missed: ClassVar[tuple[str, str]] = ("missed", "ended short of a target")
+    missed: ClassVar[tuple[str, str]] = ("missed", "left short of a target")
+    excess: ClassVar[str] = "the cost less the part that no strategy can avoid"
     beside: ClassVar[tuple[str, ...]] = ()
 
     settings: S

@@ -27,6 +27,7 @@ from rich.console import Console
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
 from clean_swarm_env.learning.warm_up import usable_cpus
+from clean_swarm_env.tasks import Cleaning
 from docs.comparison.claims import too_few
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
@@ -44,7 +45,6 @@ from train.evaluation.base import Done
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.pipeline import evaluate
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
-from train.reports.family_tables import EXCESS
 from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
 from train.request import Request
 from train.running.needs import Machine
@@ -257,7 +257,7 @@ def excess_publication(
         rows.append((label, share_cell(share), f"{excess.value:.1f}", *cells))
     heads = ("strategy", "unfinished", "excess s", head, "95 %")
     few = too_few(runs.scenarios, len(ratios))
-    grid = Grid(f"{runs.family.name}: {title}", heads, rows, notes=(*notes, EXCESS, *few))
+    grid = Grid(f"{runs.family.name}: {title}", heads, rows, notes=(*notes, f"excess: {Cleaning.excess}", *few))
     content = {"family": runs.family.name, "strategies": summary, "notes": list(notes)}
     said = [*verdict, *ranking.sentences(), *filter(None, [unfinished_sentence(left, ranking)])][:MOST_SENTENCES]
     return Publication(runs.family.name, runs.family.description, said, [grid], content)

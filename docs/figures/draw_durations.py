@@ -16,7 +16,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from clean_swarm_env.tasks.cleaning.starts_file import load_starts
+from clean_swarm_env.tasks.cleaning.starts_file import CleaningStarts
 
 CONDITIONS = {
     "RepulsionFernandez-view2.0": ("RepulsionFernandez, view 2.0", "#D55E00"),
@@ -37,7 +37,7 @@ def our_durations(directories: Sequence[Path], condition: str) -> list[float]:
 
 def main(starts: Path, directories: Sequence[Path]) -> None:
     """Draw the share of missions that are over, against time; steps are data, circles the means."""
-    measured = load_starts(starts).measured
+    measured = CleaningStarts.read(starts).measured
     figure, axes = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for condition, (name, colour) in CONDITIONS.items():
         theirs = [figures[name]["duration_s"] for figures in measured.values() if name in figures]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from clean_swarm_env.config.load import load_experiment, load_family, load_mission, load_robustness
-from clean_swarm_env.tasks.cleaning.starts_file import load_starts
+from clean_swarm_env.tasks.cleaning.starts_file import CleaningStarts
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import trial_host
 from selector.configurations.library import library_of
@@ -53,7 +53,7 @@ READERS: dict[str, Callable[[Path], object]] = {
 KINDS = tuple(READERS)
 """The kinds of YAML documents."""
 READERS |= {
-    "given starts": load_starts,
+    "given starts": CleaningStarts.read,
     "exported store": contents.read,
 }
 

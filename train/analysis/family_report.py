@@ -97,7 +97,7 @@ class FamilyReport:
     comparison: StrategyComparison | None
     """None without fixed options to compare with."""
     measured: Sequence[MeasuredStrategy]
-    """Measures of the task under each strategy; empty for cleaning."""
+    """Measures of the task under each strategy; empty for a task that has prices instead."""
 
     @cached_property
     def left(self) -> dict[str, Floats]:
@@ -120,7 +120,7 @@ class FamilyReport:
         """What came out, in one to three sentences."""
         random = RANDOM in self.runs.conditions
         tried = [label for label in self.runs.conditions if random and label not in (*self.runs.fixed, RANDOM)]
-        word = "left short of a target" if self.measured else "left unfinished"
+        word = task_class(self.runs.family.mission).missed[1]
         found = self.ranking.sentences((NEVER_AVOIDS, BASELINE, RANDOM), tried)
         return [*found, *filter(None, [unfinished_sentence(self.left, self.ranking, word)])]
 
@@ -178,7 +178,7 @@ def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
 
 
 def censored(runs: FamilyRuns) -> dict[str, Floats]:
-    """Return `unfinished_of`, of cleaning alone: the costs of other tasks are known however a mission ends."""
+    """Return `unfinished_of` where a task has no measures: by these, costs are known however a mission ends."""
     return {} if task_class(runs.family.mission).measures else unfinished_of(runs)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.task import task_class
+from clean_swarm_env.world.task import Task, task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Flags, Floats
 from train.analysis.intervals import Interval, Ratio
@@ -95,7 +95,12 @@ class Report:
     own_starts: bool
     """Whether the scenarios are those of the experiment, for each of which figures may have been published."""
     measured_by_task: Sequence[MeasuredStrategy]
-    """Measures of the task under each condition; empty for cleaning."""
+    """Measures of the task under each condition; empty for a task that has prices instead."""
+
+    @property
+    def task(self) -> type[Task[Any, Any]]:
+        """The class of the task."""
+        return task_class(self.experiment.mission)
 
 
 def agreements(report: Report) -> list[Agreement]:
@@ -144,8 +149,7 @@ def verdict_of(report: Report) -> list[str]:
     others = [f"{one.what} ({amount(one.ours)}, {source} {amount(one.theirs)})" for one in known if not one.agrees]
     said = f"{len(known) - len(others)} of {len(known)} figures agree with those {those}"
     compared = [f"{said}{'; not: ' * bool(others)}{'; '.join(others[:MOST_NAMED])}."] if known else []
-    word = "left short of a target" if report.measured_by_task else "left unfinished"
-    unfinished = unfinished_sentence(report.left, ranking, word)
+    unfinished = unfinished_sentence(report.left, ranking, report.task.missed[1])
     return [*ranking.sentences()[: 1 if compared else 2], *compared, *filter(None, [unfinished])]
 
 

@@ -11,7 +11,6 @@ from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.tasks.cleaning.starts_file import load_starts
 from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
 from selector.documents.errors import shown, within
@@ -128,7 +127,7 @@ def with_starts(experiment: ExperimentConfig, request: Request) -> tuple[Experim
     if request.starts is not None:
         if request.scenarios is not None:
             raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
-        given, path = load_starts(request.starts), str(request.starts)
+        given, path = task_class(experiment.mission).Starts.read(request.starts), str(request.starts)
         with within(shown(request.starts)):
             mission = given.world_of(experiment.mission)
         changes = {"mission": mission, "starts": given.starts}

@@ -13,7 +13,7 @@ from train.analysis.flips import fewest
 from train.analysis.intervals import Interval, corrected_ps
 from train.analysis.report import Report, agreements, ranking_of_conditions
 from train.analysis.statistics import COST, distance_metrics, share_cell, summarise
-from train.reports.ranking_table import MISSED, TELLS, UNFINISHED, p_cell, ranking_table, share_bounds
+from train.reports.ranking_table import AT_MOST, TELLS, p_cell, ranking_table, share_bounds
 from train.reports.task_tables import VERDICTS, measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid
 
@@ -46,7 +46,7 @@ def all_tables(report: Report) -> list[Grid]:
 
 def conditions_table(report: Report) -> Grid:
     """Return the conditions, the fastest or cheapest first."""
-    own, columns = report.figures, {MISSED if report.measured_by_task else UNFINISHED: share_bounds(report.left)}
+    own, columns = report.figures, {report.task.missed[0] + AT_MOST: share_bounds(report.left)}
     for one in report.measured_by_task:
         columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
     for metric, head in SHOWN.items() if not report.measured_by_task else ():
@@ -145,7 +145,7 @@ def _measured(report: Report, condition: str, metric: str) -> _Column:
 def _notes(report: Report) -> tuple[str, ...]:
     mission = report.experiment.mission
     if report.measured_by_task:
-        return (f"cost: {mission.time_limit:g} s times the measure that is worst by its target.",)
+        return (f"cost: {report.task.cost_words(mission)}.",)
     notes = [
         f"coll/s: pairs closer than {mission.collision_distances[0]:g} m, counted {mission.world.physics_rate:g} times"
         " per second."

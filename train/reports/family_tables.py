@@ -7,19 +7,19 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from clean_swarm_env.tasks.cleaning.cost import LEFT_LIMITS
+from clean_swarm_env.world.task import task_class
 from train.analysis.family_report import FamilyReport
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
 from train.deciders.named import FIXED, MACHINE, POLICY
-from train.reports.ranking_table import MISSED, UNFINISHED, ranking_table, share_bounds
+from train.reports.ranking_table import AT_MOST, ranking_table, share_bounds
 from train.reports.task_tables import measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 
 MEANS = {"duration_s": "duration s", "events": "events", "contact_s": "contact s", "items": "items"}
-"""Figure of cleaning -> head of its column."""
+"""Figure of a task with prices -> head of its column."""
 MEANINGS = {
     FIXED: "all robots hold the option that follows",
     f"{FIXED}:Off": "no robot avoids others",
@@ -28,7 +28,6 @@ MEANINGS = {
     RANDOM: "any option, drawn anew at every decision",
 }
 """Name or kind of a strategy -> what it does, in words."""
-EXCESS = "excess: the cost less the time until items arrive, which no strategy can avoid"
 MULTIPLES = {
     "completed": ("completed %", 100.0),
     "duration_s": ("duration s", 1.0),
@@ -46,12 +45,12 @@ def family_tables(report: FamilyReport) -> list[Grid]:
 
 
 def _ranked(report: FamilyReport) -> Grid:
-    runs, own = report.runs, report.summaries
-    columns = {MISSED if report.measured else UNFINISHED: share_bounds(report.left)}
+    runs, own, mission = report.runs, report.summaries, report.runs.missions[0]
+    task = task_class(mission)
+    columns = {task.missed[0] + AT_MOST: share_bounds(report.left)}
     for one in report.measured:
         columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
     if not report.measured:
-        mission = runs.missions[0]
         told = {
             "duration_s": True,
             "events": True,
@@ -60,7 +59,8 @@ def _ranked(report: FamilyReport) -> Grid:
         }
         columns |= {MEANS[name]: {label: amount(own[label][name].mean) for label in own} for name in told if told[name]}
     title = f"{runs.family.name}: {runs.scenarios} scenario{'s' * (runs.scenarios > 1)}, seed {runs.seed}"
-    notes = (cost_line(report), *([EXCESS] if report.compared == "excess" else []), *_meanings(own))
+    excess = [f"excess: {task.excess}"] if report.compared == "excess" else []
+    notes = (f"cost: {task.cost_words(mission)}", *excess, *_meanings(own))
     return ranking_table(title, report.ranking, f"{report.compared} s", columns, notes)
 
 
@@ -69,17 +69,6 @@ def _meanings(labels: Iterable[str]) -> list[str]:
     names = {name for label in labels for name in (label, label.partition(":")[0])}
     said = [f"{name}: {meaning}" for name, meaning in MEANINGS.items() if name in names]
     return [f"{'; '.join(said)}."] if said else []
-
-
-def cost_line(report: FamilyReport) -> str:
-    """Return what a cost is made of."""
-    mission = report.runs.missions[0]
-    if report.measured:
-        return f"cost: {mission.time_limit:g} s times the measure that is worst by its target"
-    every = "for each item done, " if mission.items.keep_coming else ""
-    contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
-    left = "" if mission.items.keep_coming else f" + {LEFT_LIMITS * mission.time_limit:g} s an item left"
-    return f"cost: {every}seconds + {mission.collision_cost:g} s a collision event{contact}{left}"
 
 
 def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:

@@ -16,8 +16,8 @@ LETTERS = 20
 """Width of a drawn cell."""
 LARGEST_RATIO = 1_000
 """Ends of intervals of ratios beyond this one say nothing: there are too few scenarios."""
-UNFINISHED, MISSED = "unfinished (at most)", "missed (at most)"
-"""Heads of the column of missions that were not completed: the share, and the upper 95 % bound of it."""
+AT_MOST = " (at most)"
+"""End of the head of the column of missions that were not completed: the share, and the upper 95 % bound of it."""
 TELLS = "p: sign flips of missions that both finish, and of shares unfinished, by Holm over the table; told below 0.05"
 """How strategies are told apart, in a line."""
 

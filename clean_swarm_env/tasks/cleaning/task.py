@@ -32,6 +32,7 @@ from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more,
 from clean_swarm_env.tasks.cleaning.rounds import Rounds
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
+from clean_swarm_env.tasks.cleaning.starts_file import CleaningStarts
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.shown import MANY, ROBOT, WORLD, Counted, Drawn, Shown
 from clean_swarm_env.world.task import Task
@@ -73,10 +74,12 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         "own_avoiding_s",
     )  # fmt: skip
     tally = Counted("item_stage", DONE, "items dumped")
+    Starts = CleaningStarts
     doing = {"PickGarbage": "picks an item", "Recycle": "recycles its item", "Dump": "dumps its leftovers"}
     searching = {"Patrol": "patrol", "ExplorationPatrol": "patrol"}
     sees = "garbage_seen"
     missed = ("unfinished", "left unfinished")
+    excess = "the cost less the time until items arrive, which no strategy can avoid"
     beside = ("fixed:Off", "Random")  # never to avoid, and any option in each decision period
     thinks_when_driven = always_acts = False
     begins_as_given = True

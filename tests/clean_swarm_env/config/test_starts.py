@@ -12,7 +12,9 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start, nearest_distance, random_start, run_seed
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.tasks.cleaning.draws import Places
-from clean_swarm_env.tasks.cleaning.starts_file import load_starts
+from clean_swarm_env.tasks.cleaning.starts_file import CleaningStarts
+from clean_swarm_env.tasks.foraging import Foraging
+from clean_swarm_env.world.mission import Course, MissionRun
 from selector.documents.errors import shown
 
 
@@ -122,7 +124,7 @@ def _file(tmp_path, content: object):
 
 
 def test_a_file_of_starts_brings_its_world_and_counts(tmp_path):
-    starts = load_starts(_file(tmp_path, FILE))
+    starts = CleaningStarts.read(_file(tmp_path, FILE))
     mission = starts.world_of(MissionConfig())
     assert (mission.world.width, mission.world.height) == (10.0, 12.0)
     assert (mission.task.stations.recycling, mission.task.stations.dump) == ((1.0, 2.0), (3.0, 4.0))
@@ -132,9 +134,17 @@ def test_a_file_of_starts_brings_its_world_and_counts(tmp_path):
     assert starts.measured == {"101": {"a": {"duration_s": 3.5}}}
 
 
+def test_a_file_of_starts_says_where_robots_of_another_task_begin(tmp_path):
+    starts = Foraging.Starts.read(_file(tmp_path, {"torus_m": [24, 26], "cases": [CASE | {"items": []}]}))
+    mission = for_start(starts.world_of(load_mission("Foraging")), starts.starts[0])
+    course = Course(MissionRun(mission, starts.starts[0], 3, {}))
+    assert course.worlds.extent.tolist() == [24.0, 26.0]
+    assert course.worlds.physics.positions.tolist() == [[1.0, 1.0], [3.0, 1.0]]
+
+
 def test_measured_figures_and_further_keys_are_optional(tmp_path):
     case = {key: value for key, value in CASE.items() if key != "measured"} | {"note": "mine"}
-    starts = load_starts(_file(tmp_path, FILE | {"cases": [case], "source": "elsewhere"}))
+    starts = CleaningStarts.read(_file(tmp_path, FILE | {"cases": [case], "source": "elsewhere"}))
     assert starts.measured == {"101": {}}
 
 
@@ -154,7 +164,7 @@ def test_measured_figures_and_further_keys_are_optional(tmp_path):
 def test_a_malformed_file_of_starts_is_one_line(tmp_path, content, expected):
     path = _file(tmp_path, content)
     with pytest.raises(ConfigurationError) as caught:
-        load_starts(path)
+        CleaningStarts.read(path)
     assert expected in str(caught.value)
     assert str(caught.value).startswith(f"{shown(path)}: ")
     assert "\n" not in str(caught.value)
