@@ -184,7 +184,8 @@ class Course:
 def result_of(worlds: Worlds, world: int) -> MissionResult:
     """Return the result of a world up to now."""
     task, values = worlds.task, worlds.task.result()
-    ticks, done = int(worlds.ticks[world]), task.items_done(world)
+    ticks, totals = int(worlds.ticks[world]), task.totals()
+    done = int(totals["garbage_done"][world]) if "garbage_done" in totals else 0
     time = max(ticks, 1) * worlds.period
     events, samples = worlds.collisions.events[world], worlds.collisions.samples[world]
     return MissionResult(

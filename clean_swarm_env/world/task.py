@@ -25,7 +25,7 @@ from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.documents.errors import validated
 from selector.knowledge import Knowledge
-from selforg.arrays import KEPT, Flags, Floats
+from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.plugins import is_own
 
@@ -165,9 +165,9 @@ class Task(StagedTask, ABC, Generic[S, T]):
         """Return the word for where the robot of a row wants to go, and its distance [m], -1 if it is not known."""
         return None
 
-    def items_done(self, world: int) -> int:
-        """Return how many items of a world are done, for results; 0 for a task that has measures instead."""
-        return 0
+    def totals(self) -> Mapping[str, Ints]:
+        """Return numbers of each mission so far, which infos have beside the measures: name -> (W,)."""
+        return {}
 
     def spent(self, world: int, values: Mapping[str, Floats]) -> float:
         """Return what the mission of a world has cost so far [s]: what it costs if it ends now; `values`: of `result`.

@@ -6,8 +6,9 @@ drawn in pairs); ratios between two conditions agree when their two intervals me
 """
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -36,43 +37,17 @@ Measured = Mapping[str, Mapping[str, Mapping[str, float | None]]]
 
 
 @dataclass(frozen=True)
-class MeanBesideMeasured:
-    """The mean of one figure under one condition, ours and the measured one, over `n` scenarios."""
-
-    condition: str
-    metric: str
-    n: int
-    ours: float
-    measured: float
-    ratio: float | None
-    """Ours / measured."""
-    ci95: Interval | None
-    agrees: bool | None
-    """Whether 1 lies in the interval; None without an interval."""
-
-
-@dataclass(frozen=True)
-class RatioBesideMeasured:
-    """The ratio of one figure between the conditions a and b, ours and the measured one, over `n` scenarios."""
-
-    a: str
-    b: str
-    metric: str
-    n: int
-    ours: Ratio
-    measured: Ratio
-    agrees: bool | None
-
-
-@dataclass(frozen=True)
 class Agreement:
-    """One of our figures beside that of the paper, or the measured one."""
+    """One of our figures beside that of the paper, or the measured one; a mean or the ratio of two conditions."""
 
     what: str
     ours: float
     theirs: float
+    """NaN for a ratio that there is not."""
     agrees: bool | None
     """Whether the intervals meet, or 1 is in that of the ratio on the same starts; None without intervals."""
+    content: Mapping[str, Any] = field(default_factory=dict)
+    """For `summary.json`, of those that were measured."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +63,8 @@ class Report:
     """Condition -> metric -> summary."""
     comparisons: Mapping[tuple[str, str, str], Ratio]
     """Conditions a and b, metric -> ratio of the means."""
-    means: Sequence[MeanBesideMeasured]
-    ratios: Sequence[RatioBesideMeasured]
+    means: Sequence[Agreement]
+    ratios: Sequence[Agreement]
     """Comparisons with measured figures; empty without them."""
     measured: Measured
     own_starts: bool
@@ -105,11 +80,7 @@ class Report:
 
 def agreements(report: Report) -> list[Agreement]:
     """Return what there is beside our figures: measured on the same starts, else published with the experiment."""
-    found = [Agreement(_words(m.metric, m.condition), m.ours, m.measured, m.agrees) for m in report.means]
-    for r in report.ratios:
-        if r.ours.ratio is not None and r.measured.ratio is not None:
-            what = _words(r.metric, f"{r.a} / {r.b}")
-            found.append(Agreement(what, r.ours.ratio, r.measured.ratio, r.agrees))
+    found = [*report.means, *(one for one in report.ratios if math.isfinite(one.ours + one.theirs))]
     if found or report.experiment.reference is None:
         return found
     published = report.experiment.reference.figures
@@ -216,16 +187,14 @@ def summary_of(report: Report) -> dict[str, Any]:
         "comparisons": [
             {"a": a, "b": b, "metric": metric, **ratio.content} for (a, b, metric), ratio in report.comparisons.items()
         ],
-        "reference": [asdict(mean) for mean in report.means],
-        "reference_ratios": [
-            {**asdict(ratio), "ours": ratio.ours.content, "measured": ratio.measured.content} for ratio in report.ratios
-        ],
+        "reference": [mean.content for mean in report.means],
+        "reference_ratios": [ratio.content for ratio in report.ratios],
     }
 
 
 def _compared_with_measured(
     figures: Figures, measured: Measured, conditions: Sequence[ConditionConfig], metrics: Sequence[str]
-) -> tuple[list[MeanBesideMeasured], list[RatioBesideMeasured]]:
+) -> tuple[list[Agreement], list[Agreement]]:
     """Compare each metric under each condition, and its ratio between any two conditions, with what was measured."""
     found = {
         (condition.name, metric): _beside_measured(figures, measured, condition, metric)
@@ -234,8 +203,8 @@ def _compared_with_measured(
     }
     means = [_mean(*key, values) for key, values in found.items() if values[2].any()]
     pairs = itertools.combinations([condition.name for condition in conditions], 2)
-    ratios = [_ratio(a, b, metric, found[a, metric], found[b, metric]) for a, b in pairs for metric in metrics]
-    return means, [ratio for ratio in ratios if ratio is not None]
+    both = [(a, b, metric, found[a, metric], found[b, metric]) for a, b in pairs for metric in metrics]
+    return means, [_ratio(*each) for each in both if (each[3][2] & each[4][2]).any()]
 
 
 Beside = tuple[Floats, Floats, Flags]
@@ -248,21 +217,22 @@ def _beside_measured(figures: Figures, measured: Measured, condition: ConditionC
     return figures.values[metric][figures.conditions.index(condition.name)], np.array(values), np.array(exist)
 
 
-def _mean(condition: str, metric: str, beside: Beside) -> MeanBesideMeasured:
-    all_ours, all_values, exist = beside
-    ours, values = all_ours[exist], all_values[exist]
-    found, means = Ratio.of(ours, values), (float(ours.mean()), float(values.mean()))
+def _mean(condition: str, metric: str, beside: Beside) -> Agreement:
+    ours, theirs = (values[beside[2]] for values in beside[:2])
+    found, (mine, other) = Ratio.of(ours, theirs), (float(ours.mean()), float(theirs.mean()))
     agrees = None if found.ci95 is None else found.ci95[0] <= 1.0 <= found.ci95[1]
-    return MeanBesideMeasured(condition, metric, len(ours), *means, found.ratio, found.ci95, agrees)
+    content = {"condition": condition, "metric": metric, "n": len(ours), "ours": mine, "measured": other}
+    content |= {"ratio": found.ratio, "ci95": found.ci95, "agrees": agrees}
+    return Agreement(_words(metric, condition), mine, other, agrees, content)
 
 
-def _ratio(a: str, b: str, metric: str, first: Beside, second: Beside) -> RatioBesideMeasured | None:
-    (ours_a, values_a, exist_a), (ours_b, values_b, exist_b) = first, second
-    both = exist_a & exist_b
-    if not both.any():
-        return None
-    ours, measured = Ratio.of(ours_a[both], ours_b[both]), Ratio.of(values_a[both], values_b[both])
-    return RatioBesideMeasured(a, b, metric, int(both.sum()), ours, measured, _meet(ours.ci95, measured.ci95))
+def _ratio(a: str, b: str, metric: str, first: Beside, second: Beside) -> Agreement:
+    both = first[2] & second[2]
+    ours, theirs = (Ratio.of(one[both], other[both]) for one, other in zip(first[:2], second[:2], strict=True))
+    agrees = _meet(ours.ci95, theirs.ci95)
+    content = {"a": a, "b": b, "metric": metric, "n": int(both.sum()), "ours": ours.content, "measured": theirs.content}
+    mine, other = (math.nan if one.ratio is None else one.ratio for one in (ours, theirs))
+    return Agreement(_words(metric, f"{a} / {b}"), mine, other, agrees, {**content, "agrees": agrees})
 
 
 def _meet(first: Interval | None, second: Interval | None) -> bool | None:

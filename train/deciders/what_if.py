@@ -108,7 +108,8 @@ class WhatIf:
     def _figures(self) -> tuple[float, ...]:
         """Return collisions and items of the copy so far, and what it has cost [s]."""
         worlds, task = self._copy.worlds, self._copy.worlds.task
-        return int(worlds.collisions.events[0, 0]), task.items_done(0), task.spent(0, task.result())
+        items = sum(int(count[0]) for count in task.totals().values())
+        return int(worlds.collisions.events[0, 0]), items, task.spent(0, task.result())
 
     def _ticks(self, decider: Decider, observations: Observations, held: Ints) -> Iterator[None]:
         """Run the copy for the time that is foretold, or to the end of the mission; yield after each control period."""

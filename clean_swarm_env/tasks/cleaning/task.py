@@ -252,9 +252,9 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         seen = self.world.reading(row, self.sees) and len(lying)
         return ("an item", self.world.nearest(row, lying)) if seen else None
 
-    def items_done(self, world: int) -> int:
-        """Return how many items are dumped."""
-        return int(self.garbage.done[world])
+    def totals(self) -> dict[str, Ints]:
+        """Return the items dumped."""
+        return {"garbage_done": self.garbage.done}
 
     def spent(self, world: int, values: Mapping[str, Floats]) -> float:
         """Return the time and the price of the collisions [s]."""

@@ -79,18 +79,18 @@ def _with_measured(factor, scenarios=("1", "2", "3", "4")):
 
 @pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (2.0, False)])
 def test_means_agree_with_equal_measured_ones_and_not_with_others(factor, agrees):
-    found = {m.metric: m for m in _with_measured(factor).means}
+    found = {m.content["metric"]: m.content for m in _with_measured(factor).means}
     assert set(found) == {"duration_s", "samples_per_s_at_0.55m"}
-    assert found["duration_s"].ratio == pytest.approx(1.0 / factor)
-    assert found["duration_s"].n == 4
-    assert (abs(found["duration_s"].ratio - 1.0) < 1e-9) == agrees
+    assert found["duration_s"]["ratio"] == pytest.approx(1.0 / factor)
+    assert found["duration_s"]["n"] == 4
+    assert (abs(found["duration_s"]["ratio"] - 1.0) < 1e-9) == agrees
     if not agrees:
-        assert found["duration_s"].agrees is False
+        assert found["duration_s"]["agrees"] is False
 
 
 def test_only_scenarios_with_measured_figures_count():
     found = _with_measured(1.0, scenarios=("2", "9")).means[0]
-    assert (found.n, found.ours, found.measured) == (1, 24.0, 24.0)
+    assert (found.content["n"], found.ours, found.theirs) == (1, 24.0, 24.0)
     assert found.agrees is None
     assert not _report(measured=_measured(["7"])).means
 
@@ -101,9 +101,9 @@ def test_ratios_beside_measured_ones_take_the_scenarios_of_both():
         str(k): {"A": {"duration_s": 6.0 * k}, **({"B": {"duration_s": 1.0 * k}} if k < 4 else {})} for k in range(1, 5)
     }
     (found,) = report_of(experiment(scenarios=4), 3, records, measured, own_starts=False).ratios
-    assert (found.a, found.b, found.n) == ("a", "b", 3)
-    assert found.ours.ratio == pytest.approx(3.0)
-    assert found.measured.ratio == pytest.approx(6.0)
+    assert [found.content[name] for name in "abn"] == ["a", "b", 3]
+    assert found.ours == pytest.approx(3.0)
+    assert found.theirs == pytest.approx(6.0)
     assert found.agrees is False  # paired and proportional: both intervals have no width
 
 
