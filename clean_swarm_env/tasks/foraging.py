@@ -1,5 +1,6 @@
 """Foraging: robots find food, bring it to the nest, and lay a trail by which others find it."""
 
+from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
@@ -66,13 +67,12 @@ class Foraging(Task[TaskSettings, Food]):
         """Forget what robots in `rows` (K,) carried that are taken away or fail: nobody brings it."""
         self.state.carried[rows] = False
 
-    def target(self, row: int) -> tuple[str, float] | None:
+    def target(self, row: int, read: Mapping[str, float]) -> tuple[str, float] | None:
         """Return the nest for a robot with an item, else the nearest food, if it sees any."""
         world = self.world
-        if world.reading(row, "carrying"):
+        if read.get("carrying"):
             return "the nest", world.nearest(row, world.ground.centre[None])
-        seen = world.reading(row, self.sees)
-        return ("food", world.nearest(row, self.state.patches[row // world.robots])) if seen else None
+        return ("food", world.nearest(row, self.state.patches[row // world.robots])) if read.get(self.sees) else None
 
     def after_moving(self) -> None:
         """Count the items that robots have put down at the nest."""

@@ -116,7 +116,7 @@ TASK_PROMISES: Final[Promises] = {
         ),
     ),
     **dict.fromkeys(
-        ("cost", "unavoidable", "duration"),
+        ("cost", "spent", "unavoidable", "duration"),
         (
             "finite seconds, at least 0",
             lambda task, answer, *_: isinstance(answer, int | float | np.number) and 0.0 <= answer < np.inf,
@@ -147,7 +147,15 @@ TASK_PROMISES: Final[Promises] = {
         ),
     ),
     "start_tick": ("None, or rows of robots at work, in rising order, as a whole array of int64 (K,)", _rows),
-    "headline": ("a text", lambda task, answer, *_: isinstance(answer, str)),
+    **dict.fromkeys(("headline", "cost_words"), ("a text", lambda task, answer, *_: isinstance(answer, str))),
+    "target": (
+        "None, or a word and finite metres",
+        lambda task, answer, *_: (
+            answer is None
+            or (isinstance(answer, tuple) and _all(str, answer[:1]) and len(answer) == 2 and are_numbers(answer[1]))
+        ),
+    ),
+    "totals": (OF_WORLDS, lambda task, answer: _by_name(answer, task.world.worlds)),
     "hindered": ("seconds and a flag", lambda task, answer, *_: isinstance(answer, tuple) and len(answer) == 2),
     "item_arrays": ("ItemArrays", lambda task, answer, *_: isinstance(answer, ItemArrays)),
     "shown": ("a tuple of Shown, of as many robots, worlds and things as there are", _shown),

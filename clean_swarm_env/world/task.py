@@ -42,8 +42,9 @@ class Task(StagedTask, ABC, Generic[S, T]):
     You write `measures` and `result`.
 
     You may write what there is (`State`, `sizes`, `place`, `things`, `known`), how it goes on (`after_moving`, `done`,
-    `bend`, `command`, `lead`), what learners see and get (`observe`, `reward`, `terms`, `counted`), and how the task
-    looks (`shown`, `drawn`, `headline`). You never need to loop over robots, and will not need the rest: robots start
+    `bend`, `command`, `lead`), what learners see and get (`observe`, `reward`, `terms`, `counted`), how the task looks
+    (`shown`, `drawn`, `headline`), and what is said of it (`doing`, `searching`, `sees`, `target`, `totals`, `spent`,
+    `cost_words`, `missed`, `excess`). You never need to loop over robots, and will not need the rest: robots start
     anywhere, nothing else is there, and the mission ends with its time.
 
     A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
@@ -161,8 +162,11 @@ class Task(StagedTask, ABC, Generic[S, T]):
         """Return the rewards (R,) of the last decision period; None: what the measures have gained (`rewards`)."""
         return None
 
-    def target(self, row: int) -> tuple[str, float] | None:
-        """Return the word for where the robot of a row wants to go, and its distance [m], -1 if it is not known."""
+    def target(self, row: int, read: Mapping[str, float]) -> tuple[str, float] | None:
+        """Return where the robot of a row wants to go by what its sensors have `read`: a word, and the distance [m].
+
+        The distance is -1 if it is not known.
+        """
         return None
 
     def totals(self) -> Mapping[str, Ints]:

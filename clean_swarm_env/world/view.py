@@ -107,12 +107,6 @@ class World:
         """Return a setting of each robot (R,) by its model; see `RobotModel`."""
         return np.tile(self.mission.of_each(key), self.worlds)
 
-    def reading(self, row: int, sensor: str) -> float:
-        """Return what a sensor of the robot of a row read last; 0 if there is no such sensor."""
-        network = self.minds.network
-        column = network.model.sensor_index.get(sensor)
-        return 0.0 if column is None else float(network.readings[row, column])
-
     def nearest(self, row: int, places: Floats) -> float:
         """Return the distance from where the robot of a row decided last to the nearest of `places` (K, 2) [m]."""
         return float(self.ground.distances(self.minds.poses.positions[row], places).min())

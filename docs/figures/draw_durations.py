@@ -16,7 +16,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from clean_swarm_env.tasks.cleaning.starts_file import CleaningStarts
+from clean_swarm_env.tasks.cleaning.missions import CleaningStarts
 
 CONDITIONS = {
     "RepulsionFernandez-view2.0": ("RepulsionFernandez, view 2.0", "#D55E00"),

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from clean_swarm_env.config.load import load_experiment, load_family, load_mission, load_robustness
-from clean_swarm_env.tasks.cleaning.starts_file import CleaningStarts
+from clean_swarm_env.tasks.cleaning.missions import CleaningStarts
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import trial_host
 from selector.configurations.library import library_of

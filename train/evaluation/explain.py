@@ -56,7 +56,8 @@ def explained(
             places.append(worlds.minds.poses.positions[robot].copy())
         places.append(worlds.physics.positions[robot].copy())
         running.append(worlds.network.executing[robot] == 1)
-        unseen.append(worlds.world.reading(robot, worlds.task.sees) == 0.0)
+        seen = worlds.network.model.sensor_index.get(worlds.task.sees, -1)
+        unseen.append(seen < 0 or worlds.network.readings[robot, seen] == 0.0)
     step, period = explain_robot(worlds, robot), worlds.period
     ways = Torus(*worlds.extent).offsets(places[-2], np.array(places[:-1]))
     stayed = _latest(np.linalg.norm(ways, axis=1) < STILL) - 1

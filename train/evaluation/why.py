@@ -69,7 +69,7 @@ def facts_of(worlds: Worlds, step: RobotStep, unseen: float) -> Facts:
         heading=atan2(*poses.own[row, 0, [c.POSE_HEADING + 1, c.POSE_HEADING]]),
         causes=tuple(near),
         share=round(float(movements.shares[row, 1]), 3),  # as recordings hold it
-        target=worlds.task.target(row),
+        target=worlds.task.target(row, step.network.readings),
         unseen=unseen,
     )
 

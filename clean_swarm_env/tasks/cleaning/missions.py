@@ -11,6 +11,7 @@ from clean_swarm_env.config.events import Land, MoveSpots, MoveStations, Respawn
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.free_places import check_place
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import StartsFile
 from clean_swarm_env.config.tasks import ItemCounts
 from clean_swarm_env.config.types import Point
 from clean_swarm_env.tasks.cleaning.draws import Places, Room, draw_events, random_spots, random_stations
@@ -133,3 +134,18 @@ def _rows_of_items(family: FamilyConfig) -> int:
     continuous = family.respawn[1] > 0.0 or coming
     capacity = settings_of(family.mission).garbage.capacity
     return max(most + landing, capacity or (4 * most if continuous else 0))
+
+
+class CleaningStarts(StartsFile):
+    """A file of start configurations with its torus and stations."""
+
+    recycling: Point
+    """Position of the recycling station [m]."""
+    dump: Point
+    """Position of the dump station [m]."""
+
+    def task_of(self, mission: MissionConfig) -> CleaningSettings:
+        """Return the settings with the stations of this file."""
+        task = settings_of(mission)
+        stations = task.stations.model_copy(update={"recycling": self.recycling, "dump": self.dump})
+        return task.model_copy(update={"stations": stations})

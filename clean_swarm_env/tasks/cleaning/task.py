@@ -32,7 +32,6 @@ from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more,
 from clean_swarm_env.tasks.cleaning.rounds import Rounds
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
-from clean_swarm_env.tasks.cleaning.starts_file import CleaningStarts
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.shown import MANY, ROBOT, WORLD, Counted, Drawn, Shown
 from clean_swarm_env.world.task import Task
@@ -74,7 +73,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         "own_avoiding_s",
     )  # fmt: skip
     tally = Counted("item_stage", DONE, "items dumped")
-    Starts = CleaningStarts
+    Starts = missions.CleaningStarts
     doing = {"PickGarbage": "picks an item", "Recycle": "recycles its item", "Dump": "dumps its leftovers"}
     searching = {"Patrol": "patrol", "ExplorationPatrol": "patrol"}
     sees = "garbage_seen"
@@ -240,17 +239,16 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         """Return the part of the cost that no team could avoid [s], because garbage comes when it comes."""
         return unavoidable_cost(self.world.missions[world], self.comings.came(world))
 
-    def target(self, row: int) -> tuple[str, float] | None:
+    def target(self, row: int, read: Mapping[str, float]) -> tuple[str, float] | None:
         """Return the nearest station for a robot with an item, else the nearest item, if it sees any."""
-        world, minds = row // self.world.robots, self.world.minds
-        if self.world.reading(row, "carrying"):
-            recycled = bool(self.world.reading(row, "recycled"))
+        world, recycled = row // self.world.robots, bool(read["recycled"])
+        if read["carrying"]:
             stations = self.stations[world, self.site.kinds == recycled]
-            chosen = len(stations) > 1 and any(one.model.goal == "Transport" for one in minds.coordinators)
+            goals = [one.model.goal for one in self.world.minds.coordinators]
+            chosen = len(stations) > 1 and "Transport" in goals
             return "a dump" if recycled else "recycling", -1.0 if chosen else self.world.nearest(row, stations)
         lying = self.garbage.positions[world, self.garbage.stage[world] == LYING]
-        seen = self.world.reading(row, self.sees) and len(lying)
-        return ("an item", self.world.nearest(row, lying)) if seen else None
+        return ("an item", self.world.nearest(row, lying)) if read[self.sees] and len(lying) else None
 
     def totals(self) -> dict[str, Ints]:
         """Return the items dumped."""

@@ -12,7 +12,7 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start, nearest_distance, random_start, run_seed
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.tasks.cleaning.draws import Places
-from clean_swarm_env.tasks.cleaning.starts_file import CleaningStarts
+from clean_swarm_env.tasks.cleaning.missions import CleaningStarts
 from clean_swarm_env.tasks.foraging import Foraging
 from clean_swarm_env.world.mission import Course, MissionRun
 from selector.documents.errors import shown
