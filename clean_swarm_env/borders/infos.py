@@ -1,14 +1,15 @@
 """Infos of all borders: one set of keys with one meaning, in every step, so that recorders can keep them.
 
 The values belong to the decision period that has passed and to its mission, at the end of a mission too. Only masks
-and `alive` say something of the coming period. Every task has the keys of `OWN` whose names it has in
-`Task.counted`; beside them its teams have
+and `alive` say something of the coming period. Robots have the keys of `OWN`, and `own_NAME` for each of
+`Task.achievements`; teams have
 
 - `time_s`: time since the mission began [s];
 - `mission_collision_events`: times in the mission so far that a pair came closer than the collision distance;
 - `completed`: whether all garbage of the mission is dumped, or all measures of the task meet their targets;
 - `duration_s`: time of the mission so far; at its end when the last item was dumped, or the time limit [s];
-- `dumped` and `garbage_done`, if the task has them: items dumped in the period, and in the mission so far;
+- `NAME` for each achievement that is counted of teams, too, as `dumped` of cleaning;
+- `Task.totals` in the mission so far, as `garbage_done` of cleaning;
 - the measures of the task (`clean_swarm_env.tasks`).
 """
 
@@ -29,14 +30,13 @@ MASK, OPTION_MASK = "action_mask", "option_mask"
 """Keys of the options that can serve in the coming period, 1 or 0: where these are the action, and where they are a
 part of it. Libraries use `action_mask` to sample whole actions."""
 OWN = {
-    "own_picked": "Items that the robot picked in the period and nobody had picked before.",
-    "own_recycled": "Items that the robot recycled in the period.",
-    "own_dumped": "Items that the robot dumped in the period.",
     "own_collisions": "Collision events of the period in which the robot took part.",
     "own_contact_s": "Time of the period at which somebody was closer than the collision distance [s].",
     "own_avoiding_s": "Time of the period in which the robot avoided others [s].",
 }
-"""Key -> meaning of values of each robot, in the order of `EVENTS`."""
+"""Key -> meaning of values of each robot in all tasks, in the order of `EVENTS`."""
+SECONDS = ("own_contact_s", "own_avoiding_s")
+"""Keys of what is counted in ticks, and told in seconds."""
 ALIVE = "alive"
 """Key of whether the robot is at work. If not, its observation is zeros, and its action does nothing."""
 
@@ -53,8 +53,10 @@ def team_infos(batch: Batch) -> InfoColumns:
         "completed": completed.tolist(),
         "duration_s": times.copy(),
     }
-    of_items = {"dumped": progress.dumped, "garbage_done": task.item_arrays().done}
-    columns |= {name: counts.tolist() for name, counts in of_items.items() if name in task.counted}
+    for achievement, counts in zip(task.achievements, progress.team.tolist(), strict=True):
+        if achievement.team:
+            columns[achievement.name] = counts
+    columns |= {name: counts.tolist() for name, counts in task.totals().items()}
     columns |= {key_of(name): own.tolist() for name, own in values.items()}
     for end in batch.finished:  # such a world may have begun anew
         for name, value in end.statistics.items():
@@ -63,11 +65,11 @@ def team_infos(batch: Batch) -> InfoColumns:
 
 
 def own_infos(batch: Batch) -> InfoColumns:
-    """Return the values of `OWN` of each row, and which robots are at work."""
+    """Return the achievements of each row, the values of `OWN`, and which robots are at work."""
     worlds, columns = batch.worlds, InfoColumns()
-    for name, counts in zip(OWN, batch.progress.events.tolist(), strict=True):
-        if name in worlds.task.counted:
-            columns[name] = [ticks * worlds.period for ticks in counts] if name.endswith("_s") else counts
+    names = [*(f"own_{achievement.name}" for achievement in worlds.task.achievements), *OWN]
+    for name, counts in zip(names, batch.progress.events.tolist(), strict=True):
+        columns[name] = [ticks * worlds.period for ticks in counts] if name in SECONDS else counts
     columns[ALIVE] = batch.alive.tolist()
     return columns
 

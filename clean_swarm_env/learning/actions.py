@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from clean_swarm_env.learning.observation.around import PHASES, Phase
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
@@ -32,8 +31,8 @@ class ActionConfig(Closed):
     mode: Mode = "option"
     """Whether an action is the option that serves each goal, the movement vector in the robot's frame, or both: options
     and a correction of the movement."""
-    serves: dict[Name, tuple[Phase, ...]] = Field(default={})
-    """Option -> the only phases in which it can serve; an option that is not named can always serve."""
+    serves: dict[Name, tuple[Name, ...]] = Field(default={})
+    """Option -> the only phases of the task in which it can serve; an option that is not named can always serve."""
 
 
 class LearnerActions:
@@ -52,28 +51,36 @@ class LearnerActions:
         default: (C,) option of the highest expert score of each goal.
 
     Raises:
-        DocumentError: an unknown option in `serves`, or a phase in which no option of a goal could serve.
+        DocumentError: an unknown option or phase in `serves`, or a phase in which no option of a goal could serve.
 
     """
 
-    def __init__(self, models: Sequence[CoordinatorModel], config: ActionConfig, always: Ints) -> None:
-        """Bind robots to the option of each goal that they always hold, `always` (R, C); -1 for none."""
+    def __init__(
+        self, models: Sequence[CoordinatorModel], config: ActionConfig, always: Ints, phases: Sequence[str]
+    ) -> None:
+        """Bind robots to the option of each goal that they always hold, `always` (R, C); -1 for none.
+
+        `phases` are those of the task, in the order of their numbers.
+        """
         self._mode = config.mode
         self.counts = tuple(len(model.options) for model in models)
         self.default: Ints = np.array([int(np.argmax(model.scores)) for model in models], dtype=np.int64)
         names = [name for model in models for name in model.options]
-        for name in config.serves:
+        for name, served in config.serves.items():
             if name not in names:
                 raise DocumentError(f"actions: serves: {unknown('option', name, names)}")
-        self._table: Flags = np.array([[p in config.serves.get(n, PHASES) for n in names] for p in PHASES])  # (P, O)
-        self._stand_in: Ints = np.zeros((len(PHASES), len(models)), dtype=np.int64)
+            for phase in served:
+                if phase not in phases:
+                    raise DocumentError(f"actions: serves: {name}: {unknown('phase', phase, phases)}")
+        self._table: Flags = np.array([[p in config.serves.get(n, phases) for n in names] for p in phases])  # (P, O)
+        self._stand_in: Ints = np.zeros((len(phases), len(models)), dtype=np.int64)
         for k, model in enumerate(models):
             first = sum(self.counts[:k])
-            for phase, able in enumerate(self._table[:, first : first + self.counts[k]]):
+            for number, able in enumerate(self._table[:, first : first + self.counts[k]]):
                 if not able.any():
-                    expected = f"an option for goal {model.goal} in phase {PHASES[phase]!r}"
+                    expected = f"an option for goal {model.goal} in phase {phases[number]!r}"
                     raise DocumentError(f"actions: serves: expected {expected}, got none")
-                self._stand_in[phase, k] = int(np.argmax(np.where(able, model.scores, -np.inf)))
+                self._stand_in[number, k] = int(np.argmax(np.where(able, model.scores, -np.inf)))
         self.masked = not self._table.all()
         self._limits = np.array(self.counts)
         self._firsts = np.cumsum([0, *self.counts])[:-1]
@@ -95,8 +102,6 @@ class LearnerActions:
 
     def able(self, options: Ints, phases: Ints) -> Ints:
         """Return `options` (R, C) with stand-ins for those that cannot serve in the `phases` (R,)."""
-        if not self.masked:
-            return options
         able = self._table[phases[:, None], self._firsts + options]
         return np.where(able, options, self._stand_in[phases])
 
@@ -122,11 +127,11 @@ class LearnerActions:
         known = None if self._mode == "velocity" else self.check(options, rows)
         return known, None if self._mode == "option" else checked_vectors(vectors, rows)
 
-    def apply(self, worlds: Worlds, actions: NDArray[Any], phases: Ints) -> None:
-        """Apply the actions of a period that begins with the robots in `phases` (R,); see `Batch.ticks`."""
+    def apply(self, worlds: Worlds, actions: NDArray[Any]) -> None:
+        """Apply the actions of a period that begins now; see `Batch.ticks`."""
         options, given = self.checked(actions, worlds.rows)
         if options is not None:
-            worlds.hold(self.able(options, phases))
+            worlds.hold(self.able(options, worlds.task.phase()) if self.masked else options)
         if given is None:
             return
         turned = np.empty((worlds.rows, 2))

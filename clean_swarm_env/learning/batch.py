@@ -29,7 +29,7 @@ from clean_swarm_env.learning.given import (
 )
 from clean_swarm_env.learning.global_state import GlobalState
 from clean_swarm_env.learning.interface import BatchStep, Finished
-from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig, usual_terms
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.learning.reward import MeasureRewards, OwnRewards, RewardConfig, Rewards, rewards_of
@@ -71,7 +71,6 @@ class Batch:
         working, took_part: (R,) bool, whether there is a robot that works, and whether it did in the last period.
         worked: (R,) bool, whether it did at the end of the last mission that ended.
         open_team: whether a team may have more robots later than at its start.
-        phases: (R,) phases of the robots, which decide what options can serve.
         recorder: records the missions; None unless asked for.
         series: the episodes that follow from seeds.
         progress: what happened in the last period.
@@ -126,16 +125,15 @@ class Batch:
         self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         always = np.stack([coordinator.always for coordinator in self.worlds.coordinators], axis=1)
-        self.choices = LearnerActions(models, self.action, always)
+        self.choices = LearnerActions(models, self.action, always, self.worlds.task.phases)
         self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
         self.worked, self.open_team = self.working.copy(), episodes.fewest < self.robots
         self.rewards = rewards_of(reward, self.worlds)
         seen = config_from(ObservationConfig, settings.get("observation"), "observation")
-        seen = seen.beside(self.mission.terms, self.worlds.task.terms, driven=self.action.mode == "velocity")
+        seen = seen.of(usual_terms(self.mission), driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)
-        self.phases = self.observer.phases
         self.observations = np.zeros((self.rows, self.observer.width), dtype=np.float32)
         self._final = np.zeros_like(self.observations)
         self._gained = np.zeros(self.rows)
@@ -269,7 +267,7 @@ class Batch:
         """Return which options (R, O) of all goals can serve next; ValueError if actions are vectors."""
         if self.action.mode == "velocity":
             raise ValueError("masks: expected options as actions, got mode 'velocity'")
-        return self.choices.masks(self.phases, self.alive)
+        return self.choices.masks(self.worlds.task.phase(), self.alive)
 
     def ticks(self, actions: NDArray[Any]) -> Iterator[Worlds]:
         """Run one decision period, and yield the worlds after each control period.
@@ -279,7 +277,7 @@ class Batch:
         """
         if not self._begun:
             raise RuntimeError("step: call reset first")
-        self.choices.apply(self.worlds, actions, self.phases)
+        self.choices.apply(self.worlds, actions)
         self.finished = ()
         progress = self.progress
         progress.reset_period()
@@ -320,4 +318,5 @@ class Batch:
             self.worked[rows] = self.working[rows]
             scenario, events = self.doing[world], int(worlds.collisions.events[world, 0])
             assert scenario is not None
-            self.finished += (Finished(world, scenario, result_of(worlds, world), events),)
+            totals = {name: int(counts[world]) for name, counts in worlds.task.totals().items()}
+            self.finished += (Finished(world, scenario, result_of(worlds, world), events, totals),)

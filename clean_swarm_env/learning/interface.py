@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -39,6 +40,8 @@ class Finished:
     """The figures of the mission."""
     collision_events: int
     """Number of times that a pair came closer than the first collision distance."""
+    totals: Mapping[str, int]
+    """Numbers that the task has beside its measures; see `Task.totals`."""
 
     @property
     def statistics(self) -> dict[str, Any]:
@@ -46,5 +49,4 @@ class Finished:
         result = self.result
         figures = {"duration_s": result.duration_s, "completed": result.completed}
         figures["mission_collision_events"] = self.collision_events
-        measures = {key_of(name): value for name, value in result.measures.items()}
-        return figures | (measures or {"garbage_done": result.garbage_done})
+        return figures | {key_of(name): value for name, value in result.measures.items()} | dict(self.totals)

@@ -1,8 +1,11 @@
 """The reward of a selector: the cost of the mission, and shaping terms.
 
-In a mission, the mean payment over the robots of a world adds up to the mission's cost (`cleaning.cost`) times the
-weight `cost`: exactly where the mission can be completed; where garbage keeps coming, an item is worth the mean time
-between two arrivals. The price of collisions is shared among the robots that took part in them.
+In a mission, the mean payment over the robots of a world adds up to the mission's cost (`Task.cost`) times the weight
+`cost`. For cleaning that is exact where the mission can be completed; where garbage keeps coming, an item is worth the
+mean time between two arrivals. The price of collisions is shared among the robots that took part in them.
+
+What a task counts (`Task.achievements`) has weights, too: `own_NAME` for each time that the robot itself did it, and
+`NAME` for its team where the task counts that.
 
 Terms of one's own (`REWARD_TERMS`) have weights beside these: `reward: {cost: -0.01, my_term: 0.5}`.
 
@@ -13,16 +16,20 @@ paid for picking could carry items about. Their weights are 0 unless given.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from reprlib import repr as brief
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import Field, create_model, model_validator
 
+from clean_swarm_env.config.task_names import TASKS_HOME
+from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.learning.given import config_from
 from clean_swarm_env.learning.progress import COLLISIONS, EVENTS, Period, open_period
 from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission_end import COMPLETED
+from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import DocumentError, unknown_key
 from selector.documents.fields import Closed, Number, Share
@@ -56,38 +63,65 @@ class WeightsConfig(Closed, extra="allow"):
             return given
         named = {registered(key, REWARD_TERMS) if is_import(str(key)) else key: given[key] for key in given}
         for key in named.keys() - cls.model_fields.keys():
-            if key not in REWARD_TERMS:
-                raise unknown_key(str(key), (*cls.model_fields, *REWARD_TERMS.names()))
+            if key not in REWARD_TERMS and key not in cls.known():
+                raise unknown_key(str(key), (*cls.known(), *REWARD_TERMS.names()))
         return named
+
+    @classmethod
+    def known(cls) -> tuple[str, ...]:
+        """Return the names of weights beside those of registered terms."""
+        return tuple(cls.model_fields)
 
 
 class RewardConfig(WeightsConfig):
-    """Weights of the reward's terms; each robot gets their sum once a decision period."""
+    """Weights of the reward's terms; each robot gets their sum once a decision period.
+
+    Weights of what some task counts are known as well; `weights_for` has the model with those of one task.
+    """
 
     cost: Number = -0.01
     """For each second by which the cost of the mission grew: time, collisions, and at the end what is left [1/s]."""
-    dumped: Number = 0.0
-    """Shaping: for each item dumped by the team [1/item]."""
     time: Number = 0.0
     """Shaping: for each second that passed before the mission was over [1/s]."""
     completed: Number = 0.0
-    """Shaping: once, when all garbage is dumped [-]."""
+    """Shaping: once, when the task is done [-]."""
     collision: Number = 0.0
     """Shaping: for each collision event in which the robot took part [1/event]."""
     price: Number = 0.0
     """Shaping: for each second that the robot's own collisions add to the cost, none where they cost nothing [1/s]."""
-    own_picked: Number = 0.0
-    """Shaping: for each item that the robot picked and nobody had picked before [1/item]."""
-    own_recycled: Number = 0.0
-    """Shaping: for each item that the robot recycled [1/item]."""
-    own_dumped: Number = 0.0
-    """Shaping: for each item that the robot itself dumped [1/item]."""
     contact: Number = 0.0
     """Shaping: for each second in which somebody was closer than the collision distance [1/s]."""
     avoiding: Number = 0.0
     """Shaping: for each second in which the robot avoided others [1/s]."""
     shared: Share = 0.0
     """Share of a robot's own terms (collisions and shaping) that goes to all robots of its world alike [-]."""
+
+    @classmethod
+    def known(cls) -> tuple[str, ...]:
+        """Return the names of weights; if no task is known, those of what any task counts as well."""
+        import_module(TASKS_HOME)
+        kinds: list[Any] = list(TASKS) if cls is RewardConfig else []
+        return (*super().known(), *(name for kind in kinds for name in (*team_weights(kind), *own_weights(kind))))
+
+
+def own_weights(task: type[Task[Any, Any]] | Task[Any, Any]) -> list[str]:
+    """Return the names of the weights of what a task counts of each robot."""
+    return [f"own_{achievement.name}" for achievement in task.achievements]
+
+
+def team_weights(task: type[Task[Any, Any]] | Task[Any, Any]) -> list[str]:
+    """Return the names of the weights of what a task counts of teams."""
+    return [achievement.name for achievement in task.achievements if achievement.team]
+
+
+def weights_for(task: Task[Any, Any]) -> type[RewardConfig]:
+    """Return the model of weights that has those of what a task counts; in its order files have them."""
+    fields: dict[str, Any] = {}
+    for name, field in RewardConfig.model_fields.items():
+        fields[name] = (field.annotation, field)
+        more = {"cost": team_weights(task), "price": own_weights(task)}.get(name, ())
+        fields |= dict.fromkeys(more, (Number, 0.0))
+    return create_model("Weights", __base__=RewardConfig, **fields)
 
 
 OWN_COLLISION = "collision"
@@ -127,9 +161,9 @@ def further_of(config: WeightsConfig) -> list[tuple[OwnRewards, float]]:
 class Prices(NamedTuple):
     """Weights of the reward by ticks in place of seconds; see `RewardConfig`."""
 
-    own: Annotated[Floats, "E", READ]  # for each event of a robot, in the order of EVENTS
+    own: Annotated[Floats, "E", READ]  # for each event of a robot, in the order of `Period.events`
+    team: Annotated[Floats, "A", READ]  # for each achievement of the team
     cost: float  # for each second of the mission's cost
-    dumped: float
     tick: float
     completed: float
     price: float  # for each second of the price of a robot's own collisions
@@ -141,37 +175,38 @@ open_prices = PRICES_RECORD.open
 
 
 class Rewards:
-    """Rewards (R,) of cleaning: by weights from what the progress of a batch counted in a period, or the user's own.
+    """Rewards (R,): by weights from what the progress of a batch counted in a period, or the user's own function.
 
     Attributes:
-        config: the weights.
+        weights: name of a term -> weight.
         prices: the record `Prices`, with its words.
 
     """
 
-    def __init__(self, given: RewardConfig | Mapping[str, Any] | OwnRewards | str | None, period: float) -> None:
-        """Turn the weights into prices, or check the function; `period` is the length of a tick [s]."""
+    def __init__(
+        self,
+        given: RewardConfig | Mapping[str, Any] | OwnRewards | str | None,
+        task: Task[Any, Any],
+        period: float,
+    ) -> None:
+        """Turn the weights of a task into prices, or check the function; `period` is the length of a tick [s]."""
         self._own = own_rewards(given)
-        config = self.config = config_from(RewardConfig, None if self._own else given, "reward")  # type: ignore[arg-type]
+        weights = given.model_dump(exclude_unset=True) if isinstance(given, RewardConfig) else given
+        config = config_from(weights_for(task), None if self._own else weights, "reward")  # type: ignore[arg-type]
         self._further = further_of(config)
-        own = {
-            "picked": config.own_picked,
-            "recycled": config.own_recycled,
-            "dumped": config.own_dumped,
-            "collision": config.collision,
-            "contact": config.contact * period,
-            "avoiding": config.avoiding * period,
-        }
-        weights = np.array([own[event] for event in EVENTS])
+        self.weights: dict[str, float] = config.model_dump()
+        own = [self.weights[name] for name in own_weights(task)]
+        events = {"collision": config.collision, "contact": config.contact * period}
+        events["avoiding"] = config.avoiding * period
         self.prices = PRICES_RECORD.pack(
             Prices(
-                weights,
-                config.cost,
-                config.dumped,
-                config.time * period,
-                config.completed,
-                config.price,
-                config.shared,
+                own=np.array([*own, *(events[event] for event in EVENTS)]),
+                team=np.array([self.weights.get(achievement.name, 0.0) for achievement in task.achievements]),
+                cost=config.cost,
+                tick=config.time * period,
+                completed=config.completed,
+                price=config.price,
+                shared=config.shared,
             )
         )
 
@@ -192,10 +227,10 @@ class MeasureRewards:
     """Rewards of a task: how much each measure has improved in a period, in units of its target, or the task's own.
 
     So the sum over a mission is the measure at the end, less the measure at the start, by its target; the sign is that
-    of "better". All robots of a world are paid alike. Weights are 1 unless given, that of `collision` 0.
+    of "better". All robots of a world are paid alike. Weights of measures are 1 unless given, others 0.
 
     Attributes:
-        weights: key of a measure, `collision`, or a registered reward term -> weight.
+        weights: key of a measure, `collision`, what the task counts, or a registered reward term -> weight.
 
     """
 
@@ -203,7 +238,8 @@ class MeasureRewards:
         """Read the weights of the measures of the task of `worlds`."""
         self._worlds, measures = worlds, worlds.task.measures
         keys = [key_of(measure.name) for measure in measures]
-        fields: dict[str, Any] = dict.fromkeys(keys, (Number, 1.0)) | {OWN_COLLISION: (Number, 0.0)}
+        counted = (OWN_COLLISION, *own_weights(worlds.task), *team_weights(worlds.task))
+        fields: dict[str, Any] = dict.fromkeys(keys, (Number, 1.0)) | dict.fromkeys(counted, (Number, 0.0))
         chosen = config_from(create_model("MeasureWeights", __base__=WeightsConfig, **fields), given, "reward")
         self.weights: dict[str, float] = chosen.model_dump()
         self._further = further_of(chosen)
@@ -225,6 +261,10 @@ class MeasureRewards:
                 now[:, end.world] = list(end.result.measures.values())
             own = np.repeat(self._prices @ (now - self._before), self._worlds.robots)
         paid = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
+        for number, achievement in enumerate(self._worlds.task.achievements):
+            paid += self.weights[f"own_{achievement.name}"] * batch.progress.events[number]
+            team = self.weights.get(achievement.name, 0.0) * batch.progress.team[number]
+            paid += np.repeat(team, self._worlds.robots)
         rewards[:] = np.where(batch.took_part, paid, 0.0)
         for term, weight in self._further:
             rewards += weight * term(batch)
@@ -241,7 +281,7 @@ def rewards_of(
     """Return the rewards of worlds by weights, or by the user's own function."""
     own = own_rewards(given)
     if worlds.task.priced or own is not None:
-        return Rewards(given, worlds.period)
+        return Rewards(given, worlds.task, worlds.period)
     return MeasureRewards(given, worlds)  # type: ignore[arg-type]  # no function
 
 
@@ -251,7 +291,10 @@ def pay(period: Words[Period], prices: Words[Prices], rewards: Floats) -> None:
     counted, price = open_period(period), open_prices(prices)
     robots = rewards.shape[0] // counted.ticks.shape[0]
     for world in range(counted.ticks.shape[0]):
-        team = price.dumped * counted.dumped[world] + price.tick * counted.ticks[world]
+        team = 0.0
+        for kind in range(price.team.shape[0]):
+            team += price.team[kind] * counted.team[kind, world]
+        team += price.tick * counted.ticks[world]
         team += price.cost * counted.cost[world]
         if counted.outcome[world] == COMPLETED and counted.ticks[world] > 0:
             team += price.completed

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.task_names import TASKS_HOME
-from clean_swarm_env.tasks.cleaning.cargo import reset_commands
+from selector.coordination.coordinator import list_turns
 from selforg.compiler.ahead import compile_line
 from selforg.compiler.cache import cache_directory
 from selforg.compiler.decorators import KERNELS
@@ -32,7 +32,7 @@ except ImportError:  # Windows: processes that start side by side each compile
 
 WARM_UP_PERIODS = 300
 """Decision periods within which a mission has called every kernel that missions call."""
-EVERY_MISSION = f"{reset_commands.__module__}.{reset_commands.__name__}"
+EVERY_MISSION = f"{list_turns.__module__}.{list_turns.__name__}"
 """A kernel that every mission calls and nothing else does: checking a configuration does not compile it."""
 COMPILING = "compiling this copy of the package for this machine, once: about a minute"
 SILENCED = "CLEAN_SWARM_QUIET"

@@ -8,11 +8,11 @@ import numpy as np
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.config.types import Index
 from clean_swarm_env.world.by_hand import WORLD, by_hand, free_place, show_things
-from clean_swarm_env.world.measure import Measure
+from clean_swarm_env.world.measure import Achievement, Measure
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
 from selector.documents.fields import Number
-from selforg.arrays import KEPT, Flags, Floats, Ints
+from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
 
 PATCH_RADIUS, NEST_RADIUS = 0.5, 1.5  # [m]
 AWAY = 9.0  # [m] least distance of food from the nest
@@ -25,6 +25,7 @@ class Food(TaskState):
 
     patches: Annotated[Floats, "W 2 2", KEPT]  # [m]
     carried: Annotated[Flags, "R", KEPT]  # whether the robot carried something at the end of the period before
+    puts: Annotated[Flags, "R", SCRATCH]  # whether it put that down at the nest in the last period
     brought: Annotated[Ints, "W", KEPT]
 
 
@@ -47,6 +48,12 @@ class Foraging(Task[TaskSettings, Food]):
     searching = {"Foraging": "explore"}
     sees = "food_seen"
     mission = {"world": {"width": 30.0, "height": 30.0}, "robots": {"count": 12}, "time_limit": 300.0}
+    achievements = (
+        Achievement(
+            "brought", "Items that the robot brought in the period.", "Items that the team brought in the period."
+        ),
+    )
+    phases = ("searching", "carrying")
     apart, start_side = 0.6, 5.0
     changes = True
 
@@ -79,8 +86,21 @@ class Foraging(Task[TaskSettings, Food]):
         world, state = self.world, self.state
         carrying = world.carrying
         at_nest = world.ground.distances(world.floor.physics.positions, world.ground.centre) < NEST_RADIUS + AT_NEST
-        state.brought += world.by_world(state.carried & ~carrying & at_nest).sum(axis=1)
+        state.puts[:] = state.carried & ~carrying & at_nest
+        state.brought += world.by_world(state.puts).sum(axis=1)
         state.carried[:] = carrying
+
+    def achieved(self) -> dict[str, Flags]:
+        """Return which robots put an item down at the nest."""
+        return {"brought": self.state.puts}
+
+    def totals(self) -> dict[str, Ints]:
+        """Return the items that the team has brought."""
+        return {"items_brought": self.state.brought}
+
+    def phase(self) -> Ints:
+        """Return which robots carry an item."""
+        return self.world.carrying.astype(np.int64)
 
     def result(self) -> dict[str, Floats]:
         """Return the items that the team has brought, divided by the minutes of the whole mission."""

@@ -98,7 +98,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
         step,
         time,
         "at work" if worlds.team.working[row] else "failed" if worlds.physics.present[row] else "taken away",
-        worlds.task.hindered(row),
+        round(int(worlds.task.standing[row]) * worlds.period, 9),
         {c.model.goal: c.model.options[c.held[row]] for c in worlds.coordinators},
         explain(worlds.network, row),
         tuple(_coordinated(coordinator, row) for coordinator in worlds.coordinators),

@@ -1,4 +1,4 @@
-"""Measures: the figures of success in a task."""
+"""Measures: the figures of success in a task, and achievements, for which robots are counted."""
 
 import re
 from dataclasses import dataclass
@@ -40,6 +40,22 @@ class Measure:
         if self.guard and by_target <= 1.0:
             return least
         return min(max(by_target, least), MOST_RATIO)
+
+
+@dataclass(frozen=True)
+class Achievement:
+    """Something that robots do for their task; each time is counted: infos and rewards have it as `own_NAME`.
+
+    Attributes:
+        name: a verb for what was done, such as "dumped".
+        about: what is counted of a robot in a decision period, as infos say it.
+        team: what is counted of its team, which infos and rewards then have as `NAME`; empty: nothing.
+
+    """
+
+    name: str
+    about: str
+    team: str = ""
 
 
 def key_of(measure: str) -> str:

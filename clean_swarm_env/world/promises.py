@@ -116,7 +116,7 @@ TASK_PROMISES: Final[Promises] = {
         ),
     ),
     **dict.fromkeys(
-        ("cost", "spent", "unavoidable", "duration"),
+        ("cost", "cost_so_far", "unavoidable", "duration"),
         (
             "finite seconds, at least 0",
             lambda task, answer, *_: isinstance(answer, int | float | np.number) and 0.0 <= answer < np.inf,
@@ -155,8 +155,20 @@ TASK_PROMISES: Final[Promises] = {
             or (isinstance(answer, tuple) and _all(str, answer[:1]) and len(answer) == 2 and are_numbers(answer[1]))
         ),
     ),
+    "achieved": (
+        "whole numbers or flags ({0.world.rows},), those of the achievements",
+        lambda task, answer: (
+            _by_name(answer, task.world.rows) and answer.keys() == {one.name for one in task.achievements}
+        ),
+    ),
+    "spent": ("finite numbers ({0.world.worlds},)", lambda task, answer: are_numbers(answer, task.world.worlds)),
     "totals": (OF_WORLDS, lambda task, answer: _by_name(answer, task.world.worlds)),
-    "hindered": ("seconds and a flag", lambda task, answer, *_: isinstance(answer, tuple) and len(answer) == 2),
+    "phase": (
+        "numbers of the phases ({0.world.rows},)",
+        lambda task, answer: (
+            are_numbers(answer, task.world.rows) and bool(np.isin(answer, range(len(task.phases))).all())
+        ),
+    ),
     "item_arrays": ("ItemArrays", lambda task, answer, *_: isinstance(answer, ItemArrays)),
     "shown": ("a tuple of Shown, of as many robots, worlds and things as there are", _shown),
     "drawn": ("a tuple of Drawn, of what is shown", _drawn),

@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, ClassVar, Final
+from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from clean_swarm_env.world.view import CARRYING, World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import network_of
-from selforg.arrays import KEPT, Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
@@ -47,12 +47,14 @@ class StagedTask(TaskKind, ABC):
 
     Attributes:
         priced: whether the cost of a mission is counted in each tick, so that learners can be paid for it.
+        Counts: class that counts achievements and costs in place of `achieved` and `spent`, see `learning.progress`.
         best_score: score of a mission that costs nothing, from which its cost by the time limit is taken [-].
         thinks_when_driven: whether networks of robots go on deciding while a learner drives the robots.
         always_acts: whether networks select again until some behaviour runs.
         tally: what pictures of recordings count.
         around: the things, as `Task.things` returned them.
         asked: (R, 2) [m/s] what the mechanisms asked for last; 0 for nothing.
+        standing: (R,) ticks for which a collision stops the robot, that of the collision included; 0 unless you say so.
 
     """
 
@@ -60,6 +62,7 @@ class StagedTask(TaskKind, ABC):
     measures: ClassVar[tuple[Measure, ...]] = ()
     goal: ClassVar[str] = ""
     priced: ClassVar[bool] = False
+    Counts: ClassVar[Any] = None
     best_score: ClassVar[float] = 2.0  # 1 where the measure that is worst by its target just meets it
     thinks_when_driven: ClassVar[bool] = True
     always_acts: ClassVar[bool] = True
@@ -68,6 +71,7 @@ class StagedTask(TaskKind, ABC):
     world: World
     around: tuple[Things, ...]
     asked: Annotated[Floats, "R 2", KEPT]
+    standing: Annotated[Ints, "R", READ]
     _walk: Annotated[Floats, "R 2", KEPT]
 
     @abstractmethod
@@ -170,6 +174,13 @@ class StagedTask(TaskKind, ABC):
             met &= np.array([measure.met(value) for value in values[measure.name].tolist()])
         return met
 
+    def spent(self) -> Floats:
+        """Return what the last control period added to the cost of each mission (W,) [s], where the task is `priced`.
+
+        It is its length unless you say so.
+        """
+        return np.full(self.world.worlds, self.world.period)
+
     def cost(self, world: int, values: Mapping[str, Floats]) -> float:
         """Return what the mission of a world costs [s]: its time limit times its worst measure by the targets.
 
@@ -188,10 +199,6 @@ class StagedTask(TaskKind, ABC):
             return self.world.missions[world].time_limit
         ticks = max(int(self.world.ticks[world]) - 1, 0)  # the last thing was done at the beginning of its period
         return ticks * self.world.period
-
-    def hindered(self, row: int) -> float:
-        """Return how long a collision still stops the robot of a row [s]."""
-        return 0.0
 
     def item_arrays(self) -> ItemArrays:
         """Return items, cargo and stations, the same arrays all the time; none unless robots carry items."""

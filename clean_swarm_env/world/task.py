@@ -18,6 +18,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import StartsFile
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.world.measure import Achievement
 from clean_swarm_env.world.staged import StagedTask
 from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
 from clean_swarm_env.world.view import World
@@ -42,17 +43,17 @@ class Task(StagedTask, ABC, Generic[S, T]):
     You write `measures` and `result`.
 
     You may write what there is (`State`, `sizes`, `place`, `things`, `known`), how it goes on (`after_moving`, `done`,
-    `bend`, `command`, `lead`), what learners see and get (`observe`, `reward`, `terms`, `counted`), how the task looks
-    (`shown`, `drawn`, `headline`), and what is said of it (`doing`, `searching`, `sees`, `target`, `totals`, `spent`,
-    `cost_words`, `missed`, `excess`). You never need to loop over robots, and will not need the rest: robots start
-    anywhere, nothing else is there, and the mission ends with its time.
+    `bend`, `command`, `lead`), what learners see and get (`observe`, `reward`, `terms`, `achievements` with `achieved`,
+    `totals`, `phases` with `phase`), how the task looks (`shown`, `drawn`, `headline`), and what is said of it (`doing`,
+    `searching`, `sees`, `target`, `cost_so_far`, `cost_words`, `missed`, `excess`). You never need to loop over robots,
+    and will not need the rest: robots start anywhere, nothing else is there, and the mission ends with its time.
 
     A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
     recordings, states and training then take it as they take cleaning.
 
     Attributes:
         name, story, mission, changes, begins_as_given: see `TaskKind`.
-        priced, best_score, thinks_when_driven, always_acts, asked: see `StagedTask`.
+        priced, Counts, best_score, thinks_when_driven, always_acts, asked, standing: see `StagedTask`.
         measures: figures of success; the first one that is no guard is the one that counts.
         baseline: what the mechanisms are compared with, in words; see `lead`. Empty: nothing.
         baseline_option: the option of the goal that is the baseline, where one is.
@@ -61,7 +62,8 @@ class Task(StagedTask, ABC, Generic[S, T]):
         start_side: side of the square in the middle in which robots start, 0: the whole ground [m].
         apart, away: least distance of robots from each other, and from the middle, at the start [m].
         terms: terms of an observation unless others are chosen.
-        counted: infos of learners beside times, collisions and the measures; see `borders.infos`.
+        achievements: what robots are counted for, told and paid, see `achieved`.
+        phases: names of the phases of a robot's work, by which options may be limited, see `phase`.
         beside: strategies that every comparison has beside those chosen; the baseline unless given.
         doing, searching: behaviour -> what a robot does while it runs, such as "picks an item"; what a robot does that
             looks for something, as a verb, such as "explore".
@@ -83,7 +85,8 @@ class Task(StagedTask, ABC, Generic[S, T]):
     terms: ClassVar[tuple[str, ...]] = (
         "command", "things", "neighbour", "crowd", "movement", "facts", "task", "time", "holds",
     )  # fmt: skip
-    counted: ClassVar[tuple[str, ...]] = ("own_collisions", "own_contact_s")
+    achievements: ClassVar[tuple[Achievement, ...]] = ()
+    phases: ClassVar[tuple[str, ...]] = ("any",)
     Starts: ClassVar[type[StartsFile]] = StartsFile
     doing: ClassVar[Mapping[str, str]] = {}
     searching: ClassVar[Mapping[str, str]] = {}
@@ -125,6 +128,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
         sizes = {"W": world.worlds, "N": world.robots, "R": world.rows, **numbers, **self.sizes()}
         self.state = self.State(sizes)  # type: ignore[assignment]
         self.asked, self._walk = np.zeros((world.rows, 2)), np.zeros((world.rows, 2))
+        self.standing = np.zeros(world.rows, dtype=np.int64)
         self.around = self.things()
 
     def sizes(self) -> Mapping[str, int]:
@@ -169,11 +173,15 @@ class Task(StagedTask, ABC, Generic[S, T]):
         """
         return None
 
+    def achieved(self) -> Mapping[str, Ints | Flags]:
+        """Return how often each robot achieved something in the last control period: name -> (R,), all of them."""
+        return {}
+
     def totals(self) -> Mapping[str, Ints]:
         """Return numbers of each mission so far, which infos have beside the measures: name -> (W,)."""
         return {}
 
-    def spent(self, world: int, values: Mapping[str, Floats]) -> float:
+    def cost_so_far(self, world: int, values: Mapping[str, Floats]) -> float:
         """Return what the mission of a world has cost so far [s]: what it costs if it ends now; `values`: of `result`.
 
         What options bring about in the next seconds is compared by it.
@@ -184,6 +192,10 @@ class Task(StagedTask, ABC, Generic[S, T]):
     def cost_words(cls, mission: MissionConfig) -> str:
         """Return what the cost of a mission is made of."""
         return f"{mission.time_limit:g} s times the measure that is worst by its target"
+
+    def phase(self) -> Ints:
+        """Return the phase in which each robot (R,) is, a number of `phases`."""
+        return np.zeros(self.world.rows, dtype=np.int64)
 
     def command(self, commands: Commands) -> None:
         """Write the commands with which a control period begins, before behaviours write theirs; none unless you do."""

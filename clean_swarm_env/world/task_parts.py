@@ -81,7 +81,6 @@ class ItemArrays(NamedTuple):
     stations: Annotated[Floats, "W L 2", READ]  # [m]
     station_kinds: Annotated[Ints, "L", READ]
     sight: Annotated[Floats, "R", READ]  # distance within which the robot sees items [m]
-    standing: Annotated[Ints, "R", READ]  # ticks for which a collision stops the robot, that of the collision included
 
     @classmethod
     def none(cls, worlds: int, rows: int) -> ItemArrays:
@@ -90,9 +89,7 @@ class ItemArrays(NamedTuple):
         of_rows, of_worlds = np.zeros(rows, dtype=np.int64), np.zeros(worlds, dtype=np.int64)
         nothing = of_rows - 1
         done, unseen = of_worlds, np.zeros(rows)
-        return cls(
-            places, stages, stages, stages, nothing, of_rows, done, of_worlds, places, stages[0], unseen, of_rows
-        )
+        return cls(places, stages, stages, stages, nothing, of_rows, done, of_worlds, places, stages[0], unseen)
 
 
 class TaskState:

@@ -14,7 +14,7 @@ from typing import Any
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import Mode
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from selector.documents.arrays import check_known
 from selector.documents.errors import shown, validated
 from selector.documents.fields import JOINT
@@ -92,12 +92,12 @@ class NamedDecider:
         """Return the goals whose options it chooses if one is `asked` for, or none."""
         return self.goal or asked or self.meant_for
 
-    def observation(self, terms: Sequence[str]) -> ObservationConfig:
-        """Return what it sees: its own terms, or the usual ones, `terms`, and those it needs."""
+    def observation(self, usual: Sequence[str]) -> ObservationConfig:
+        """Return what it sees: its own terms, or the `usual` ones of a mission and those it needs."""
         if self.sees or self.terms:
             return validated(ObservationConfig, self.sees or {"terms": self.terms}, self.text, own=True)
-        further = [term for term in self.further if term not in (*DEFAULT_TERMS, *terms)]
-        return ObservationConfig().beside((*terms, *further), driven=self.mode == "velocity")
+        further = [term for term in self.further if term not in usual]
+        return ObservationConfig().of((*usual, *further), driven=self.mode == "velocity")
 
     def strategy(self) -> StrategySpec:
         """Return the strategy that chooses once in a mission; ConfigurationError for any other decider."""
@@ -136,7 +136,7 @@ def _by_model(text: str, name: str, directories: Sequence[Path]) -> NamedDecider
             raise ConfigurationError(f"{own.text}: expected a strategy that only chooses options")
         if own.sees:
             raise ConfigurationError(f"{own.text}: expected a policy that sees terms with their usual settings")
-    seen = [term for own in each.values() for term in (*own.terms, *own.further) if term not in DEFAULT_TERMS]
+    seen = [term for own in each.values() for term in (*own.terms, *own.further)]
     digests = [own.digest for own in each.values() if own.digest]
     return NamedDecider(
         text,

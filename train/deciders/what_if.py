@@ -109,7 +109,7 @@ class WhatIf:
         """Return collisions and items of the copy so far, and what it has cost [s]."""
         worlds, task = self._copy.worlds, self._copy.worlds.task
         items = sum(int(count[0]) for count in task.totals().values())
-        return int(worlds.collisions.events[0, 0]), items, task.spent(0, task.result())
+        return int(worlds.collisions.events[0, 0]), items, task.cost_so_far(0, task.result())
 
     def _ticks(self, decider: Decider, observations: Observations, held: Ints) -> Iterator[None]:
         """Run the copy for the time that is foretold, or to the end of the mission; yield after each control period."""

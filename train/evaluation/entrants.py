@@ -11,6 +11,7 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import usual_terms
 from clean_swarm_env.learning.observation.observer import Observer
 from clean_swarm_env.world.task import task_class
 from selector.documents.errors import within
@@ -85,14 +86,14 @@ def check_fit(entrants: Sequence[Entrant], batch: Batch, goal: str | None, direc
         ValueError: a strategy does not exist, or does not fit a batch with options as actions.
 
     """
-    teams, terms, told = np.zeros(batch.rows, dtype=np.int64), batch.mission.terms, list[str]()
+    teams, usual, told = np.zeros(batch.rows, dtype=np.int64), usual_terms(batch.mission), list[str]()
     models = [coordinator.model for coordinator in batch.worlds.coordinators]
     for entrant in entrants:
         for member in entrant.members:
             with within(f"--strategy {entrant.label}"):
                 named = decider_named(member, directories)
                 decided = DecidedGoal(batch, named.decides(goal))
-                seen = Observer(batch.worlds, batch.progress, named.observation(terms)).names
+                seen = Observer(batch.worlds, batch.progress, named.observation(usual)).names
                 decided.check(named.build(replace(decided.problem, features=seen), teams))
         told += decided_and_held(entrant.label, named, decided.names, models)
     return told

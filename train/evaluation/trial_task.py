@@ -16,6 +16,7 @@ from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, Scen
 from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import usual_terms
 from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError
 from selector.documents.plain import short
@@ -65,7 +66,7 @@ class TrialTask(Job):
     def settings(self) -> TrialSettings:
         """What the member decides on, sees and gives."""
         named = self.named
-        seen, action = named.observation(self.first.mission.terms), ActionConfig(mode=named.mode)
+        seen, action = named.observation(usual_terms(self.first.mission)), ActionConfig(mode=named.mode)
         return TrialSettings(named.decides(self.goal), TASK_SCENARIOS, seen, self.directories, self.record, action)
 
     def decider(self, problem: Problem, teams: Ints) -> Decider:

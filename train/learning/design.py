@@ -19,7 +19,6 @@ from typing import Annotated, TypeVar
 import numpy as np
 from pydantic import Field
 
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
 from selector.documents.fields import Closed
 from selector.documents.reading import as_yaml
 from selector.strategies.machine_file import MachineState, StateMachine, Transition
@@ -146,7 +145,8 @@ class DesignTraining(MembersTraining):
 
     def export(self, command: str) -> Path:
         """Write the best machine so far and return its file."""
-        seen = tuple(term.name for term in self.config.observation.terms if term.name not in DEFAULT_TERMS)
+        usual = self.curriculum.batches[0].worlds.task.terms
+        seen = tuple(term.name for term in self.config.observation.terms if term.name not in usual)
         about = {"description": self.config.description, "terms": seen, "training": self.about(command)}
         machine = self._best.kept[0].model_copy(update=about)
         self.job.folder.write(MACHINE_FILE, as_yaml(machine.model_dump(mode="json", exclude_defaults=True)))

@@ -220,7 +220,10 @@ class Training(ABC):
 
     def about(self, command: str) -> dict[str, Any]:
         """Return how the best result was trained, for its file."""
-        configuration = self.config.model_dump(mode="json")
+        configuration, first = self.config.model_dump(mode="json"), self.curriculum.batches[0]
+        configuration["observation"] = first.observer.config.model_dump(mode="json")
+        if not isinstance(self.config.reward, str):
+            configuration["reward"] = first.rewards.weights
         figures = min(self.history.entries, key=lambda entry: entry["score"] or np.inf, default={})
         return {"command": command, "seed": self.job.seed, "configuration": configuration, "figures": figures}
 

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig, usual_terms
 from clean_swarm_env.recording.file import end_of
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.by_hand import CHANGES, Change, FollowStrategy, HoldOption, change_of
@@ -168,13 +168,13 @@ class Session:
     def _seen(self, named: NamedDecider) -> tuple[ObservationConfig, dict[str, Mapping[str, Any]]]:
         """Return what robots observe so that any policy can follow, and the networks of the policies."""
         mission, directories = self._play.scenario.mission, self._play.directories
-        seen = named.observation(mission.terms)
+        seen = named.observation(usual_terms(mission))
         if named.mode == "velocity" or named.sees or not mission.items.rows:
             return seen, {}
         names = [name for name in (self._play.member, *self._filed()) if name.startswith(POLICY)]
         policies = {name: decider_named(name, directories) for name in names}
-        beside = (*DEFAULT_TERMS, *mission.terms, *(term for policy in policies.values() for term in policy.terms))
-        terms = dict.fromkeys((*(term.name for term in seen.terms), *beside))
+        others = (term for policy in policies.values() for term in policy.terms)
+        terms = dict.fromkeys((*(term.name for term in seen.terms), *usual_terms(mission), *others))
         observation = validated(ObservationConfig, {"terms": tuple(terms)}, "observation", own=True)
         return observation, {name: policy.network for name, policy in policies.items() if policy.network}
 

@@ -1,12 +1,12 @@
 """What is around the robots: the record that all observation terms read.
 
-Shapes: W worlds, N robots a world, R = W * N rows, M items and L stations a world, K neighbour ranges, C coordinated
-goals, S sensors, B behaviours of the robots' network.
+Shapes: W worlds, N robots a world, R = W * N rows, K neighbour ranges, C coordinated goals, S sensors, B behaviours of
+the robots' network.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple, get_args
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -14,12 +14,6 @@ from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Recording
 from selforg.elementary import sine_cosine
-from selforg.space import nearest_image
-
-Phase = Literal["patrol", "approach", "to_recycling", "to_dump"]
-PHASES: tuple[Phase, ...] = get_args(Phase)
-"""In the order of their numbers: no item in sight, an item in sight, with cargo, with recycled cargo."""
-PATROL, APPROACH, TO_RECYCLING, TO_DUMP = range(len(PHASES))
 
 
 class Around(NamedTuple):
@@ -33,22 +27,14 @@ class Around(NamedTuple):
     working: Annotated[Flags, "R", READ]  # whether it is at work: others see nothing
     speed: Annotated[Floats, "R", READ]  # of the drive [m/s]
     turn_rate: Annotated[Floats, "R", READ]  # of the drive [rad/s]
-    cargo: Annotated[Ints, "R", READ]  # item that the robot carries, NOTHING without one
-    recycled: Annotated[Ints, "R", READ]  # 1 where the cargo has been recycled
-    items: Annotated[Floats, "W M 2", READ]  # places of the items [m]
-    stage: Annotated[Ints, "W M", READ]  # LYING, CARRIED, DONE or ABSENT
-    stations: Annotated[Floats, "W L 2", READ]  # [m]
-    station_kinds: Annotated[Ints, "L", READ]  # RECYCLING or DUMP
     readings: Annotated[Floats, "R S", READ]  # of the robots' network
     marks: Annotated[Ints, "R LAYERS B", READ]  # of the robots' network, see `network.state`
     limits: Annotated[Ints, "W", READ]  # ticks after which each mission is over
-    idle: Annotated[Ints, "R", READ]  # ticks since the robot last picked, recycled or dumped something
+    idle: Annotated[Ints, "R", READ]  # ticks since the robot last achieved something, see `Task.achievements`
     # settings
     first_options: Annotated[Ints, "C", READ]  # number of options of the goals before each goal
     ranges: Annotated[Floats, "K", READ]  # neighbour ranges, growing [m]
-    sight: Annotated[Floats, "R", READ]  # distance within which the robot sees items [m]
     longest: float  # half the diagonal of the torus [m]
-    station_range: float  # distance to a station within which a robot is near it [m]
     full_crowd: float  # number of robots in range that counts as 1
     patience: float  # time without progress that counts as 1 [ticks]
     reach: float  # of a robot's pose [m]
@@ -60,10 +46,6 @@ class Around(NamedTuple):
     # filled for every observation
     ticks: Annotated[Ints, "W", READ]  # since the reset of each world
     held: Annotated[Ints, "C R", READ]  # option that serves each goal
-    item: Annotated[Ints, "R", SCRATCH]  # nearest item in sight, -1 without one
-    phases: Annotated[Ints, "R", SCRATCH]  # numbers of `PHASES`
-    station_distances: Annotated[Floats, "R 2", SCRATCH]  # to the nearest recycling station and dump [m]
-    station_ways: Annotated[Floats, "R 2 3", SCRATCH]  # the ways to them, see `write_way`, by `longest`
     # as the robot has heard: see `selforg.mechanisms.steering.base`
     neighbour: Annotated[Ints, "R", SCRATCH]  # row of the nearest other robot within the largest range, -1 without one
     heard: Annotated[Floats, "R OTHER", SCRATCH]  # what is known of it; its velocity is relative to that of the row
@@ -75,29 +57,15 @@ open_around = AROUND_RECORD.open
 
 
 @inlined
-def write_offset(around: Around, row: int, dx: float, dy: float, scale: float, way: Floats) -> float:
-    """Write the way of a row to what is (dx, dy) [m] from it into `way` (3,); return the distance [m].
+def write_offset(heading: float, dx: float, dy: float, scale: float, way: Floats) -> float:
+    """Write the way of a robot to what is (dx, dy) [m] from it into `way` (3,); return the distance [m].
 
     The way is the distance by `scale`, at most 1, then the unit vector there in the robot's frame.
     """
     length = float(np.sqrt(dx * dx + dy * dy))
     way[0], way[1], way[2] = min(length / scale, 1.0), 0.0, 0.0
     if length > 0.0:
-        sine, cosine = sine_cosine(around.headings[row])
+        sine, cosine = sine_cosine(heading)
         way[1] = min(max((cosine * dx + sine * dy) / length, -1.0), 1.0)
         way[2] = min(max((cosine * dy - sine * dx) / length, -1.0), 1.0)
     return length
-
-
-@inlined
-def write_way(around: Around, row: int, place: Floats, scale: float, way: Floats) -> float:
-    """Write the way of a row to a place (2,) [m], see `write_offset`; return the distance [m]."""
-    dx = nearest_image(place[0] - around.positions[row, 0], around.extent[0])
-    dy = nearest_image(place[1] - around.positions[row, 1], around.extent[1])
-    return write_offset(around, row, dx, dy, scale, way)
-
-
-@inlined
-def copy_way(way: Floats, out: Floats) -> None:
-    """Copy a way (3,) to the first places of `out`."""
-    out[0], out[1], out[2] = way[0], way[1], way[2]

@@ -13,25 +13,23 @@ from typing import Annotated, Self
 
 from pydantic import BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import Count
-from clean_swarm_env.learning.observation import cleaning_terms as cleaning_terms
-from clean_swarm_env.learning.observation import load_terms as load_terms
 from clean_swarm_env.learning.observation import own_terms as own_terms
 from clean_swarm_env.learning.observation import ray_terms as ray_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation import thing_terms as thing_terms
-from clean_swarm_env.learning.observation import true_terms as true_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
-from clean_swarm_env.tasks.cleaning.task import Cleaning
+from clean_swarm_env.world.task import task_class
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Number, Positive
 from selector.documents.imported import NameOrImport, registered
 from selforg.registry import unknown
 
-DEFAULT_TERMS = Cleaning.terms
-"""The terms of cleaning robots unless others are chosen: what one senses or has heard, all of them compiled.
 
-The modules of all terms are imported above."""
+def usual_terms(mission: MissionConfig) -> tuple[str, ...]:
+    """Return the terms of an observation in a mission unless others are chosen: those of its task, then its own."""
+    return (*task_class(mission).terms, *mission.terms)
 
 
 class TermConfig(Closed):
@@ -59,10 +57,8 @@ def _by_name(given: object) -> object:
 class ObservationConfig(Closed):
     """What a selector sees of each robot: terms in their order, and the settings that terms share."""
 
-    terms: Annotated[tuple[Annotated[TermConfig, BeforeValidator(_by_name)], ...], Field(min_length=1)] = tuple(
-        TermConfig(name=name) for name in DEFAULT_TERMS
-    )
-    """The terms; a bare name is the term of that name with weight 1."""
+    terms: Annotated[tuple[Annotated[TermConfig, BeforeValidator(_by_name)], ...], Field(min_length=1)] = ()
+    """The terms, those of the mission and its task unless given; a bare name is the term of that name with weight 1."""
     neighbour_ranges: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0, 1.5, 2.5)
     """Centre distances within which robots are counted [m], growing; within the last one robots are neighbours."""
     station_range: Positive = 2.0
@@ -92,20 +88,18 @@ class ObservationConfig(Closed):
                     raise ValueError(f"terms: {term.name}: missing setting {name!r}")
         return self
 
-    def beside(
-        self, further: Sequence[str] = (), usual: Sequence[str] = DEFAULT_TERMS, *, driven: bool = False
-    ) -> Self:
-        """Return the observation with `further` terms behind the `usual` ones, or with the terms that were chosen.
+    def of(self, usual: Sequence[str], *, driven: bool = False) -> Self:
+        """Return the observation with the `usual` terms, unless others were chosen.
 
         Robots that are `driven` by vectors hold no options, and see none.
         """
-        if "terms" in self.model_fields_set:
+        if self.terms:
             if driven and any(term.name == "holds" for term in self.terms):
                 raise DocumentError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
             return self
         seen = [name for name in usual if not (driven and name == "holds")]
         given = {name: getattr(self, name) for name in self.model_fields_set}
-        return validated(type(self), {**given, "terms": (*seen, *further)}, "observation", own=True)
+        return validated(type(self), {**given, "terms": seen}, "observation", own=True)
 
     def build(self, observed: Observed) -> tuple[Term, ...]:
         """Return the terms, made for `observed`."""

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.learning.observation.around import Around
-from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term, compiled_term
+from clean_swarm_env.learning.observation.term import AROUND_TERMS, TERMS, CompiledTerm, Observed, Term
 from clean_swarm_env.learning.progress import MEMORY
 from selforg.arrays import READ, Floats, Ints
 from selforg.compiler.decorators import inlined
@@ -17,7 +17,7 @@ FORGOTTEN = 0.37
 """What is left of one collision when the robot forgets it: 1/e, rounded up [-]."""
 
 
-@compiled_term("avoidance", "avoidance_length", "avoiding")
+@AROUND_TERMS.term("avoidance", "avoidance_length", "avoiding")
 def write_avoidance(around: Around, row: int, out: Floats) -> None:
     """Length of the avoidance vector by the reach of a pose, and whether the robot avoids others just now."""
     if around.avoidance >= 0:
@@ -26,23 +26,23 @@ def write_avoidance(around: Around, row: int, out: Floats) -> None:
         out[1] = around.marks[row, EXECUTING, around.avoiding]
 
 
-@compiled_term("movement", "speed", "turn_rate")
+@AROUND_TERMS.term("movement", "speed", "turn_rate")
 def write_movement(around: Around, row: int, out: Floats) -> None:
     """Speed and turn rate of the drive, by the largest ones."""
     out[0] = min(around.speed[row] / around.max_speed[row], 1.0)
     out[1] = min(max(around.turn_rate[row] / around.max_turn_rate[row], -1.0), 1.0)
 
 
-@compiled_term("time", "time_left")
+@AROUND_TERMS.term("time", "time_left")
 def write_time(around: Around, row: int, out: Floats) -> None:
     """Share of the time limit that is left."""
     world = row // around.robots
     out[0] = max(1.0 - around.ticks[world] / around.limits[world], 0.0)
 
 
-@compiled_term("idle", "idle")
+@AROUND_TERMS.term("idle", "idle")
 def write_idle(around: Around, row: int, out: Floats) -> None:
-    """Time since the robot last picked, recycled or dumped something, by `patience`."""
+    """Time since the robot last achieved something that its task counts, by `patience`."""
     out[0] = min(around.idle[row] / around.patience, 1.0)
 
 
@@ -88,7 +88,7 @@ class ModelTerm(Term):
         out[self._models[rows], rows] = 1.0
 
 
-@TERMS.register
+@AROUND_TERMS.register
 class HoldsTerm(CompiledTerm):
     """One flag for each option of each coordinated goal: is it held?"""  # noqa: D400
 

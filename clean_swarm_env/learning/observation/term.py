@@ -6,7 +6,7 @@ import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from clean_swarm_env.learning.observation.around import Around
 from clean_swarm_env.learning.progress import MissionProgress
@@ -17,7 +17,7 @@ from selforg.compiler.records import Packed
 from selforg.plugins import Promises, are_numbers
 from selforg.registry import Registry
 
-RowWriter = Callable[[Around, int, Floats], None]
+Seen = TypeVar("Seen")
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Term(ABC):
                 around = self.observed.around.record
                 out[0] = self.factor * around.positions[:, 0] / around.extent[0]
 
-        ObservationConfig(terms=["cargo", {"name": "eastness", "factor": 0.5}])
+        ObservationConfig(terms=["crowd", {"name": "eastness", "factor": 0.5}])
 
     Keyword-only parameters of the constructor are the settings. Those that `ObservationConfig` has (such as
     `neighbour_ranges`) are taken from there. The others are given beside the name of the term.
@@ -101,28 +101,75 @@ class Term(ABC):
         return {p.name: p.default is not p.empty for p in parameters if p.kind is p.KEYWORD_ONLY}
 
 
-class CompiledTerm(Term):
-    """A term of DEFAULT_TERMS: `write_row` writes it for one robot, and one kernel writes all."""
-
-    @staticmethod
-    @abstractmethod
-    def write_row(around: Around, row: int, out: Floats) -> None:
-        """Write the components of a row into the first places of `out`, which holds zeros (compiled)."""
-
-    def write(self, rows: Ints, out: Floats) -> None:
-        """Do nothing: the kernel of `Observer` has written the components already."""
-
-
 TERMS: Registry[Term] = Registry("observation term", lambda term: term.name, base=Term)
 
 
-def compiled_term(name: str, *components: str) -> Callable[[RowWriter], RowWriter]:
-    """Register a function as `write_row` of the compiled term `name`; its docstring is what the term means."""
+class CompiledTerm(Term):
+    """A term of a group: `write_row` writes it for one robot, and one kernel writes all terms of the group."""
 
-    def register(write_row: RowWriter) -> RowWriter:
-        members = {"name": name, "components": components, "write_row": staticmethod(inlined(write_row))}
-        members |= {"__doc__": write_row.__doc__, "__module__": write_row.__module__}
-        TERMS.register(type(write_row.__name__, (CompiledTerm,), members))
-        return write_row
+    group: ClassVar[TermGroup[Any]]
 
-    return register
+    @staticmethod
+    @abstractmethod
+    def write_row(seen: Any, row: int, out: Floats) -> None:  # noqa: ANN401  (the record of the group)
+        """Write the components of a row into the first places of `out`, which holds zeros (compiled)."""
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Do nothing: the kernel of the group has written the components already."""
+
+
+class Writer(Protocol):
+    """Searches what a group of terms needs, and writes these terms; made by `TermGroup.writer`."""
+
+    def write(self, worlds: Ints, rows: Ints, seen: Floats) -> None:
+        """Write the chosen terms of `rows` (P,), robots at work in `worlds` (C,), into `seen` (R, F)."""
+
+
+class TermGroup(Generic[Seen]):
+    """Compiled terms that one kernel writes, from one record of what is around the robots.
+
+    Attributes:
+        writer: makes the writer of the terms from the data that they read, the configuration of the observation, and
+            the first component (TERMS,) of each term, -1 for one that is not chosen; None: the observer is one.
+        names: names of the terms, in the order in which they are written.
+        write_terms: writes those that are chosen, for one row (compiled).
+
+    """
+
+    def __init__(self, writer: Callable[[Observed, Any, Ints], Writer] | None = None) -> None:
+        self.writer = writer
+        self.names: list[str] = []
+        self.write_terms: Callable[[Seen, Ints, int, Floats], None] = write_nothing
+
+    def register(self, term: type[CompiledTerm]) -> type[CompiledTerm]:
+        """Register a term as the next one of the group, as a decorator, before the kernel that writes the group."""
+        number, before, write_row = len(self.names), self.write_terms, term.write_row
+
+        @inlined
+        def write_both(seen: Seen, first: Ints, row: int, out: Floats) -> None:
+            before(seen, first, row, out)
+            if first[number] >= 0:
+                write_row(seen, row, out[first[number] :])
+
+        term.group, self.write_terms = self, write_both
+        self.names.append(term.name)
+        return TERMS.register(term)
+
+    def term(self, name: str, *components: str) -> Callable[[Callable[[Seen, int, Floats], None]], type[CompiledTerm]]:
+        """Register a function as `write_row` of a term, as a decorator; its docstring is what the term means."""
+
+        def register(write_row: Callable[[Seen, int, Floats], None]) -> type[CompiledTerm]:
+            members = {"name": name, "components": components, "write_row": staticmethod(inlined(write_row))}
+            members |= {"__doc__": write_row.__doc__, "__module__": write_row.__module__}
+            return self.register(type(write_row.__name__, (CompiledTerm,), members))
+
+        return register
+
+
+@inlined
+def write_nothing(seen: Any, first: Ints, row: int, out: Floats) -> None:  # noqa: ANN401  (any record)
+    """Write no component."""
+
+
+AROUND_TERMS: TermGroup[Around] = TermGroup()
+"""Compiled terms of all tasks, about the robot and its team."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -27,6 +27,8 @@ from clean_swarm_env.tasks.cleaning.coming import Comings
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.cost import collision_price, cost_terms, mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.learning.around import PHASES
+from clean_swarm_env.tasks.cleaning.learning.counts import ACHIEVEMENTS, CleaningCounts
 from clean_swarm_env.tasks.cleaning.movers import Movers
 from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more, goals_of, network_of_robots
 from clean_swarm_env.tasks.cleaning.rounds import Rounds
@@ -39,7 +41,7 @@ from clean_swarm_env.world.task_parts import ItemArrays, TaskState, WorldStart
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
@@ -68,10 +70,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         "garbage", "cargo", "phase", "situation", "recycling", "dump", "nearness", "target", "neighbour", "encounter",
         "crowd", "avoidance", "movement", "time", "idle", "holds",
     )  # fmt: skip
-    counted = (
-        "dumped", "garbage_done", "own_picked", "own_recycled", "own_dumped", "own_collisions", "own_contact_s",
-        "own_avoiding_s",
-    )  # fmt: skip
+    achievements, phases, Counts = ACHIEVEMENTS, PHASES, CleaningCounts
     tally = Counted("item_stage", DONE, "items dumped")
     Starts = missions.CleaningStarts
     doing = {"PickGarbage": "picks an item", "Recycle": "recycles its item", "Dump": "dumps its leftovers"}
@@ -88,14 +87,18 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     with_items, item_ranges = staticmethod(missions.with_items), staticmethod(missions.item_ranges)
     draw_scenario = staticmethod(missions.draw_scenario)
 
+    _phase: Annotated[Ints, "R", SCRATCH]
+
     def __init__(self, world: World) -> None:
         super().__init__(world)
+        self._phase = np.zeros(world.rows, dtype=np.int64)
         self.consequences = Consequences(world.mission, world.worlds, world.rows)
         self.site = Site(world, self.consequences)
         self.garbage, self.stations = self.site.garbage, self.site.stations
         self.comings, self.movers = Comings(world, self.site), Movers(world, self.site)
         self.rounds = Rounds(world, self.site, self.movers) if world.mission.world.has_walls else None
         self.cargo_memory = CargoMemory(world.memory)
+        self.standing = self.consequences.standing
 
     @classmethod
     def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
@@ -254,7 +257,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         """Return the items dumped."""
         return {"garbage_done": self.garbage.done}
 
-    def spent(self, world: int, values: Mapping[str, Floats]) -> float:
+    def cost_so_far(self, world: int, values: Mapping[str, Floats]) -> float:
         """Return the time and the price of the collisions [s]."""
         counts, terms = self.world.floor.collisions, cost_terms(self.world.missions[world])
         priced = terms.event * int(counts.events[world, 0]) + terms.sample * int(counts.samples[world, 0])
@@ -267,6 +270,10 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
         event = f"seconds + {mission.collision_cost:g} s a collision event{contact}"
         return f"for each item done, {event}" if coming else f"{event} + {left:g} s an item left"
+
+    def phase(self) -> Ints:
+        """Return the phase in which each robot (R,) was when it was last observed; see `learning.terms`."""
+        return self._phase
 
     def item_arrays(self) -> ItemArrays:
         """Return items, cargo and stations."""
@@ -283,12 +290,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
             stations=site.stations,
             station_kinds=site.kinds,
             sight=site.packed.record.sight,
-            standing=self.consequences.standing,
         )
-
-    def hindered(self, row: int) -> float:
-        """Return how long a collision still stops the robot of a row [s]."""
-        return round(int(self.consequences.standing[row]) * self.world.period, 9)
 
     def headline(self, world: int) -> str:
         """Return how many items are dumped."""

@@ -128,7 +128,7 @@ WRONG = {
     "completed": [lambda self, values: 7, lambda self, values: np.zeros(self.world.worlds)],
     "headline": [lambda self, world: 7],
     "cost_words": [classmethod(lambda cls, mission: None)],
-    "spent": [lambda self, world, values: np.nan],
+    "cost_so_far": [lambda self, world, values: np.nan],
     "target": [lambda self, row, read, wrong=wrong: wrong for wrong in (7, ("a den", "far"), ("a den", np.zeros(2)))],
     "totals": [lambda self: {"waited": 7}],
     "goals": [classmethod(lambda cls, *_: 7), classmethod(lambda cls, *_: ())],
@@ -152,7 +152,7 @@ def lived(cls):
     while not batch.finished:
         batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
     task = batch.worlds.task
-    task.headline(0), task.target(0, {}), task.totals(), task.spent(0, task.result()), task.cost_words(batch.mission)
+    task.headline(0), task.target(0, {}), task.totals(), task.cost_so_far(0, task.result()), task.cost_words(batch.mission)
 
 
 class Mute(BaseException):

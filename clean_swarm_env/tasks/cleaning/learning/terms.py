@@ -2,21 +2,76 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from clean_swarm_env.learning.observation.around import PHASES, Around, copy_way, write_way
-from clean_swarm_env.learning.observation.term import TERMS, Observed, Term, compiled_term
+from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.learning.observation.term import TERMS, Observed, Term, TermGroup
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
-from selforg.arrays import Flags, Floats, Ints
+from clean_swarm_env.tasks.cleaning.learning.around import (
+    ITEMS_AROUND,
+    PHASES,
+    ItemsAround,
+    cleaning_of,
+    copy_way,
+    find_items,
+    find_stations,
+    open_items,
+    reset_phases,
+    write_way,
+)
+from selforg.arrays import READ, Flags, Floats, Ints
+from selforg.compiler.decorators import kernel
+from selforg.compiler.records import Words
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
 from selforg.space import Torus
 
 
-@compiled_term("garbage", "garbage_seen", "garbage_distance", "garbage_ahead", "garbage_left")
-def write_garbage(around: Around, row: int, out: Floats) -> None:
+class ItemsWriter:
+    """Finds what items and stations are around the robots, and the phases of robots; writes the terms about them."""
+
+    _first: Annotated[Ints, "TERMS", READ]  # first component of each term, -1: not chosen
+
+    def __init__(self, observed: Observed, config: ObservationConfig, first: Ints) -> None:
+        chosen = [term.name for term in config.terms if term.name in ITEM_TERMS.names]
+        task, around = cleaning_of(observed, *chosen[:1]), observed.around.record
+        floor, rows = task.site.packed.record, len(around.headings)
+        self._first = first
+        self._around = ITEMS_AROUND.pack(
+            ItemsAround(
+                robots=around.robots,
+                extent=around.extent,
+                positions=around.positions,
+                headings=around.headings,
+                cargo=floor.cargo,
+                recycled=floor.recycled,
+                items=floor.items,
+                stage=floor.stage,
+                stations=floor.stations,
+                station_kinds=floor.kinds,
+                sight=floor.sight,
+                longest=around.longest,
+                station_range=config.station_range,
+                phases=task.phase(),
+                item=np.zeros(rows, dtype=np.int64),
+                station_distances=np.zeros((rows, 2)),
+                station_ways=np.zeros((rows, 2, 3)),
+            )
+        )
+
+    def write(self, worlds: Ints, rows: Ints, seen: Floats) -> None:
+        """Write the terms of `rows` (P,), robots at work in `worlds` (C,), into `seen` (R, F)."""
+        write_items(self._around.words, worlds, rows, self._first, seen)
+
+
+ITEM_TERMS: TermGroup[ItemsAround] = TermGroup(ItemsWriter)
+"""Compiled terms about items, cargo and stations."""
+
+
+@ITEM_TERMS.term("garbage", "garbage_seen", "garbage_distance", "garbage_ahead", "garbage_left")
+def write_garbage(around: ItemsAround, row: int, out: Floats) -> None:
     """The nearest item: whether one lies within sight, and the way to it by the range of sight."""
     out[1] = 1.0
     if around.item[row] >= 0:
@@ -25,50 +80,67 @@ def write_garbage(around: Around, row: int, out: Floats) -> None:
         write_way(around, row, place, around.sight[row], out[1:])
 
 
-@compiled_term("cargo", "carrying", "recycled")
-def write_cargo(around: Around, row: int, out: Floats) -> None:
+@ITEM_TERMS.term("cargo", "carrying", "recycled")
+def write_cargo(around: ItemsAround, row: int, out: Floats) -> None:
     """Whether the robot carries something, and whether that has been recycled."""
     out[0], out[1] = around.cargo[row] != NOTHING, around.recycled[row] == 1
 
 
-@compiled_term("phase", *(f"phase_{phase}" for phase in PHASES))
-def write_phase(around: Around, row: int, out: Floats) -> None:
+@ITEM_TERMS.term("phase", *(f"phase_{phase}" for phase in PHASES))
+def write_phase(around: ItemsAround, row: int, out: Floats) -> None:
     """One flag: nothing in sight, an item in sight, on the way to recycling, on the way to the dump."""
     out[around.phases[row]] = 1.0
 
 
-@compiled_term("situation", "free_far", "free_near", "carrying_far", "carrying_near")
-def write_situation(around: Around, row: int, out: Floats) -> None:
+@ITEM_TERMS.term("situation", "free_far", "free_near", "carrying_far", "carrying_near")
+def write_situation(around: ItemsAround, row: int, out: Floats) -> None:
     """One flag: without or with cargo, far from all stations or within `station_range` of one."""
     near = min(around.station_distances[row, 0], around.station_distances[row, 1]) <= around.station_range
     out[2 * (around.cargo[row] != NOTHING) + near] = 1.0
 
 
-@compiled_term("recycling", "recycling_distance", "recycling_ahead", "recycling_left")
-def write_recycling(around: Around, row: int, out: Floats) -> None:
+@ITEM_TERMS.term("recycling", "recycling_distance", "recycling_ahead", "recycling_left")
+def write_recycling(around: ItemsAround, row: int, out: Floats) -> None:
     """The way to the nearest recycling station, by half the torus' diagonal."""
     copy_way(around.station_ways[row, 0], out)
 
 
-@compiled_term("dump", "dump_distance", "dump_ahead", "dump_left")
-def write_dump(around: Around, row: int, out: Floats) -> None:
+@ITEM_TERMS.term("dump", "dump_distance", "dump_ahead", "dump_left")
+def write_dump(around: ItemsAround, row: int, out: Floats) -> None:
     """The way to the nearest dump, by half the torus' diagonal."""
     copy_way(around.station_ways[row, 1], out)
 
 
-@compiled_term("nearness", "recycling_near", "dump_near")
-def write_nearness(around: Around, row: int, out: Floats) -> None:
+@ITEM_TERMS.term("nearness", "recycling_near", "dump_near")
+def write_nearness(around: ItemsAround, row: int, out: Floats) -> None:
     """How near the nearest stations are: 1 at a station, 0 from `station_range` on."""
     for station in range(2):
         out[station] = max(1.0 - around.station_distances[row, station] / around.station_range, 0.0)
 
 
-@compiled_term("target", "target_distance", "target_ahead", "target_left")
-def write_target(around: Around, row: int, out: Floats) -> None:
+@ITEM_TERMS.term("target", "target_distance", "target_ahead", "target_left")
+def write_target(around: ItemsAround, row: int, out: Floats) -> None:
     """The way to the nearest station that the cargo has to go to, by half the torus' diagonal."""
     out[0] = 1.0
     if around.cargo[row] != NOTHING:
         copy_way(around.station_ways[row, 1 if around.recycled[row] == 1 else 0], out)
+
+
+write_item_terms = ITEM_TERMS.write_terms
+
+
+@kernel
+def write_items(around: Words[ItemsAround], chosen: Ints, rows: Ints, first: Ints, seen: Floats) -> None:
+    """Find items and stations around `rows` (P,), robots at work in the worlds `chosen` (C,), and write ITEM_TERMS.
+
+    `first` (TERMS,) holds the first component of each of them in `seen` (R, F), -1 for one that is not chosen.
+    """
+    reset_phases(around, chosen)
+    find_items(around, rows)
+    find_stations(around, rows)
+    a = open_items(around)
+    for row in rows:
+        write_item_terms(a, first, row, seen[row])
 
 
 @TERMS.register
@@ -81,19 +153,18 @@ class YardsTerm(Term):
     def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
         super().__init__(observed)
         self.together = together
-        if not len(observed.around.record.station_kinds):
-            raise ValueError(f"term yards: expected a task with stations, got {observed.worlds.task.name}")
+        self._floor = cleaning_of(observed, self.name).site.packed
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the flags."""
-        around = self.observed.around.record
-        space = Torus(*around.extent.tolist())
-        apart = np.zeros((len(around.stations), 2), dtype=np.bool_)
+        floor, robots = self._floor.record, self.observed.worlds.robots
+        space = Torus(*floor.extent.tolist())
+        apart = np.zeros((len(floor.stations), 2), dtype=np.bool_)
         for kind in range(2):
-            places = around.stations[:, around.station_kinds == kind]  # (W, K, 2)
+            places = floor.stations[:, floor.kinds == kind]  # (W, K, 2)
             offsets = space.offsets(np.broadcast_to(places[:, :1], places.shape), places)
             apart[:, kind] = ((offsets**2).sum(axis=2) > self.together**2).any(axis=1)
-        several = apart[rows // around.robots, around.recycled[rows]]
+        several = apart[rows // robots, floor.recycled[rows]]
         out[0, rows], out[1, rows] = ~several, several
 
 
@@ -104,6 +175,7 @@ class FeltFinds(Term):
 
     def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
         super().__init__(observed)
+        cleaning_of(observed, self.name)
         self.together = together
         self._queries = Queries(observed.worlds.minds.buffers["pheromones"])
 
@@ -154,13 +226,18 @@ class RecentFindsTerm(FeltFinds):
 
 
 @TERMS.register
-class IdentityTerm(Term):
-    """The number of the robot by the most robots of the team, by which equal robots can divide labour."""
+class TrueSeasonTerm(Term):
+    """One flag: garbage comes anywhere now, or about spots."""
 
-    name = "identity"
-    components = ("identity",)
-    numbers_rows = True
+    # No robot can know it: it is for machines that are told (docs/decisions/0214-what-robots-have-heard.md).
+    name = "true_season"
+    components = ("true_anywhere", "true_spots")
+
+    def __init__(self, observed: Observed) -> None:
+        super().__init__(observed)
+        self._comings = cleaning_of(observed, self.name).comings
 
     def write(self, rows: Ints, out: Floats) -> None:
-        """Write the numbers."""
-        out[0, rows] = rows % self.observed.worlds.robots / self.observed.worlds.robots
+        """Write the flags."""
+        at_spots = np.repeat(self._comings.at_spots, self.observed.worlds.robots)[rows]
+        out[0, rows], out[1, rows] = ~at_spots, at_spots

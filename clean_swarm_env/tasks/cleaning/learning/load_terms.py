@@ -7,6 +7,8 @@ import numpy as np
 from clean_swarm_env.learning.observation.around import Around, open_around
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
+from clean_swarm_env.tasks.cleaning.learning.around import cleaning_of
+from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
 from selforg.compiler.records import Words
@@ -29,26 +31,29 @@ class LoadsTerm(Term):
     def __init__(self, observed: Observed, *, near: float = 3.0) -> None:
         super().__init__(observed)
         self.near = near
+        self._floor = cleaning_of(observed, self.name).site.packed
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the numbers and the way."""
-        observed = self.observed
-        count_loads(observed.around.words, observed.worlds.minds.poses.packed.words, rows, self.near, out)
+        around, poses = self.observed.around.words, self.observed.worlds.minds.poses.packed.words
+        count_loads(around, self._floor.words, poses, rows, self.near, out)
 
 
 @kernel
-def count_loads(around: Words[Around], poses: Words[Poses], rows: Ints, near: float, out: Floats) -> None:
+def count_loads(
+    around: Words[Around], floor: Words[FloorRecord], poses: Words[Poses], rows: Ints, near: float, out: Floats
+) -> None:
     """Write the components of `LoadsTerm` for `rows` (P,) into `out` (components, R)."""
-    a, p = open_around(around), open_poses(poses)
+    a, f, p = open_around(around), open_floor(floor), open_poses(poses)
     others, goals = np.empty((a.robots, OTHER_COLUMNS)), np.zeros((2, c.PAIR_COLUMNS))
     for row in rows:
-        if a.cargo[row] == NOTHING or p.rows[row, c.ROW_POSES] == 0:
+        if f.cargo[row] == NOTHING or p.rows[row, c.ROW_POSES] == 0:
             continue
         goals[:, c.PAIR_DISTANCE] = np.inf
-        for station in range(a.station_kinds.shape[0]):
-            if a.station_kinds[station] != a.recycled[row]:
+        for station in range(f.kinds.shape[0]):
+            if f.kinds[station] != f.recycled[row]:
                 continue
-            place = a.stations[row // a.robots, station]
+            place = f.stations[row // a.robots, station]
             dx = nearest_image(place[0] - p.own[row, 0, c.X], a.extent[0])
             dy = nearest_image(place[1] - p.own[row, 0, c.Y], a.extent[1])
             distance = np.sqrt(dx * dx + dy * dy)
