@@ -32,7 +32,7 @@ from clean_swarm_env.learning.interface import BatchStep, Finished
 from clean_swarm_env.learning.observation.config import ObservationConfig, usual_terms
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
-from clean_swarm_env.learning.reward import MeasureRewards, OwnRewards, RewardConfig, Rewards, rewards_of
+from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from clean_swarm_env.recording.recorder import MissionRecorder
 from clean_swarm_env.world.mission import result_of
@@ -89,7 +89,7 @@ class Batch:
     doing: Annotated[list[Scenario | None], "W", KEPT]
     choices: Annotated[LearnerActions, READ]
     recorder: Annotated[MissionRecorder | None, OUTSIDE]
-    rewards: Annotated[Rewards | MeasureRewards, OUTSIDE]
+    rewards: Annotated[Rewards, OUTSIDE]
     _source: Annotated[EpisodeSource, OUTSIDE]
     worked: Annotated[Flags, "R", SCRATCH]
     _final: Annotated[Observations, "R F", SCRATCH]
@@ -130,7 +130,7 @@ class Batch:
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
         self.worked, self.open_team = self.working.copy(), episodes.fewest < self.robots
-        self.rewards = rewards_of(reward, self.worlds)
+        self.rewards = Rewards(reward, self.worlds)
         seen = config_from(ObservationConfig, settings.get("observation"), "observation")
         seen = seen.of(usual_terms(self.mission), driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)

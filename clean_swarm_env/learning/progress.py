@@ -62,16 +62,21 @@ open_period, open_followed = PERIOD_RECORD.open, FOLLOWED_RECORD.open
 
 
 class Counts:
-    """Counts what robots achieve, and what a tick costs where the task is priced, by `Task.achieved` and `Task.spent`.
+    """Counts what robots achieve, by `Task.achieved`, and how `Task.cost` grows where the task is priced.
 
     A task may have a class of its own in this place, `Task.Counts`, which writes into the records.
     """
 
+    _cost: Annotated[Floats, "W", KEPT]  # of each mission at the tick before [s]
+
     def __init__(self, worlds: Worlds, period: Packed[Period], followed: Packed[Followed]) -> None:
         self._worlds, self._period, self._followed = worlds, period, followed
+        self._cost = np.zeros(worlds.worlds)
 
     def reset(self, world: int) -> None:
         """Begin the counts of a world that has just been reset."""
+        if self._worlds.task.priced:
+            self._cost[world] = self._worlds.task.cost(world, self._worlds.task.result())
 
     def count(self, entered: Ints) -> None:
         """Add the last tick, whose collision events are `entered` (R,), in worlds where it counts."""
@@ -82,8 +87,10 @@ class Counts:
             period.events[number] += times
             period.team[number] += self._worlds.world.by_world(times).sum(axis=1)
             idle[times > 0] = 0
-        if task.priced:
-            period.cost[counts] += task.spent()[counts]
+        for world in np.flatnonzero(counts).tolist() if task.priced else ():
+            cost = task.cost(world, task.result())
+            period.cost[world] += cost - self._cost[world]
+            self._cost[world] = cost
 
 
 class MissionProgress:

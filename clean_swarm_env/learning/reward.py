@@ -26,7 +26,7 @@ from pydantic import Field, create_model, model_validator
 from clean_swarm_env.config.task_names import TASKS_HOME
 from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.learning.given import config_from
-from clean_swarm_env.learning.progress import COLLISIONS, EVENTS, Period, open_period
+from clean_swarm_env.learning.progress import Period, open_period
 from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission_end import COMPLETED
 from clean_swarm_env.world.task import Task
@@ -76,7 +76,7 @@ class WeightsConfig(Closed, extra="allow"):
 class RewardConfig(WeightsConfig):
     """Weights of the reward's terms; each robot gets their sum once a decision period.
 
-    Weights of what some task counts are known as well; `weights_for` has the model with those of one task.
+    It takes weights of what any task counts as well; `weights_of` has those of one task.
     """
 
     cost: Number = -0.01
@@ -98,34 +98,32 @@ class RewardConfig(WeightsConfig):
 
     @classmethod
     def known(cls) -> tuple[str, ...]:
-        """Return the names of weights; if no task is known, those of what any task counts as well."""
+        """Return the names of weights, those of what some task counts included."""
         import_module(TASKS_HOME)
-        kinds: list[Any] = list(TASKS) if cls is RewardConfig else []
-        return (*super().known(), *(name for kind in kinds for name in (*team_weights(kind), *own_weights(kind))))
+        kinds: list[Any] = list(TASKS)
+        return (*super().known(), *(name for kind in kinds for part in counted_by(kind) for name in part))
 
 
-def own_weights(task: type[Task[Any, Any]] | Task[Any, Any]) -> list[str]:
-    """Return the names of the weights of what a task counts of each robot."""
-    return [f"own_{achievement.name}" for achievement in task.achievements]
+def counted_by(task: type[Task[Any, Any]] | Task[Any, Any]) -> tuple[list[str], list[str]]:
+    """Return the names of the weights of what a task counts: of teams, and of each robot."""
+    teams = [achievement.name for achievement in task.achievements if achievement.team]
+    return teams, [f"own_{achievement.name}" for achievement in task.achievements]
 
 
-def team_weights(task: type[Task[Any, Any]] | Task[Any, Any]) -> list[str]:
-    """Return the names of the weights of what a task counts of teams."""
-    return [achievement.name for achievement in task.achievements if achievement.team]
+def weights_of(task: Task[Any, Any]) -> type[WeightsConfig]:
+    """Return the model of the weights of a task: 1 for measures, for which a task without a cost pays, others 0.
 
-
-def weights_for(task: Task[Any, Any]) -> type[RewardConfig]:
-    """Return the model of weights that has those of what a task counts; in its order files have them."""
-    fields: dict[str, Any] = {}
+    Cost and price are known where the task has them. What it counts stands in the order in which files have it.
+    """
+    teams, own = counted_by(task)
+    fields: dict[str, Any] = {} if task.priced else {key_of(one.name): (Number, 1.0) for one in task.measures}
     for name, field in RewardConfig.model_fields.items():
-        fields[name] = (field.annotation, field)
-        more = {"cost": team_weights(task), "price": own_weights(task)}.get(name, ())
-        fields |= dict.fromkeys(more, (Number, 0.0))
-    return create_model("Weights", __base__=RewardConfig, **fields)
+        if task.priced or name not in ("cost", "price"):
+            fields[name] = (field.annotation, field)
+        fields |= dict.fromkeys({"cost": teams, "price": own}.get(name, ()), (Number, 0.0))
+    return create_model("RewardConfig", __base__=WeightsConfig, **fields)
 
 
-OWN_COLLISION = "collision"
-"""Key of the weight for each collision event in which a robot took part [1/event]."""
 OwnRewards = Callable[[Any], Floats]
 """A function of a batch at the end of a period that returns the rewards (R,)."""
 
@@ -175,78 +173,43 @@ open_prices = PRICES_RECORD.open
 
 
 class Rewards:
-    """Rewards (R,): by weights from what the progress of a batch counted in a period, or the user's own function.
+    """Rewards (R,) by weights of what the progress of a batch counted in a period, or by the user's own function.
+
+    A task without a cost pays how much each measure has improved, in units of its target, or its own reward. So the sum
+    over a mission is the measure at the end, less the measure at the start, by its target; the sign is that of
+    "better". All robots of a world are paid alike for it.
 
     Attributes:
-        weights: name of a term -> weight.
+        weights: name of a term, or key of a measure -> weight.
         prices: the record `Prices`, with its words.
 
     """
 
-    def __init__(
-        self,
-        given: RewardConfig | Mapping[str, Any] | OwnRewards | str | None,
-        task: Task[Any, Any],
-        period: float,
-    ) -> None:
-        """Turn the weights of a task into prices, or check the function; `period` is the length of a tick [s]."""
-        self._own = own_rewards(given)
-        weights = given.model_dump(exclude_unset=True) if isinstance(given, RewardConfig) else given
-        config = config_from(weights_for(task), None if self._own else weights, "reward")  # type: ignore[arg-type]
-        self._further = further_of(config)
-        self.weights: dict[str, float] = config.model_dump()
-        own = [self.weights[name] for name in own_weights(task)]
-        events = {"collision": config.collision, "contact": config.contact * period}
-        events["avoiding"] = config.avoiding * period
+    def __init__(self, given: RewardConfig | Mapping[str, Any] | OwnRewards | str | None, worlds: Worlds) -> None:
+        """Turn the weights of the task of `worlds` into prices, or check the function."""
+        self._own, self._worlds, task = own_rewards(given), worlds, worlds.task
+        weights: Any = given.model_dump(exclude_unset=True) if isinstance(given, RewardConfig) else given
+        chosen = config_from(weights_of(task), None if self._own else weights, "reward")
+        self._further = further_of(chosen)
+        paid: dict[str, float] = chosen.model_dump()
+        self.weights = paid
+        own = [*(paid[name] for name in counted_by(task)[1]), paid["collision"]]
         self.prices = PRICES_RECORD.pack(
             Prices(
-                own=np.array([*own, *(events[event] for event in EVENTS)]),
-                team=np.array([self.weights.get(achievement.name, 0.0) for achievement in task.achievements]),
-                cost=config.cost,
-                tick=config.time * period,
-                completed=config.completed,
-                price=config.price,
-                shared=config.shared,
+                own=np.array([*own, paid["contact"] * worlds.period, paid["avoiding"] * worlds.period]),
+                team=np.array([paid.get(achievement.name, 0.0) for achievement in task.achievements]),
+                cost=paid.get("cost", 0.0),
+                tick=paid["time"] * worlds.period,
+                completed=paid["completed"],
+                price=paid.get("price", 0.0),
+                shared=paid["shared"],
             )
         )
-
-    def start_period(self) -> None:
-        """Do nothing: the progress counts."""
-
-    def of(self, batch: Any, rewards: Floats) -> None:  # noqa: ANN401  (a Batch, which stands above this module)
-        """Fill `rewards` (R,) with those of the last period of a batch; robots that took no part get none."""
-        if self._own is not None:
-            rewards[:] = self._own(batch)
-        else:
-            pay(batch.progress.period.words, self.prices.words, rewards)
-        for term, weight in self._further:
-            rewards += weight * term(batch)
-
-
-class MeasureRewards:
-    """Rewards of a task: how much each measure has improved in a period, in units of its target, or the task's own.
-
-    So the sum over a mission is the measure at the end, less the measure at the start, by its target; the sign is that
-    of "better". All robots of a world are paid alike. Weights of measures are 1 unless given, others 0.
-
-    Attributes:
-        weights: key of a measure, `collision`, what the task counts, or a registered reward term -> weight.
-
-    """
-
-    def __init__(self, given: Mapping[str, Any] | None, worlds: Worlds) -> None:
-        """Read the weights of the measures of the task of `worlds`."""
-        self._worlds, measures = worlds, worlds.task.measures
-        keys = [key_of(measure.name) for measure in measures]
-        counted = (OWN_COLLISION, *own_weights(worlds.task), *team_weights(worlds.task))
-        fields: dict[str, Any] = dict.fromkeys(keys, (Number, 1.0)) | dict.fromkeys(counted, (Number, 0.0))
-        chosen = config_from(create_model("MeasureWeights", __base__=WeightsConfig, **fields), given, "reward")
-        self.weights: dict[str, float] = chosen.model_dump()
-        self._further = further_of(chosen)
-        signs = [1.0 if measure.better == "higher" else -1.0 for measure in measures]
-        units = [abs(measure.target) or 1.0 for measure in measures]
-        self._prices = np.array([self.weights[key] for key in keys]) * signs / units
-        self._before: Floats = np.zeros((len(keys), worlds.worlds))
+        self._measures = () if task.priced or self._own else task.measures
+        signs = [1.0 if measure.better == "higher" else -1.0 for measure in self._measures]
+        units = [abs(measure.target) or 1.0 for measure in self._measures]
+        self._gains = np.array([paid[key_of(measure.name)] for measure in self._measures]) * signs / units
+        self._before = self._measured()
 
     def start_period(self) -> None:
         """Note the measures as they are."""
@@ -254,35 +217,28 @@ class MeasureRewards:
 
     def of(self, batch: Any, rewards: Floats) -> None:  # noqa: ANN401  (a Batch, which stands above this module)
         """Fill `rewards` (R,) with those of the last period of a batch; robots that took no part get none."""
-        own = self._worlds.task.reward()
-        if own is None:
-            now = self._measured()
-            for end in batch.finished:  # such a world has gone on until the end of the period
-                now[:, end.world] = list(end.result.measures.values())
-            own = np.repeat(self._prices @ (now - self._before), self._worlds.robots)
-        paid = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
-        for number, achievement in enumerate(self._worlds.task.achievements):
-            paid += self.weights[f"own_{achievement.name}"] * batch.progress.events[number]
-            team = self.weights.get(achievement.name, 0.0) * batch.progress.team[number]
-            paid += np.repeat(team, self._worlds.robots)
-        rewards[:] = np.where(batch.took_part, paid, 0.0)
+        if self._own is not None:
+            rewards[:] = self._own(batch)
+        else:
+            pay(batch.progress.period.words, self.prices.words, rewards)
+        if self._measures:
+            rewards += np.where(batch.took_part, self._improved(batch), 0.0)
         for term, weight in self._further:
             rewards += weight * term(batch)
 
+    def _improved(self, batch: Any) -> Floats:  # noqa: ANN401
+        """Return what robots (R,) are paid for the measures."""
+        own, now = self._worlds.task.reward(), self._measured()
+        if own is not None:
+            return own
+        for end in batch.finished:  # such a world has gone on until the end of the period
+            now[:, end.world] = list(end.result.measures.values())
+        return np.repeat(self._gains @ (now - self._before), self._worlds.robots)
+
     def _measured(self) -> Floats:
         """Return the present measures (K, W)."""
-        values = self._worlds.task.result()
-        return np.stack([values[measure.name] for measure in self._worlds.task.measures])
-
-
-def rewards_of(
-    given: RewardConfig | Mapping[str, Any] | OwnRewards | str | None, worlds: Worlds
-) -> Rewards | MeasureRewards:
-    """Return the rewards of worlds by weights, or by the user's own function."""
-    own = own_rewards(given)
-    if worlds.task.priced or own is not None:
-        return Rewards(given, worlds.task, worlds.period)
-    return MeasureRewards(given, worlds)  # type: ignore[arg-type]  # no function
+        values = self._worlds.task.result() if self._measures else {}
+        return np.array([values[measure.name] for measure in self._measures])
 
 
 @lean_kernel

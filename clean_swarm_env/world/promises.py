@@ -161,7 +161,6 @@ TASK_PROMISES: Final[Promises] = {
             _by_name(answer, task.world.rows) and answer.keys() == {one.name for one in task.achievements}
         ),
     ),
-    "spent": ("finite numbers ({0.world.worlds},)", lambda task, answer: are_numbers(answer, task.world.worlds)),
     "totals": (OF_WORLDS, lambda task, answer: _by_name(answer, task.world.worlds)),
     "phase": (
         "numbers of the phases ({0.world.rows},)",

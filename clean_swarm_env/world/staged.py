@@ -47,7 +47,7 @@ class StagedTask(TaskKind, ABC):
 
     Attributes:
         priced: whether the cost of a mission is counted in each tick, so that learners can be paid for it.
-        Counts: class that counts achievements and costs in place of `achieved` and `spent`, see `learning.progress`.
+        Counts: class that counts achievements and costs in place of `achieved` and `cost`, see `learning.progress`.
         best_score: score of a mission that costs nothing, from which its cost by the time limit is taken [-].
         thinks_when_driven: whether networks of robots go on deciding while a learner drives the robots.
         always_acts: whether networks select again until some behaviour runs.
@@ -173,13 +173,6 @@ class StagedTask(TaskKind, ABC):
         for measure in self.measures:
             met &= np.array([measure.met(value) for value in values[measure.name].tolist()])
         return met
-
-    def spent(self) -> Floats:
-        """Return what the last control period added to the cost of each mission (W,) [s], where the task is `priced`.
-
-        It is its length unless you say so.
-        """
-        return np.full(self.world.worlds, self.world.period)
 
     def cost(self, world: int, values: Mapping[str, Floats]) -> float:
         """Return what the mission of a world costs [s]: its time limit times its worst measure by the targets.

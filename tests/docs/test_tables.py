@@ -7,12 +7,11 @@ import pytest
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.tasks import TASKS, Task
+from clean_swarm_env.tasks import TASKS, Cleaning, Task
 from clean_swarm_env.world.by_hand import CHANGES
 from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission import MissionRun
@@ -27,7 +26,7 @@ OURS = {cls.__name__: cls for cls in STRATEGIES if cls.__module__.startswith("se
 
 def test_terms_of_the_environment():
     rows = {row[0].strip("`"): row[1:] for row in table("docs/environment.md", "terms")}
-    assert list(rows) == list(DEFAULT_TERMS)
+    assert list(rows) == list(Cleaning.terms)
     for name, (meaning, components, *_) in rows.items():
         term = TERMS.find(name)
         assert meaning == term.meaning()

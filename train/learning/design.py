@@ -146,7 +146,7 @@ class DesignTraining(MembersTraining):
     def export(self, command: str) -> Path:
         """Write the best machine so far and return its file."""
         usual = self.curriculum.batches[0].worlds.task.terms
-        seen = tuple(term.name for term in self.config.observation.terms if term.name not in usual)
+        seen = tuple(term.name for term in self.config.observation.terms or () if term.name not in usual)
         about = {"description": self.config.description, "terms": seen, "training": self.about(command)}
         machine = self._best.kept[0].model_copy(update=about)
         self.job.folder.write(MACHINE_FILE, as_yaml(machine.model_dump(mode="json", exclude_defaults=True)))

@@ -174,7 +174,7 @@ class Session:
         names = [name for name in (self._play.member, *self._filed()) if name.startswith(POLICY)]
         policies = {name: decider_named(name, directories) for name in names}
         others = (term for policy in policies.values() for term in policy.terms)
-        terms = dict.fromkeys((*(term.name for term in seen.terms), *usual_terms(mission), *others))
+        terms = dict.fromkeys((*(term.name for term in seen.terms or ()), *usual_terms(mission), *others))
         observation = validated(ObservationConfig, {"terms": tuple(terms)}, "observation", own=True)
         return observation, {name: policy.network for name, policy in policies.items() if policy.network}
 

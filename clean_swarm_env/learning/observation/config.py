@@ -57,8 +57,9 @@ def _by_name(given: object) -> object:
 class ObservationConfig(Closed):
     """What a selector sees of each robot: terms in their order, and the settings that terms share."""
 
-    terms: Annotated[tuple[Annotated[TermConfig, BeforeValidator(_by_name)], ...], Field(min_length=1)] = ()
-    """The terms, those of the mission and its task unless given; a bare name is the term of that name with weight 1."""
+    terms: Annotated[tuple[Annotated[TermConfig, BeforeValidator(_by_name)], ...], Field(min_length=1)] | None = None
+    """The terms; a bare name is the term of that name with weight 1. Unless given they are those of the task and the
+    mission."""
     neighbour_ranges: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0, 1.5, 2.5)
     """Centre distances within which robots are counted [m], growing; within the last one robots are neighbours."""
     station_range: Positive = 2.0
@@ -70,14 +71,15 @@ class ObservationConfig(Closed):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        names = [term.name for term in self.terms]
+        terms = self.terms or ()
+        names = [term.name for term in terms]
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(f"terms: {name!r} is given twice")
         ranges = self.neighbour_ranges
         if any(near >= far for near, far in pairwise(ranges)):
             raise ValueError(f"neighbour_ranges: expected growing distances, got {list(ranges)}")
-        for term in self.terms:
+        for term in terms:
             settings, given = TERMS.find(term.name).settings(), term.__pydantic_extra__
             own = {name: optional for name, optional in settings.items() if name not in type(self).model_fields}
             for name in given:
@@ -93,7 +95,7 @@ class ObservationConfig(Closed):
 
         Robots that are `driven` by vectors hold no options, and see none.
         """
-        if self.terms:
+        if self.terms is not None:
             if driven and any(term.name == "holds" for term in self.terms):
                 raise DocumentError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
             return self
@@ -103,7 +105,7 @@ class ObservationConfig(Closed):
 
     def build(self, observed: Observed) -> tuple[Term, ...]:
         """Return the terms, made for `observed`."""
-        return tuple(self._built(term, observed) for term in self.terms)
+        return tuple(self._built(term, observed) for term in self.terms or ())
 
     def _built(self, term: TermConfig, observed: Observed) -> Term:
         kind = TERMS.find(term.name)

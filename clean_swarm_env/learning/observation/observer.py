@@ -57,7 +57,7 @@ class Observer:
         self.names = tuple(name for term in terms for name in term.components)
         self.width = len(self.names)
         sizes = [len(term.components) for term in terms]
-        self._weights = np.repeat([np.float32(term.weight) for term in self.config.terms], sizes)
+        self._weights = np.repeat([np.float32(term.weight) for term in self.config.terms or ()], sizes)
         self.bounds = np.abs(self._weights)
         self._rows = np.zeros(worlds.rows, dtype=np.int64)
         self._seen = np.zeros((worlds.rows, self.width))

@@ -14,7 +14,9 @@ class FloorRecord(NamedTuple):
     """Bodies, items and stations on the floor; owned by `Site`."""
 
     robots: Annotated[Floats, "R 2", READ]  # positions [m]
+    headings: Annotated[Floats, "R", READ]  # [rad]
     extent: Annotated[Floats, "2", READ]  # of the torus [m]
+    longest: float  # half its diagonal [m]
     stations: Annotated[Floats, "W K 2", READ]  # [m]
     kinds: Annotated[Ints, "K", READ]  # RECYCLING or DUMP
     items: Annotated[Floats, "W M 2", KEPT]  # where each item lies or was picked [m]
@@ -30,6 +32,10 @@ class FloorRecord(NamedTuple):
     nearest: Annotated[Ints, "R", SCRATCH]  # the nearest item when the robot last sensed; NOTHING where none is near
     picked: Annotated[Ints, "R 2", SCRATCH]  # row and item of what was picked in this tick, the first ones
     standing: Annotated[Ints, "R", READ]  # ticks for which a robot stands after a collision; see `consequences`
+    phases: Annotated[Ints, "R", SCRATCH]  # the robot's phase when it was last observed; see `learning.around.PHASES`
+    in_sight: Annotated[Ints, "R", SCRATCH]  # the nearest item that it saw then, -1 without one
+    station_ways: Annotated[Floats, "R 2 3", SCRATCH]  # the ways to the nearest recycling and dump, by `longest`
+    nearness: Annotated[Floats, "R 2", SCRATCH]  # how near these were: 1 at a station, 0 where `near` ends
     lying: Annotated[Flags, "M", SCRATCH]  # scratch: items of one world that lie
     cells: Annotated[Ints, "lines columns", SCRATCH]  # scratch: see `physics.cells`
     links: Annotated[Ints, "M", SCRATCH]  # scratch: see `physics.cells`

@@ -54,7 +54,9 @@ class Site:
         self.packed: Packed[FloorRecord] = FLOOR.pack(
             FloorRecord(
                 robots=world.floor.physics.positions,
+                headings=world.floor.physics.headings,
                 extent=extent,
+                longest=world.ground.longest,
                 stations=self.stations,
                 kinds=self.kinds,
                 items=self.garbage.positions,
@@ -70,6 +72,10 @@ class Site:
                 nearest=np.full(rows, NOTHING, dtype=np.int64),
                 picked=np.zeros((rows, 2), dtype=np.int64),
                 standing=consequences.standing,
+                phases=np.zeros(rows, dtype=np.int64),
+                in_sight=np.full(rows, NOTHING, dtype=np.int64),
+                station_ways=np.zeros((rows, 2, 3)),
+                nearness=np.zeros((rows, 2)),
                 lying=np.zeros(count, dtype=np.bool_),
                 cells=np.zeros(cells, dtype=np.int64),
                 links=np.zeros(count, dtype=np.int64),

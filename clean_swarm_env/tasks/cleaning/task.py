@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
@@ -41,7 +41,7 @@ from clean_swarm_env.world.task_parts import ItemArrays, TaskState, WorldStart
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
-from selforg.arrays import SCRATCH, Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
@@ -87,11 +87,8 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     with_items, item_ranges = staticmethod(missions.with_items), staticmethod(missions.item_ranges)
     draw_scenario = staticmethod(missions.draw_scenario)
 
-    _phase: Annotated[Ints, "R", SCRATCH]
-
     def __init__(self, world: World) -> None:
         super().__init__(world)
-        self._phase = np.zeros(world.rows, dtype=np.int64)
         self.consequences = Consequences(world.mission, world.worlds, world.rows)
         self.site = Site(world, self.consequences)
         self.garbage, self.stations = self.site.garbage, self.site.stations
@@ -273,7 +270,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def phase(self) -> Ints:
         """Return the phase in which each robot (R,) was when it was last observed; see `learning.terms`."""
-        return self._phase
+        return self.site.packed.record.phases
 
     def item_arrays(self) -> ItemArrays:
         """Return items, cargo and stations."""

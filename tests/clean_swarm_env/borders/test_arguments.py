@@ -19,7 +19,7 @@ def test_dictionaries_are_taken_where_models_are():
         action={"mode": "velocity"},
     )
     assert given.mission == mission(garbage={"count": 2})
-    assert given.rewards.config.dumped == 2.0
+    assert given.rewards.weights["dumped"] == 2.0
     assert given.observer.names == ("carrying", "recycled")
     assert given.action.mode == "velocity"
     assert Batch({"task": {"garbage": {"count": 2}}}).mission.task.garbage.count == 2

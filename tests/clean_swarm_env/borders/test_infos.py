@@ -7,13 +7,15 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
 from clean_swarm_env.borders.infos import ALIVE, MASK, OPTION_MASK, OWN
+from clean_swarm_env.tasks import Cleaning
 from tests.clean_swarm_env.courses import mission
 from tests.paths import ROOT
 
 SHORT = mission(garbage={"count": 2}, time_limit=20.0)
 FORAGING = {"task": "Foraging", "time_limit": 4.0}
 TEAM = ("time_s", "dumped", "garbage_done", "mission_collision_events", "completed", "duration_s")
-KEYS = {*TEAM, *OWN, ALIVE, MASK}
+ROBOTS = {f"own_{one.name}": one.about for one in Cleaning.achievements} | OWN
+KEYS = {*TEAM, *ROBOTS, ALIVE, MASK}
 VELOCITY = {"mode": "velocity"}
 
 
@@ -25,7 +27,7 @@ def check_infos(told, team, robots):
             if name in (MASK, OPTION_MASK):
                 own = slice(row * len(value), (row + 1) * len(value))
                 assert value.tolist() == team[name][own].tolist() == robots[name][row].tolist()
-            elif name in (ALIVE, *OWN):
+            elif name == ALIVE or name.startswith("own_"):
                 assert value == team[name][row] == robots[name][row]
             else:
                 assert value == team[name] == robots[name][row]
@@ -78,5 +80,5 @@ def test_velocity_mode_shows_neither_masks_nor_options(border):
 
 def test_the_keys_stand_in_the_docs():
     page = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
-    for name, meaning in {**dict.fromkeys(TEAM, ""), **OWN}.items():
+    for name, meaning in {**dict.fromkeys(TEAM, ""), **ROBOTS}.items():
         assert f"| `{name}` | {meaning}" in page

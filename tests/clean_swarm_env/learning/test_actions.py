@@ -7,8 +7,8 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.around import PHASES
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
+from clean_swarm_env.tasks.cleaning.learning.around import PHASES
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
 
@@ -31,7 +31,7 @@ def test_masks_follow_the_phase_and_options_that_cannot_serve_give_way():
     batch, rng, met = Batch(mission(), 2, action=SERVES), np.random.default_rng(1), set()
     batch.reset([1, 2])
     for _ in range(150):
-        phases = [PHASES[phase] for phase in batch.observer.phases]
+        phases = [PHASES[phase] for phase in batch.worlds.task.phase()]
         met |= set(phases)
         carrying = batch.worlds.task.garbage.cargo != NOTHING
         assert carrying.tolist() == [phase.startswith("to_") for phase in phases]
@@ -50,6 +50,7 @@ def test_masks_follow_the_phase_and_options_that_cannot_serve_give_way():
     ("serves", "message"),
     [
         ({"Repulsion": ("patrol",)}, "actions: serves: unknown option 'Repulsion'"),
+        ({OPTIONS[0]: ("patrole",)}, f"actions: serves: {OPTIONS[0]}: unknown phase 'patrole' .*did you mean 'patrol'"),
         (
             dict.fromkeys(OPTIONS, ("patrol",)),
             "expected an option for goal AvoidCollision in phase 'approach', got none",
@@ -158,3 +159,15 @@ def test_pettingzoo_takes_vectors():
     assert all(env.observation_space(agent).contains(observations[agent]) for agent in env.agents)
     with pytest.raises(ValueError, match=r"actions\['robot_0'\]: expected Box"):
         env.step({**actions, "robot_0": 1})
+
+
+def test_options_are_limited_to_the_phases_of_the_task():
+    serves = {"RandomSearch": ["searching"]}
+    batch = begun(Batch("Foraging", action={"serves": serves}), [1])
+    search, met = batch.options["Foraging"].index("RandomSearch"), 0
+    for _ in range(60):
+        carrying = batch.worlds.world.carrying
+        assert batch.masks()[:, search].tolist() == (~carrying).tolist()
+        met += int(carrying.sum())
+        batch.step(np.full(batch.rows, search))
+    assert met

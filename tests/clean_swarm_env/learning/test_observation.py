@@ -7,10 +7,11 @@ import pytest
 
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.around import PHASES
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS
+from clean_swarm_env.tasks import Cleaning, Task
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.learning.around import PHASES
 from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
 
 RANGES = (1.0, 1.5, 2.5)
@@ -89,7 +90,7 @@ def _expected(batch, row, idle, spread):
         "idle": [min(idle / 60.0, 1.0)],
         "holds": [float(worlds.coordinators[0].held[row] == k) for k in range(3)],
     }
-    return np.concatenate([terms[name] for name in DEFAULT_TERMS])
+    return np.concatenate([terms[name] for name in Cleaning.terms])
 
 
 @long_course
@@ -194,11 +195,22 @@ def test_observations_stay_within_their_bounds(changes):
         seen = batch.step(np.full(batch.rows, 1)).observations
 
 
+@pytest.mark.parametrize("term", ["garbage", "nearness", "finds", "loads", "yards", "true_season"])
+def test_a_task_without_items_says_so(term):
+    with pytest.raises(ValueError, match=f"^observation: terms: {term}: expected the task Cleaning, got Foraging$"):
+        Batch("Foraging", observation={"terms": ["time", term]})
+
+
+def test_terms_are_those_of_the_task_unless_others_are_chosen():
+    assert ObservationConfig().of(Task.terms) == ObservationConfig(terms=Task.terms)
+    assert [term.name for term in Batch("Foraging").observer.config.terms] == [*Task.terms]
+
+
 def test_without_items_nobody_sees_one():
     batch = Batch(mission(garbage={"count": 0}), 2)
     seen = [batch.reset([5, 6]).copy()]
     for _ in range(20):
         step = batch.step(np.zeros(batch.rows, dtype=np.int64))
         seen += [step.observations.copy(), step.final_observations.copy()]
-        assert not batch.observer.phases.any()
+        assert not batch.worlds.task.phase().any()
     assert not np.array(seen)[:, :, batch.observer.names.index("garbage_seen")].any()

@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 
+from clean_swarm_env.borders.infos import own_infos, team_infos
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.progress import AVOIDINGS, PICKINGS
+from clean_swarm_env.learning.progress import AVOIDINGS
 from clean_swarm_env.learning.reward import RewardConfig
+from clean_swarm_env.tasks import TASKS
+from clean_swarm_env.tasks.cleaning.learning.counts import PICKINGS
+from clean_swarm_env.tasks.foraging import Foraging
 from tests.clean_swarm_env.courses import begun, mission
 
 PERIODS = 30
@@ -68,3 +72,34 @@ def test_an_item_is_paid_for_once_whoever_picks_it_again():
         batch.end_period()
     assert picked > 2 * 16  # robots collide, and what they lose is picked again
     assert 0 < paid <= 16
+
+
+def test_what_robots_of_any_task_achieve_is_counted_told_and_paid():
+    weights = {"own_brought": 2.0, "brought": 0.5, "items_brought_per_minute": 0.0}
+    batch = begun(Batch("Foraging", 2, reward=weights, observation={"terms": ["idle"]}), [1, 2])
+    before, total = np.zeros(2, dtype=np.int64), 0
+    for _ in range(60):
+        step = batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
+        own, (team,) = batch.progress.events[0], batch.progress.team
+        assert own.reshape(2, -1).sum(axis=1).tolist() == team.tolist()
+        np.testing.assert_allclose(step.rewards, 2.0 * own + 0.5 * np.repeat(team, batch.robots))
+        assert (step.observations[own > 0, 0] < 1.0 / 60.0).all()
+        told, robots = team_infos(batch), own_infos(batch)
+        assert (told["brought"], robots["own_brought"]) == (team.tolist(), own.tolist())
+        assert told["items_brought"] == (before := before + team).tolist()
+        total += int(own.sum())
+    assert total > 0
+    assert batch.progress.idle.max() == 300
+
+
+def test_a_task_with_a_cost_pays_what_its_cost_grew_by(monkeypatch):
+    members = {"name": "Costly", "goal": "Foraging", "priced": True, "__module__": __name__}
+    members["cost"] = lambda self, world, values: 3.0 * float(self.state.brought[world])
+    monkeypatch.setitem(TASKS._classes, "Costly", type("Costly", (Foraging,), members))
+    batch = begun(Batch({"task": "Costly", "time_limit": 30.0}, 2, reward={"cost": 1.0}), [1, 2])
+    paid = np.zeros(2)
+    for _ in range(30):
+        step = batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
+        paid += step.rewards.reshape(2, -1)[:, 0]
+    assert paid.tolist() == [end.result.cost_s for end in batch.finished]
+    assert paid.any()

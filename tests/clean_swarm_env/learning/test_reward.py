@@ -7,33 +7,27 @@ import pytest
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.progress import (
-    AVOIDINGS,
-    COLLISIONS,
-    CONTACTS,
-    DUMPINGS,
-    EVENTS,
-    PERIOD_RECORD,
-    PICKINGS,
-    RECYCLINGS,
-    Period,
-)
+from clean_swarm_env.learning.progress import AVOIDINGS, COLLISIONS, CONTACTS, EVENTS, PERIOD_RECORD, Period
 from clean_swarm_env.learning.reward import REWARD_TERMS, RewardConfig, Rewards
+from clean_swarm_env.tasks import Cleaning
 from clean_swarm_env.tasks.cleaning.cost import cost_terms
+from clean_swarm_env.tasks.cleaning.learning.counts import DUMPINGS, PICKINGS, RECYCLINGS
 from clean_swarm_env.testing import check_reward_term
 from clean_swarm_env.world.mission_end import COMPLETED, RUNNING
 from tests.clean_swarm_env.courses import begun
 
+KINDS = (*(achievement.name for achievement in Cleaning.achievements), *EVENTS)
+
 
 def progress(**events):
     """Return what two worlds of two robots counted in a period: the first dumped an item and was completed by it."""
-    counted = np.zeros((len(EVENTS), 4), dtype=np.int64)
+    counted = np.zeros((len(KINDS), 4), dtype=np.int64)
     for name, values in events.items():
-        counted[EVENTS.index(name)] = values
+        counted[KINDS.index(name)] = values
     period = Period(
         events=counted,
+        team=np.array([[0, 0], [0, 0], [1, 0]]),
         ticks=np.array([5, 2]),
-        dumped=np.array([1, 0]),
         outcome=np.array([COMPLETED, RUNNING]),
         took_part=np.ones(4, dtype=np.bool_),
         cost=np.array([1.0, 0.4]),
@@ -45,7 +39,7 @@ def progress(**events):
 
 def gained(config, counted):
     out = np.full(4, np.nan)
-    Rewards(config, 0.2).of(SimpleNamespace(progress=counted), out)
+    Rewards(config, SimpleNamespace(task=Cleaning, period=0.2)).of(SimpleNamespace(progress=counted), out)
     return out.tolist()
 
 
@@ -62,10 +56,10 @@ def test_the_reward_is_the_weighted_sum_of_its_parts():
     ],
 )  # fmt: skip
 def test_each_term_of_its_own_pays_for_its_own_events(term, kind, amount):
-    counted = progress(**{EVENTS[kind]: [1, 0, 0, 3]})
+    counted = progress(**{KINDS[kind]: [1, 0, 0, 3]})
     config = RewardConfig(**{"cost": 0.0, term: 2.0})
     assert gained(config, counted) == pytest.approx([2 * amount, 0.0, 0.0, 6 * amount])
-    others = progress(**{name: [1, 1, 1, 1] for k, name in enumerate(EVENTS) if k != kind})
+    others = progress(**{name: [1, 1, 1, 1] for name in KINDS if name != KINDS[kind]})
     assert gained(config, others) == [0.0] * 4
     halved = config.model_copy(update={"shared": 0.5})
     assert gained(halved, counted) == pytest.approx([1.5 * amount, 0.5 * amount, 1.5 * amount, 4.5 * amount])

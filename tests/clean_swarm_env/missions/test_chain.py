@@ -6,8 +6,9 @@ import pytest
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.learning.progress import PICKINGS, RECYCLINGS, MissionProgress
+from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.learning.counts import PICKINGS, RECYCLINGS
 from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError

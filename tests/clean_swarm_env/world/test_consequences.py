@@ -8,9 +8,9 @@ import pytest
 from clean_swarm_env.config.load import with_changes
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.progress import DUMPINGS
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.learning.counts import DUMPINGS
 from tests.clean_swarm_env.courses import CROWD, begun, mission, ticked, worlds_at_start
 from tests.train.commands import run
 
@@ -114,7 +114,7 @@ def test_cargo_that_is_lost_lies_where_the_robot_is_and_is_not_dumped():
             for world in range(2):
                 assert worlds.minds.buffers["items"].count(world, "garbage") == (garbage.stage[world] == LYING).sum()
             cargo = garbage.cargo.copy()
-        assert batch.progress.events[DUMPINGS].sum() == batch.progress.dumped.sum()
+        assert batch.progress.events[DUMPINGS].sum() == batch.progress.team[DUMPINGS].sum()
     assert lost > 10
     assert (garbage.stage == CARRIED).sum() == (garbage.cargo != NOTHING).sum()
     assert (garbage.stage == DONE).sum() == garbage.done.sum() > 0

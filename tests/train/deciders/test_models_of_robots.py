@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.tasks import Cleaning
 from selector.documents.errors import DocumentError
 from tests.selector.strategies.policies import exported
 from train.deciders.decided_goal import DecidedGoal
@@ -18,7 +19,7 @@ QUICK, SLOW = "fixed:ORCA+Patrol", "fsm:recent-finds"
 def decided(text, periods=5):
     """Return the options (periods, R) of two worlds, and of which model the rows are."""
     named = decider_named(text)
-    batch = Batch(MISSION, 2, observation=named.observation(("finds",)))
+    batch = Batch(MISSION, 2, observation=named.observation((*Cleaning.terms, "finds")))
     goal = DecidedGoal(batch, named.decides(GOAL))
     decider, taken, seen = named.build(goal.problem, np.zeros(batch.rows, dtype=np.int64)), [], batch.reset([1, 2])
     decider.reset(np.arange(batch.rows), 5)
@@ -56,7 +57,7 @@ def test_a_policy_sees_terms_with_the_settings_of_its_training(tmp_path):
     terms = [{"name": "cargo", "weight": 0.5}, {"name": "lidar", "rays": 4.0, "farthest": 2.0}]
     exported(tmp_path, "AvoidCollision", ("ORCA", "Off"), ("lidar_0",), observation={"terms": terms})
     text = f"policy:{tmp_path}"
-    batch = Batch(MISSION, observation=decider_named(text).observation(("lidar", "finds")))
+    batch = Batch(MISSION, observation=decider_named(text).observation((*Cleaning.terms, "lidar", "finds")))
     assert batch.observer.names[-4:] == tuple(f"lidar_{ray}" for ray in range(4))
     expected = Batch(MISSION, observation={"terms": terms}).reset([1])
     assert np.array_equal(batch.reset([1]), expected)

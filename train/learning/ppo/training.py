@@ -109,7 +109,7 @@ class PpoTraining(Training):
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
         observation = self.curriculum.batches[0].observer.config
-        terms = tuple(term.name for term in observation.terms)
+        terms = tuple(term.name for term in observation.terms or ())
         usual = observation == ObservationConfig.model_validate({"terms": terms})
         return exported(
             self.model,

@@ -1,56 +1,28 @@
-"""Items and stations around the robots: the record that compiled terms of cleaning read, and the searches that fill it.
+"""Searches for items and stations around the robots, for observation terms, and the phases of their work (compiled).
 
-Shapes: W worlds, N robots a world, R = W * N rows, M items and L stations a world.
+What they find is in `FloorRecord`.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
-
-import numpy as np
+from typing import Any
 
 from clean_swarm_env.learning.observation.around import write_offset
 from clean_swarm_env.learning.observation.term import Observed
-from clean_swarm_env.physics.cells import NOBODY, cells_along, fill_cells, nearest_of_kind, nearest_point
-from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
+from clean_swarm_env.physics.cells import NOBODY, nearest_of_kind, nearest_point
+from clean_swarm_env.tasks.cleaning.cargo import list_lying
+from clean_swarm_env.tasks.cleaning.garbage import NOTHING
+from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from selector.documents.errors import DocumentError
-from selforg.arrays import READ, SCRATCH, Floats, Ints
-from selforg.compiler.decorators import inlined, kernel, part
-from selforg.compiler.records import Recording, Words
+from selforg.arrays import Floats, Ints
+from selforg.compiler.decorators import inlined, part
+from selforg.compiler.records import Words
 from selforg.space import nearest_image
 
 PHASES = ("patrol", "approach", "to_recycling", "to_dump")
 """In the order of their numbers: no item in sight, an item in sight, with cargo, with recycled cargo."""
 PATROL, APPROACH, TO_RECYCLING, TO_DUMP = range(len(PHASES))
-MARGIN = 1.0 + 1e-9
-"""Factor by which cells are wider than the range of a search, for rounding."""
-
-
-class ItemsAround(NamedTuple):
-    """Arrays of the worlds, settings, and what is found for every observation. Terms only read them."""
-
-    robots: int  # N
-    extent: Annotated[Floats, "2", READ]  # of the torus [m]
-    positions: Annotated[Floats, "R 2", READ]  # of the robots [m]
-    headings: Annotated[Floats, "R", READ]  # [rad]
-    cargo: Annotated[Ints, "R", READ]  # item that the robot carries, NOTHING without one
-    recycled: Annotated[Ints, "R", READ]  # 1 where the cargo has been recycled
-    items: Annotated[Floats, "W M 2", READ]  # places of the items [m]
-    stage: Annotated[Ints, "W M", READ]  # LYING, CARRIED, DONE or ABSENT
-    stations: Annotated[Floats, "W L 2", READ]  # [m]
-    station_kinds: Annotated[Ints, "L", READ]  # RECYCLING or DUMP
-    sight: Annotated[Floats, "R", READ]  # distance within which the robot sees items [m]
-    longest: float  # half the diagonal of the torus [m]
-    station_range: float  # distance to a station within which a robot is near it [m]
-    phases: Annotated[Ints, "R", SCRATCH]  # numbers of `PHASES`
-    item: Annotated[Ints, "R", SCRATCH]  # nearest item in sight, -1 without one
-    station_distances: Annotated[Floats, "R 2", SCRATCH]  # to the nearest recycling station and dump [m]
-    station_ways: Annotated[Floats, "R 2 3", SCRATCH]  # the ways to them, see `write_way`, by `longest`
-
-
-ITEMS_AROUND = Recording(ItemsAround)
-open_items = ITEMS_AROUND.open
 
 
 def cleaning_of(observed: Observed, term: str) -> Any:  # noqa: ANN401  (a Cleaning, which stands above this module)
@@ -62,58 +34,35 @@ def cleaning_of(observed: Observed, term: str) -> Any:  # noqa: ANN401  (a Clean
 
 
 @inlined
-def write_way(around: ItemsAround, row: int, place: Floats, scale: float, way: Floats) -> float:
+def write_way(floor: FloorRecord, row: int, place: Floats, scale: float, way: Floats) -> float:
     """Write the way of a row to a place (2,) [m], see `write_offset`; return the distance [m]."""
-    dx = nearest_image(place[0] - around.positions[row, 0], around.extent[0])
-    dy = nearest_image(place[1] - around.positions[row, 1], around.extent[1])
-    return write_offset(around.headings[row], dx, dy, scale, way)
-
-
-@inlined
-def copy_way(way: Floats, out: Floats) -> None:
-    """Copy a way (3,) to the first places of `out`."""
-    out[0], out[1], out[2] = way[0], way[1], way[2]
+    dx = nearest_image(place[0] - floor.robots[row, 0], floor.extent[0])
+    dy = nearest_image(place[1] - floor.robots[row, 1], floor.extent[1])
+    return write_offset(floor.headings[row], dx, dy, scale, way)
 
 
 @part
-def reset_phases(around: Words[ItemsAround], chosen: Ints) -> None:
-    """Set the phase of every robot in the worlds `chosen` (C,) to PATROL."""
-    a = open_items(around)
-    for world in chosen:
-        for row in range(world * a.robots, (world + 1) * a.robots):
-            a.phases[row] = PATROL
-
-
-@kernel
-def find_items(around: Words[ItemsAround], rows: Ints) -> None:
-    """Find the nearest item in sight of each of `rows` (P,), and the phase."""
-    a = open_items(around)
-    items = a.items.shape[1]
-    cells = np.empty(cells_along(items, a.sight.max() * MARGIN, a.extent), np.int64)
-    links, lying, filled = np.empty(items, np.int64), np.empty(items, np.bool_), -1
+def find_items(floor: Words[FloorRecord], rows: Ints) -> None:
+    """Find the nearest item in sight of each of `rows` (P,), and its phase."""
+    f, filled = open_floor(floor), -1
     for row in rows:
-        world = row // a.robots
+        world, place = row // (f.robots.shape[0] // f.stage.shape[0]), f.robots[row]
         if world != filled:
-            for item in range(items):
-                lying[item] = a.stage[world, item] == LYING
-            fill_cells(a.items[world], 0, lying, a.extent, cells, links)
+            list_lying(world, False, floor)
             filled = world
-        x, y = a.positions[row, 0], a.positions[row, 1]
-        item, _ = nearest_point(x, y, a.sight[row], a.items[world], lying, a.extent, cells, links)
-        a.item[row] = item
-        if a.cargo[row] != NOTHING:
-            a.phases[row] = TO_DUMP if a.recycled[row] == 1 else TO_RECYCLING
-        elif item != NOBODY:
-            a.phases[row] = APPROACH
+        item, _ = nearest_point(place[0], place[1], f.sight[row], f.items[world], f.lying, f.extent, f.cells, f.links)
+        f.in_sight[row], f.phases[row] = item, PATROL if item == NOBODY else APPROACH
+        if f.cargo[row] != NOTHING:
+            f.phases[row] = TO_DUMP if f.recycled[row] == 1 else TO_RECYCLING
 
 
 @part
-def find_stations(around: Words[ItemsAround], rows: Ints) -> None:
-    """Find the distances and the ways of `rows` (P,) to the nearest stations of both kinds."""
-    a = open_items(around)
+def find_stations(floor: Words[FloorRecord], rows: Ints, near: float) -> None:
+    """Find the ways of `rows` (P,) to the nearest stations of both kinds, and how near these are by `near` [m]."""
+    f = open_floor(floor)
     for row in rows:
-        x, y, stations = a.positions[row, 0], a.positions[row, 1], a.stations[row // a.robots]
+        stations, place = f.stations[row // (f.robots.shape[0] // f.stage.shape[0])], f.robots[row]
         for kind in range(2):
-            station, _ = nearest_of_kind(x, y, kind, stations, a.station_kinds, a.extent)
-            way = a.station_ways[row, kind]
-            a.station_distances[row, kind] = write_way(a, row, stations[station], a.longest, way)
+            station, away = nearest_of_kind(place[0], place[1], kind, stations, f.kinds, f.extent)
+            write_way(f, row, stations[station], f.longest, f.station_ways[row, kind])
+            f.nearness[row, kind] = 1.0 - away / near

@@ -10,20 +10,17 @@ from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term, TermGroup
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from clean_swarm_env.tasks.cleaning.learning.around import (
-    ITEMS_AROUND,
+    PATROL,
     PHASES,
-    ItemsAround,
     cleaning_of,
-    copy_way,
     find_items,
     find_stations,
-    open_items,
-    reset_phases,
     write_way,
 )
+from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from selforg.arrays import READ, Flags, Floats, Ints
-from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Words
+from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.records import Packed, Words
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
 from selforg.space import Torus
@@ -35,112 +32,97 @@ class ItemsWriter:
     _first: Annotated[Ints, "TERMS", READ]  # first component of each term, -1: not chosen
 
     def __init__(self, observed: Observed, config: ObservationConfig, first: Ints) -> None:
-        chosen = [term.name for term in config.terms if term.name in ITEM_TERMS.names]
-        task, around = cleaning_of(observed, *chosen[:1]), observed.around.record
-        floor, rows = task.site.packed.record, len(around.headings)
-        self._first = first
-        self._around = ITEMS_AROUND.pack(
-            ItemsAround(
-                robots=around.robots,
-                extent=around.extent,
-                positions=around.positions,
-                headings=around.headings,
-                cargo=floor.cargo,
-                recycled=floor.recycled,
-                items=floor.items,
-                stage=floor.stage,
-                stations=floor.stations,
-                station_kinds=floor.kinds,
-                sight=floor.sight,
-                longest=around.longest,
-                station_range=config.station_range,
-                phases=task.phase(),
-                item=np.zeros(rows, dtype=np.int64),
-                station_distances=np.zeros((rows, 2)),
-                station_ways=np.zeros((rows, 2, 3)),
-            )
-        )
+        chosen = ", ".join(term.name for term in config.terms or () if term.name in ITEM_TERMS.names)
+        self._floor: Packed[FloorRecord] = cleaning_of(observed, chosen).site.packed
+        self._near, self._first = config.station_range, first
 
     def write(self, worlds: Ints, rows: Ints, seen: Floats) -> None:
         """Write the terms of `rows` (P,), robots at work in `worlds` (C,), into `seen` (R, F)."""
-        write_items(self._around.words, worlds, rows, self._first, seen)
+        self._floor.record.phases.reshape(len(self._floor.record.stage), -1)[worlds] = PATROL
+        write_items(self._floor.words, rows, self._near, self._first, seen)
 
 
-ITEM_TERMS: TermGroup[ItemsAround] = TermGroup(ItemsWriter)
+ITEM_TERMS: TermGroup[FloorRecord] = TermGroup(ItemsWriter)
 """Compiled terms about items, cargo and stations."""
 
 
+@inlined
+def copy_way(floor: FloorRecord, row: int, kind: int, out: Floats) -> None:
+    """Copy the way of a row to the nearest station of a kind to the first places of `out`."""
+    way = floor.station_ways[row, kind]
+    out[0], out[1], out[2] = way[0], way[1], way[2]
+
+
 @ITEM_TERMS.term("garbage", "garbage_seen", "garbage_distance", "garbage_ahead", "garbage_left")
-def write_garbage(around: ItemsAround, row: int, out: Floats) -> None:
+def write_garbage(floor: FloorRecord, row: int, out: Floats) -> None:
     """The nearest item: whether one lies within sight, and the way to it by the range of sight."""
     out[1] = 1.0
-    if around.item[row] >= 0:
+    if floor.in_sight[row] >= 0:
         out[0] = 1.0
-        place = around.items[row // around.robots, around.item[row]]
-        write_way(around, row, place, around.sight[row], out[1:])
+        place = floor.items[row // (floor.robots.shape[0] // floor.stage.shape[0]), floor.in_sight[row]]
+        write_way(floor, row, place, floor.sight[row], out[1:])
 
 
 @ITEM_TERMS.term("cargo", "carrying", "recycled")
-def write_cargo(around: ItemsAround, row: int, out: Floats) -> None:
+def write_cargo(floor: FloorRecord, row: int, out: Floats) -> None:
     """Whether the robot carries something, and whether that has been recycled."""
-    out[0], out[1] = around.cargo[row] != NOTHING, around.recycled[row] == 1
+    out[0], out[1] = floor.cargo[row] != NOTHING, floor.recycled[row] == 1
 
 
 @ITEM_TERMS.term("phase", *(f"phase_{phase}" for phase in PHASES))
-def write_phase(around: ItemsAround, row: int, out: Floats) -> None:
+def write_phase(floor: FloorRecord, row: int, out: Floats) -> None:
     """One flag: nothing in sight, an item in sight, on the way to recycling, on the way to the dump."""
-    out[around.phases[row]] = 1.0
+    out[floor.phases[row]] = 1.0
 
 
 @ITEM_TERMS.term("situation", "free_far", "free_near", "carrying_far", "carrying_near")
-def write_situation(around: ItemsAround, row: int, out: Floats) -> None:
+def write_situation(floor: FloorRecord, row: int, out: Floats) -> None:
     """One flag: without or with cargo, far from all stations or within `station_range` of one."""
-    near = min(around.station_distances[row, 0], around.station_distances[row, 1]) <= around.station_range
-    out[2 * (around.cargo[row] != NOTHING) + near] = 1.0
+    near = max(floor.nearness[row, 0], floor.nearness[row, 1]) >= 0.0
+    out[2 * (floor.cargo[row] != NOTHING) + near] = 1.0
 
 
 @ITEM_TERMS.term("recycling", "recycling_distance", "recycling_ahead", "recycling_left")
-def write_recycling(around: ItemsAround, row: int, out: Floats) -> None:
+def write_recycling(floor: FloorRecord, row: int, out: Floats) -> None:
     """The way to the nearest recycling station, by half the torus' diagonal."""
-    copy_way(around.station_ways[row, 0], out)
+    copy_way(floor, row, 0, out)
 
 
 @ITEM_TERMS.term("dump", "dump_distance", "dump_ahead", "dump_left")
-def write_dump(around: ItemsAround, row: int, out: Floats) -> None:
+def write_dump(floor: FloorRecord, row: int, out: Floats) -> None:
     """The way to the nearest dump, by half the torus' diagonal."""
-    copy_way(around.station_ways[row, 1], out)
+    copy_way(floor, row, 1, out)
 
 
 @ITEM_TERMS.term("nearness", "recycling_near", "dump_near")
-def write_nearness(around: ItemsAround, row: int, out: Floats) -> None:
+def write_nearness(floor: FloorRecord, row: int, out: Floats) -> None:
     """How near the nearest stations are: 1 at a station, 0 from `station_range` on."""
     for station in range(2):
-        out[station] = max(1.0 - around.station_distances[row, station] / around.station_range, 0.0)
+        out[station] = max(floor.nearness[row, station], 0.0)
 
 
 @ITEM_TERMS.term("target", "target_distance", "target_ahead", "target_left")
-def write_target(around: ItemsAround, row: int, out: Floats) -> None:
+def write_target(floor: FloorRecord, row: int, out: Floats) -> None:
     """The way to the nearest station that the cargo has to go to, by half the torus' diagonal."""
     out[0] = 1.0
-    if around.cargo[row] != NOTHING:
-        copy_way(around.station_ways[row, 1 if around.recycled[row] == 1 else 0], out)
+    if floor.cargo[row] != NOTHING:
+        copy_way(floor, row, 1 if floor.recycled[row] == 1 else 0, out)
 
 
 write_item_terms = ITEM_TERMS.write_terms
 
 
-@kernel
-def write_items(around: Words[ItemsAround], chosen: Ints, rows: Ints, first: Ints, seen: Floats) -> None:
-    """Find items and stations around `rows` (P,), robots at work in the worlds `chosen` (C,), and write ITEM_TERMS.
+@lean_kernel
+def write_items(floor: Words[FloorRecord], rows: Ints, near: float, first: Ints, seen: Floats) -> None:
+    """Find items and stations around `rows` (P,), robots at work, and write ITEM_TERMS.
 
-    `first` (TERMS,) holds the first component of each of them in `seen` (R, F), -1 for one that is not chosen.
+    `first` (TERMS,) holds the first component of each term in `seen` (R, F), -1 for one that is not chosen. A robot is
+    near a station within `near` [m].
     """
-    reset_phases(around, chosen)
-    find_items(around, rows)
-    find_stations(around, rows)
-    a = open_items(around)
+    find_items(floor, rows)
+    find_stations(floor, rows, near)
     for row in rows:
-        write_item_terms(a, first, row, seen[row])
+        write_item_terms(open_floor(floor), first, row, seen[row])
 
 
 @TERMS.register
