@@ -8,7 +8,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.term import TERMS
-from clean_swarm_env.learning.reward import RewardConfig
+from clean_swarm_env.learning.reward import RewardConfig, weights_of
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks import TASKS, Cleaning, Task
@@ -35,9 +35,11 @@ def test_terms_of_the_environment():
 
 def test_weights_of_rewards():
     rows = {row[0].strip("`"): row[1:] for row in table("docs/environment.md", "rewards")}
-    assert list(rows) == list(RewardConfig.model_fields)
-    for name, description in descriptions(RewardConfig).items():
-        assert rows[name] == [f"{RewardConfig.model_fields[name].default:g}", description]
+    about = descriptions(RewardConfig)
+    assert list(rows) == list(weights_of(Cleaning).model_fields)
+    for name, field in weights_of(Cleaning).model_fields.items():
+        paid = about.get(name, "Shaping: each time that the info of this name counts [-].")
+        assert rows[name] == [f"{field.default:g}", paid]
 
 
 def test_channels_of_recordings(tmp_path, monkeypatch):

@@ -10,7 +10,8 @@ import clean_swarm_env.registration
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.clean_swarm_v0 import CleanSwarm
 from clean_swarm_env.config.tasks import find_task
-from clean_swarm_env.learning.reward import RewardConfig
+from clean_swarm_env.learning.reward import RewardConfig, weights_of
+from clean_swarm_env.tasks import Cleaning
 from clean_swarm_env.world.measure import key_of
 from train.cli.listing import names_of
 
@@ -27,7 +28,7 @@ def environments() -> dict[str, Any]:
     modes = {f"table1, {mode}": ("table1", {"action": {"mode": mode}}) for mode in MODES}
     found = {key: frozen(clean_swarm_v0.parallel_env(name, **more)) for key, (name, more) in (named | modes).items()}
     return {
-        "reward": {GROWING: sorted(RewardConfig.model_fields), "weights": weights()},
+        "reward": {GROWING: sorted(weights_of(Cleaning).model_fields), "weights": weights()},
         **found,
         **{name: frozen_team(name) for name in IDS},
     }

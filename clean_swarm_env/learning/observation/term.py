@@ -17,7 +17,7 @@ from selforg.compiler.records import Packed
 from selforg.plugins import Promises, are_numbers
 from selforg.registry import Registry
 
-Seen = TypeVar("Seen")
+Near = TypeVar("Near")
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ class Writer(Protocol):
         """Write the chosen terms of `rows` (P,), robots at work in `worlds` (C,), into `seen` (R, F)."""
 
 
-class TermGroup(Generic[Seen]):
+class TermGroup(Generic[Near]):
     """Compiled terms that one kernel writes, from one record of what is around the robots.
 
     Attributes:
@@ -139,14 +139,14 @@ class TermGroup(Generic[Seen]):
     def __init__(self, writer: Callable[[Observed, Any, Ints], Writer] | None = None) -> None:
         self.writer = writer
         self.names: list[str] = []
-        self.write_terms: Callable[[Seen, Ints, int, Floats], None] = write_nothing
+        self.write_terms: Callable[[Near, Ints, int, Floats], None] = write_nothing
 
     def register(self, term: type[CompiledTerm]) -> type[CompiledTerm]:
         """Register a term as the next one of the group, as a decorator, before the kernel that writes the group."""
         number, before, write_row = len(self.names), self.write_terms, term.write_row
 
         @inlined
-        def write_both(seen: Seen, first: Ints, row: int, out: Floats) -> None:
+        def write_both(seen: Near, first: Ints, row: int, out: Floats) -> None:
             before(seen, first, row, out)
             if first[number] >= 0:
                 write_row(seen, row, out[first[number] :])
@@ -155,10 +155,10 @@ class TermGroup(Generic[Seen]):
         self.names.append(term.name)
         return TERMS.register(term)
 
-    def term(self, name: str, *components: str) -> Callable[[Callable[[Seen, int, Floats], None]], type[CompiledTerm]]:
+    def term(self, name: str, *components: str) -> Callable[[Callable[[Near, int, Floats], None]], type[CompiledTerm]]:
         """Register a function as `write_row` of a term, as a decorator; its docstring is what the term means."""
 
-        def register(write_row: Callable[[Seen, int, Floats], None]) -> type[CompiledTerm]:
+        def register(write_row: Callable[[Near, int, Floats], None]) -> type[CompiledTerm]:
             members = {"name": name, "components": components, "write_row": staticmethod(inlined(write_row))}
             members |= {"__doc__": write_row.__doc__, "__module__": write_row.__module__}
             return self.register(type(write_row.__name__, (CompiledTerm,), members))

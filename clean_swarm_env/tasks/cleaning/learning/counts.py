@@ -40,7 +40,7 @@ PICKINGS, RECYCLINGS, DUMPINGS = range(3)
 """Rows of `Period.events`."""
 
 
-class Paid(NamedTuple):
+class PaidWork(NamedTuple):
     """What is paid for, and its values at the tick before, from which achievements are counted."""
 
     paid: Annotated[Ints, "W M", KEPT]  # 1 once somebody was paid for picking the item, or has put it down for others
@@ -50,22 +50,25 @@ class Paid(NamedTuple):
     had_price: Annotated[Floats, "W", KEPT]  # what collisions had cost at the tick before [s]
     collisions: Annotated[Ints, "W K", READ]  # events at each distance since the mission began
     samples: Annotated[Ints, "W K", READ]  # pairs closer than each distance, summed over all counts
-    terms: Annotated[Floats, "W 6", KEPT]  # `CostTerms` of each mission
+    terms: Annotated[Floats, "W 6", READ]  # `CostTerms` of each mission
 
 
-PAID_RECORD = Recording(Paid)
+PAID_RECORD = Recording(PaidWork)
 open_paid = PAID_RECORD.open
 
 
 class CleaningCounts:
     """Counts the achievements of cleaning, and its costs; see `learning.progress.Counts`."""
 
+    _terms: Annotated[Floats, "W 6", KEPT]
+
     def __init__(self, worlds: Worlds, period: Packed[Period], followed: Packed[Followed]) -> None:
         task: Any = worlds.task
         self._worlds, self._period, self._followed = worlds, period, followed
         self._floor: Packed[FloorRecord] = task.site.packed
+        self._terms = np.zeros((worlds.worlds, len(CostTerms._fields)))
         self._paid = PAID_RECORD.pack(
-            Paid(
+            PaidWork(
                 paid=task.garbage.paid,
                 had=np.full(worlds.rows, NOTHING, dtype=np.int64),
                 had_recycled=np.zeros(worlds.rows, dtype=np.int64),
@@ -73,7 +76,7 @@ class CleaningCounts:
                 had_price=np.zeros(worlds.worlds),
                 collisions=worlds.collisions.events,
                 samples=worlds.collisions.samples,
-                terms=np.zeros((worlds.worlds, len(CostTerms._fields))),
+                terms=self._terms,
             )
         )
 
@@ -84,7 +87,7 @@ class CleaningCounts:
         paid.had_recycled[rows] = floor.recycled[rows]
         paid.had_done[world] = floor.done[world]
         paid.had_price[world] = 0.0
-        paid.terms[world] = cost_terms(self._worlds.missions[world])
+        self._terms[world] = cost_terms(self._worlds.missions[world])
 
     def count(self, entered: Ints) -> None:
         """Add the last tick, whose collision events are `entered` (R,), in worlds where it counts."""
@@ -93,7 +96,7 @@ class CleaningCounts:
 
 
 @inlined
-def add_cost(world: int, dumped: int, tick: float, p: Period, f: FloorRecord, a: Paid) -> None:
+def add_cost(world: int, dumped: int, tick: float, p: Period, f: FloorRecord, a: PaidWork) -> None:
     """Add what a tick of `tick` [s], in which `dumped` items were dumped, added to the cost of a world's mission."""
     limit = a.terms[world, LIMIT]
     priced = a.terms[world, EVENT] * a.collisions[world, 0] + a.terms[world, SAMPLE] * a.samples[world, 0]
@@ -110,10 +113,10 @@ def add_cost(world: int, dumped: int, tick: float, p: Period, f: FloorRecord, a:
 
 @long_kernel
 def count_cleaning(
-    period: Written[Period],
+    period: Words[Period],
     followed: Written[Followed],
     floor: Words[FloorRecord],
-    paid: Written[Paid],
+    paid: Written[PaidWork],
     entered: Ints,
     length: float,
 ) -> None:
