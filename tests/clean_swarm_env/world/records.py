@@ -15,6 +15,8 @@ def floor_record(garbage, robots, extent, **fields):
         "standing": np.zeros(rows, np.int64), "nearest": np.zeros(rows, np.int64),
         "picked": np.zeros((rows, 2), np.int64), "at_item": 0.0, "at_station": 0.0, "pick_distance": 0.0,
         "room": np.ones(rows, np.int64), "finders": 0, "walled": 0, "hidden": 0, "found_again": 1,
+        "headings": np.zeros(rows), "longest": 1.0, "phases": np.zeros(rows, np.int64),
+        "in_sight": np.zeros(rows, np.int64), "station_ways": np.zeros((rows, 2, 3)), "nearness": np.zeros((rows, 2)),
         "lying": np.zeros(items, np.bool_), "cells": np.empty((0, 0), np.int64), "links": np.empty(items, np.int64),
     }  # fmt: skip
     names = ("stage", "leftover", "under", "found", "cargo", "recycled", "leg", "blind", "done")
