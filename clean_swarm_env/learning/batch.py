@@ -125,7 +125,7 @@ class Batch:
         self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         always = np.stack([coordinator.always for coordinator in self.worlds.coordinators], axis=1)
-        self.choices = LearnerActions(models, self.action, always, self.worlds.task.phases)
+        self.choices = LearnerActions(models, self.action, always, self.worlds.task.phases or ("any",))
         self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part

@@ -209,7 +209,7 @@ class Rewards:
         signs = [1.0 if measure.better == "higher" else -1.0 for measure in self._measures]
         units = [abs(measure.target) or 1.0 for measure in self._measures]
         self._gains = np.array([paid[key_of(measure.name)] for measure in self._measures]) * signs / units
-        self._before = self._measured()
+        self._before: Floats = np.zeros((len(units), worlds.worlds))
 
     def start_period(self) -> None:
         """Note the measures as they are."""

@@ -158,14 +158,16 @@ TASK_PROMISES: Final[Promises] = {
     "achieved": (
         "whole numbers or flags ({0.world.rows},), those of the achievements",
         lambda task, answer: (
-            _by_name(answer, task.world.rows) and answer.keys() == {one.name for one in task.achievements}
+            _by_name(answer, task.world.rows)
+            and answer.keys() == {one.name for one in task.achievements}
+            and all(times.dtype.kind in "biu" for times in answer.values())
         ),
     ),
     "totals": (OF_WORLDS, lambda task, answer: _by_name(answer, task.world.worlds)),
     "phase": (
         "numbers of the phases ({0.world.rows},)",
         lambda task, answer: (
-            are_numbers(answer, task.world.rows) and bool(np.isin(answer, range(len(task.phases))).all())
+            are_numbers(answer, task.world.rows) and bool(np.isin(answer, range(len(task.phases) or 1)).all())
         ),
     ),
     "item_arrays": ("ItemArrays", lambda task, answer, *_: isinstance(answer, ItemArrays)),

@@ -86,7 +86,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
         "command", "things", "neighbour", "crowd", "movement", "facts", "task", "time", "holds",
     )  # fmt: skip
     achievements: ClassVar[tuple[Achievement, ...]] = ()
-    phases: ClassVar[tuple[str, ...]] = ("any",)
+    phases: ClassVar[tuple[str, ...]] = ()
     Starts: ClassVar[type[StartsFile]] = StartsFile
     doing: ClassVar[Mapping[str, str]] = {}
     searching: ClassVar[Mapping[str, str]] = {}
@@ -194,7 +194,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
         return f"{mission.time_limit:g} s times the measure that is worst by its target"
 
     def phase(self) -> Ints:
-        """Return the phase in which each robot (R,) is, a number of `phases`."""
+        """Return the phase in which each robot (R,) is, a number of `phases`; 0 without any."""
         return np.zeros(self.world.rows, dtype=np.int64)
 
     def command(self, commands: Commands) -> None:

@@ -39,8 +39,8 @@ DECLARED = {
         r"(?:\"|[^\n]*:\n    \"\"\"(?P<line>.*?)\"\"\")",
     ),
     "terms": (
-        "clean_swarm_env/learning/observation/**/*.py",
-        r"(?sm)@compiled_term\(\s*\"(?P<name>\w+)\"(?:(?!\ndef ).)*\ndef [^\n]*:\n    \"\"\"(?P<line>.*?)\"\"\"",
+        "clean_swarm_env/**/*terms.py",
+        r"(?sm)@\w+\.term\(\s*\"(?P<name>\w+)\"(?:(?!\ndef ).)*\ndef [^\n]*:\n    \"\"\"(?P<line>.*?)\"\"\"",
         r"(?sm)^class \w+\([^\n]*\):\n    \"\"\"(?P<line>.*?)\"\"\"(?:(?!^class ).)*?"
         r"^    name = \"(?P<name>\w+)\"",
     ),
@@ -69,7 +69,7 @@ LINES = {
     "missions": "one world with its robots and its task: play NAME",
     "options": "the options that a goal may be served by, each under one name: knowledge documents choose of them",
     "policies": "trained networks that choose or drive: --strategy policy:NAME",
-    "reward-terms": "what robots can be paid for: keys of a reward",
+    "reward-terms": "what robots can be paid for: keys of a reward, beside what the task counts, such as own_dumped",
     "robots": "sensors, behaviours and goals of a robot: look draw NAME",
     "sensor-classes": "sensors in code: `type:` of a sensor of a configuration",
     "starts": "start configurations of experiments",

@@ -39,7 +39,7 @@ def progress(**events):
 
 def gained(config, counted):
     out = np.full(4, np.nan)
-    Rewards(config, SimpleNamespace(task=Cleaning, period=0.2)).of(SimpleNamespace(progress=counted), out)
+    Rewards(config, SimpleNamespace(task=Cleaning, worlds=2, period=0.2)).of(SimpleNamespace(progress=counted), out)
     return out.tolist()
 
 

@@ -9,7 +9,7 @@ from gymnasium.utils.env_checker import check_env
 
 import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
 from clean_swarm_env import Batch, clean_swarm_v0
-from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState, Things
+from clean_swarm_env.tasks import TASKS, Achievement, Measure, Task, TaskSettings, TaskState, Things
 from clean_swarm_env.testing import check_task
 from selforg.plugins import PluginError
 from tests.clean_swarm_env.courses import begun
@@ -44,6 +44,9 @@ def test_a_task_keeps_its_contract(task):
     check_task(TASKS.find(task))
 
 
+PASSED = (Achievement("passed", "Times that the robot passed the middle."),)
+
+
 class Waiting(Task[TaskSettings, TaskState]):
     """Robots wait; the measure is the time."""
 
@@ -64,13 +67,20 @@ class Waiting(Task[TaskSettings, TaskState]):
         ({"reward": lambda self: LUCK.random(self.world.rows)}, "AssertionError|same bits"),
         ({"after_moving": lambda self: self.nothing}, "AttributeError: 'Mine' object has no attribute 'nothing'"),
         ({"observe": lambda self: {"near": np.full(self.world.rows, np.nan)}}, "Mine.observe: .* with NaN"),
+        ({"achievements": PASSED}, "Mine.achieved: expected whole numbers .*, got nothing"),
+        (
+            {"achievements": PASSED, "achieved": lambda self: {"passed": np.full(self.world.rows, 0.5)}},
+            r"Mine.achieved: .*, got passed: float64 \(\d+,\)",
+        ),
+        ({"achievements": "passed"}, "achievements: expected a valid tuple, got 'passed'"),
+        ({"phase": lambda self: np.ones(self.world.rows, dtype=np.int64)}, "Mine.phase: expected numbers"),
+        ({"totals": lambda self: {"passed": 3}}, "Mine.totals: .*, got passed: 3"),
         ({"observe": lambda self: {"near": np.zeros(3)}}, r"Mine.observe: .* got near: float64 \(3,\)"),
     ],
 )  # fmt: skip
 def test_a_task_that_breaks_its_contract_is_one_line(members, said, monkeypatch):
-    cls = registered(members, monkeypatch)
     with pytest.raises(ValueError, match=said) as raised:
-        check_task(cls)
+        check_task(registered(members, monkeypatch))
     assert "\n" not in str(raised.value)
 
 
@@ -152,7 +162,8 @@ def lived(cls):
     while not batch.finished:
         batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
     task = batch.worlds.task
-    task.headline(0), task.target(0, {}), task.totals(), task.cost_so_far(0, task.result()), task.cost_words(batch.mission)
+    task.headline(0), task.target(0, {}), task.totals(), task.cost_so_far(0, task.result())
+    task.cost_words(batch.mission)
 
 
 class Mute(BaseException):

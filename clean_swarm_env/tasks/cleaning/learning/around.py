@@ -25,7 +25,7 @@ PHASES = ("patrol", "approach", "to_recycling", "to_dump")
 PATROL, APPROACH, TO_RECYCLING, TO_DUMP = range(len(PHASES))
 
 
-def cleaning_of(observed: Observed, term: str) -> Any:  # noqa: ANN401  (a Cleaning, which stands above this module)
+def cleaning_in(observed: Observed, term: str) -> Any:  # noqa: ANN401  (a Cleaning, which stands above this module)
     """Return the task of the robots, which a term is about; DocumentError if it is not cleaning."""
     task = observed.worlds.task
     if not isinstance(task.settings, CleaningSettings):

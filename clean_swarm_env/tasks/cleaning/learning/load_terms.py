@@ -7,7 +7,7 @@ import numpy as np
 from clean_swarm_env.learning.observation.around import Around, open_around
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
-from clean_swarm_env.tasks.cleaning.learning.around import cleaning_of
+from clean_swarm_env.tasks.cleaning.learning.around import cleaning_in
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
@@ -31,7 +31,7 @@ class LoadsTerm(Term):
     def __init__(self, observed: Observed, *, near: float = 3.0) -> None:
         super().__init__(observed)
         self.near = near
-        self._floor = cleaning_of(observed, self.name).site.packed
+        self._floor = cleaning_in(observed, self.name).site.packed
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the numbers and the way."""

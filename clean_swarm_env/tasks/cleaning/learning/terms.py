@@ -12,7 +12,7 @@ from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from clean_swarm_env.tasks.cleaning.learning.around import (
     PATROL,
     PHASES,
-    cleaning_of,
+    cleaning_in,
     find_items,
     find_stations,
     write_way,
@@ -33,7 +33,7 @@ class ItemsWriter:
 
     def __init__(self, observed: Observed, config: ObservationConfig, first: Ints) -> None:
         chosen = ", ".join(term.name for term in config.terms or () if term.name in ITEM_TERMS.names)
-        self._floor: Packed[FloorRecord] = cleaning_of(observed, chosen).site.packed
+        self._floor: Packed[FloorRecord] = cleaning_in(observed, chosen).site.packed
         self._near, self._first = config.station_range, first
 
     def write(self, worlds: Ints, rows: Ints, seen: Floats) -> None:
@@ -135,7 +135,7 @@ class YardsTerm(Term):
     def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
         super().__init__(observed)
         self.together = together
-        self._floor = cleaning_of(observed, self.name).site.packed
+        self._floor = cleaning_in(observed, self.name).site.packed
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the flags."""
@@ -157,7 +157,7 @@ class FeltFinds(Term):
 
     def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
         super().__init__(observed)
-        cleaning_of(observed, self.name)
+        cleaning_in(observed, self.name)
         self.together = together
         self._queries = Queries(observed.worlds.minds.buffers["pheromones"])
 
@@ -217,7 +217,7 @@ class TrueSeasonTerm(Term):
 
     def __init__(self, observed: Observed) -> None:
         super().__init__(observed)
-        self._comings = cleaning_of(observed, self.name).comings
+        self._comings = cleaning_in(observed, self.name).comings
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the flags."""
