@@ -85,6 +85,6 @@ class Shepherding(Task[Flocking, Flock]):
 
 
 if __name__ == "__main__":
-    from train.live import play
+    from train import play
 
     play(Shepherding)

@@ -9,7 +9,7 @@ import numpy as np
 
 from clean_swarm_env.config.tasks import ItemCounts, TaskSettings
 from clean_swarm_env.world.shown import ROBOT, WORLD, Drawn, Shown
-from clean_swarm_env.world.task_parts import ItemArrays, Things
+from clean_swarm_env.world.task_parts import Things
 from selector.coordination.robot_network import RobotNetwork
 from selforg.gradients.buffer import SoBuffer
 from selforg.plugins import Promises, are_numbers
@@ -170,7 +170,6 @@ TASK_PROMISES: Final[Promises] = {
             are_numbers(answer, task.world.rows) and bool(np.isin(answer, range(len(task.phases) or 1)).all())
         ),
     ),
-    "item_arrays": ("ItemArrays", lambda task, answer, *_: isinstance(answer, ItemArrays)),
     "shown": ("a tuple of Shown, of as many robots, worlds and things as there are", _shown),
     "drawn": ("a tuple of Drawn, of what is shown", _drawn),
     "goals": ("names of goals", lambda cls, answer, *_: bool(answer) and _all(str, answer)),

@@ -23,7 +23,7 @@ from clean_swarm_env.world.measure import Measure
 from clean_swarm_env.world.promises import TASK_PROMISES
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.shown import MANY, ROBOT, Counted, Drawn, Shown
-from clean_swarm_env.world.task_parts import ItemArrays, Things, kinds_of
+from clean_swarm_env.world.task_parts import Things, kinds_of
 from clean_swarm_env.world.view import CARRYING, World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
@@ -192,10 +192,6 @@ class StagedTask(TaskKind, ABC):
             return self.world.missions[world].time_limit
         ticks = max(int(self.world.ticks[world]) - 1, 0)  # the last thing was done at the beginning of its period
         return ticks * self.world.period
-
-    def item_arrays(self) -> ItemArrays:
-        """Return items, cargo and stations, the same arrays all the time; none unless robots carry items."""
-        return ItemArrays.none(self.world.worlds, self.world.rows)
 
     # ---- what others show
 

@@ -44,7 +44,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
 
     You may write what there is (`State`, `sizes`, `place`, `things`, `known`), how it goes on (`after_moving`, `done`,
     `bend`, `command`, `lead`), what learners see and get (`observe`, `reward`, `terms`, `achievements` with `achieved`,
-    `totals`, `phases` with `phase`), how the task looks (`shown`, `drawn`, `headline`), and what is said of it (`doing`,
+    `totals`, `phases` with `phase`), how the task looks (`shown`, `drawn`, `headline`), what is said of it (`doing`,
     `searching`, `sees`, `target`, `cost_so_far`, `cost_words`, `missed`, `excess`). You never need to loop over robots,
     and will not need the rest: robots start anywhere, nothing else is there, and the mission ends with its time.
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Final, NamedTuple
+from typing import Annotated, Final
 
 import numpy as np
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.ground import Ground
-from selforg.arrays import READ, Floats, Ints
+from selforg.arrays import READ, Floats
 from selforg.declared import fields_of, make_arrays
 from selforg.gradients.buffer import SoBuffer
 
@@ -65,31 +65,6 @@ def kinds_of(things: Sequence[Things]) -> Sequence[str]:
     for thing in things:
         names.append(f"{thing.channel}_repulsive" if thing.channel in names else thing.channel)
     return names
-
-
-class ItemArrays(NamedTuple):
-    """Items that robots carry to stations, as observations, rewards and results read them; M items, L stations."""
-
-    positions: Annotated[Floats, "W M 2", READ]  # where an item lies or was picked [m]
-    stage: Annotated[Ints, "W M", READ]  # LYING, CARRIED, DONE or ABSENT, see `tasks.cleaning.garbage`
-    paid: Annotated[Ints, "W M", READ]  # 1 once somebody was paid for picking an item
-    under: Annotated[Ints, "W M", READ]  # the item below a carried one in its load, -1 for none
-    cargo: Annotated[Ints, "R", READ]  # the item on top of what a robot carries, -1 for none
-    recycled: Annotated[Ints, "R", READ]  # 1 once the cargo has been recycled
-    done: Annotated[Ints, "W", READ]  # items dumped
-    arrived: Annotated[Ints, "W", READ]  # items that have come into the world
-    stations: Annotated[Floats, "W L 2", READ]  # [m]
-    station_kinds: Annotated[Ints, "L", READ]
-    sight: Annotated[Floats, "R", READ]  # distance within which the robot sees items [m]
-
-    @classmethod
-    def none(cls, worlds: int, rows: int) -> ItemArrays:
-        """Return those of a task without items and stations."""
-        places, stages = np.zeros((worlds, 0, 2)), np.zeros((worlds, 0), dtype=np.int64)
-        of_rows, of_worlds = np.zeros(rows, dtype=np.int64), np.zeros(worlds, dtype=np.int64)
-        nothing = of_rows - 1
-        done, unseen = of_worlds, np.zeros(rows)
-        return cls(places, stages, stages, stages, nothing, of_rows, done, of_worlds, places, stages[0], unseen)
 
 
 class TaskState:

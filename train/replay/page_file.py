@@ -55,7 +55,7 @@ def live_page() -> str:
 def _page(title: str, content: str, asked: str) -> str:
     """Return the page with its content; it may connect to `asked`, a source of a content security policy."""
     folder = files("train.replay") / "page"
-    legends = [[asdict(sign) for sign in legend((), signs)] for signs in ((), SIGNS)]
+    legends = [[asdict(sign) for sign in legend((), signs)] for signs in ((), [*SIGNS])]
     wrong, due = LOOK.contact, LOOK.options[0]
     colours = {"ink": LOOK.ink, "paper": LOOK.paper, "faint": LOOK.edge, "wrong": wrong, "due": due}
     parts = {

@@ -37,7 +37,7 @@ from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.shown import MANY, ROBOT, WORLD, Counted, Drawn, Shown
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import ItemArrays, TaskState, WorldStart
+from clean_swarm_env.world.task_parts import TaskState, WorldStart
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
@@ -271,23 +271,6 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     def phase(self) -> Ints:
         """Return the phase in which each robot (R,) was when it was last observed; see `learning.terms`."""
         return self.site.packed.record.phases
-
-    def item_arrays(self) -> ItemArrays:
-        """Return items, cargo and stations."""
-        garbage, site = self.garbage, self.site
-        return ItemArrays(
-            positions=garbage.positions,
-            stage=garbage.stage,
-            paid=garbage.paid,
-            under=garbage.under,
-            cargo=garbage.cargo,
-            recycled=garbage.recycled,
-            done=garbage.done,
-            arrived=garbage.arrived,
-            stations=site.stations,
-            station_kinds=site.kinds,
-            sight=site.packed.record.sight,
-        )
 
     def headline(self, world: int) -> str:
         """Return how many items are dumped."""
