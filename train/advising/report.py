@@ -120,7 +120,7 @@ class Advice:
         return {kind: self.found.kinds.get(kind, self.found.winner) for kind in sorted(set(self.kinds))}
 
     @cached_property
-    def told(self) -> Ratio | None:
+    def by_kind(self) -> Ratio | None:
         """The ratio of the best of each kind to the best of all, where kinds are asked for."""
         if not self.evaluation.kinds:
             return None
@@ -138,7 +138,7 @@ class Advice:
     @property
     def gains(self) -> bool:
         """Whether the best combination of each start, or of each kind, is shown to gain something worth while."""
-        ratios = [one for one in (self.hindsight, self.told) if one is not None]
+        ratios = [one for one in (self.hindsight, self.by_kind) if one is not None]
         told = [p is not None and p < ALPHA for p in corrected_ps(ratios)] if ratios else []
         most = 1.0 - WORTH_LEARNING
         return any(known and (one.ratio or 1.0) <= most for known, one in zip(told, ratios, strict=True))
@@ -152,7 +152,7 @@ class Advice:
         lost = self.left[self.found.winner].sum() if self.left else 0
         if 2 * lost >= self.found.starts:
             return [self._hold, *self._remarks, self._hopeless]
-        parts = (self._hold, self._beside, self._on_the_way, self._by_kind, self._worth)
+        parts = (self._hold, self._beside, self._on_the_way, self._of_kinds, self._worth)
         return [*filter(None, (*parts, *self._remarks))]
 
     @property
@@ -218,15 +218,13 @@ class Advice:
         return f"{begin} The best {self._way} of each start in hindsight gains {gain(ratio)}."
 
     @property
-    def _by_kind(self) -> str:
-        if self.told is None:
+    def _of_kinds(self) -> str:
+        if self.by_kind is None:
             return ""
         best, starts = self.best_of_kinds, Counter(self.kinds)
         held = "; ".join(f"{kind}: {self._words(arm)} ({starts[kind]} starts)" for kind, arm in best.items())
-        same = set(best.values()) == {self.found.winner}
-        return (
-            f"By kind: {held}. To tell the kind gains {'nothing: the best is the same' if same else gain(self.told)}."
-        )
+        saved = "nothing: the best is the same" if set(best.values()) == {self.found.winner} else gain(self.by_kind)
+        return f"By kind: {held}. To tell the kind gains {saved}."
 
     @property
     def _worth(self) -> str:
@@ -289,7 +287,7 @@ class Advice:
             "ratios": {arm: self.ratio(arm).content for arm in self.costs if arm != self.found.winner},
             "hindsight": None if self.hindsight is None else self.hindsight.content,
             "kinds": self.best_of_kinds if self.evaluation.kinds else {},
-            "told": None if self.told is None else self.told.content,
+            "by_kind": None if self.by_kind is None else self.by_kind.content,
             "stopped": dict(self.stopped),
             "better": self.better,
             "worth_it": bool(self.better or self.gains),

@@ -98,7 +98,7 @@ def test_what_is_best_for_each_kind_of_start_is_judged_on_the_last_round(tmp_pat
     runs = {one.key: one.result.excess_s for one in runs_of(tmp_path / "advice/yards/runs.jsonl")}
     told = [runs[f"test-{k + 1}", own[kind]] for k, kind in enumerate(kinds)]
     best = [runs[f"test-{k + 1}", "fixed:" + "+".join(said["held"].values())] for k in range(5)]
-    assert said["told"]["ratio"] == pytest.approx(np.mean(told) / np.mean(best))
+    assert said["by_kind"]["ratio"] == pytest.approx(np.mean(told) / np.mean(best))
     assert set(own) == set(kinds) == {"spots 0 stations 2", "spots 1 stations 2"}
     assert f" ({kinds.count('spots 1 stations 2')} starts). To tell the kind gains " in out
 
