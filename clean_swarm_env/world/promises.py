@@ -147,7 +147,9 @@ TASK_PROMISES: Final[Promises] = {
         ),
     ),
     "start_tick": ("None, or rows of robots at work, in rising order, as a whole array of int64 (K,)", _rows),
-    **dict.fromkeys(("headline", "cost_words"), ("a text", lambda task, answer, *_: isinstance(answer, str))),
+    **dict.fromkeys(
+        ("headline", "cost_words", "kind_of"), ("a text", lambda task, answer, *_: isinstance(answer, str))
+    ),
     "target": (
         "None, or a word and finite metres",
         lambda task, answer, *_: (

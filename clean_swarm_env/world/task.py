@@ -44,9 +44,10 @@ class Task(StagedTask, ABC, Generic[S, T]):
 
     You may write what there is (`State`, `sizes`, `place`, `things`, `known`), how it goes on (`after_moving`, `done`,
     `bend`, `command`, `lead`), what learners see and get (`observe`, `reward`, `terms`, `achievements` with `achieved`,
-    `totals`, `phases` with `phase`), how the task looks (`shown`, `drawn`, `headline`), what is said of it (`doing`,
-    `searching`, `sees`, `target`, `cost_so_far`, `cost_words`, `missed`, `excess`). You never need to loop over robots,
-    and will not need the rest: robots start anywhere, nothing else is there, and the mission ends with its time.
+    `totals`, `phases` with `phase`), how the task looks (`shown`, `drawn`, `headline`), and what is said of it
+    (`doing`, `searching`, `sees`, `target`, `cost_so_far`, `cost_words`, `kind_of`, `missed`, `excess`). You never need
+    to loop over robots, and will not need the rest: robots start anywhere, nothing else is there, and the mission ends
+    with its time.
 
     A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
     recordings, states and training then take it as they take cleaning.
@@ -187,6 +188,11 @@ class Task(StagedTask, ABC, Generic[S, T]):
         What options bring about in the next seconds is compared by it.
         """
         return self.cost(world, values)
+
+    @classmethod
+    def kind_of(cls, mission: MissionConfig) -> str:
+        """Return the kind of a mission among the scenarios of a family; missions that differ by luck are of one."""
+        return cls.name
 
     @classmethod
     def cost_words(cls, mission: MissionConfig) -> str:

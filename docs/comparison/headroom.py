@@ -28,10 +28,10 @@ from rich.console import Console
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
 from clean_swarm_env.learning.warm_up import usable_cpus
 from clean_swarm_env.tasks import Cleaning
+from clean_swarm_env.world.task import task_class
 from docs.comparison.claims import too_few
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
-from train.advising.opening import kind_of
 from train.analysis.family_report import FamilyRuns, censored, excesses_of, ranking_of, unfinished_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import Ratio
@@ -284,7 +284,7 @@ def race(
 
 def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
     """Return the kind (T,) of each scenario."""
-    return [kind_of(scenario.mission) for scenario in scenarios]
+    return [task_class(scenario.mission).kind_of(scenario.mission) for scenario in scenarios]
 
 
 def main(arguments: list[str]) -> None:

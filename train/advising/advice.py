@@ -24,7 +24,7 @@ from selector.documents.find import files_of
 from selector.documents.writing import write_whole
 from selector.knowledge import Knowledge, Option
 from selforg.plugins import PluginError
-from train.advising.opening import OpenedMission, document_of, kind_of, open_mission, variants_of, without
+from train.advising.opening import OpenedMission, document_of, open_mission, variants_of, without
 from train.advising.rounds import Lacking, needed
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.verdict import RANDOM
@@ -112,7 +112,7 @@ class Advising(Evaluation):
             self._check_time(family, minutes)
             check_needs(family.largest, TASK_SCENARIOS, request.machine, TASK_SCENARIOS)
             drawn = [family.scenario(request.seed, k, "train") for k in range(KINDS_OF if kinds else 0)]
-            if len(found := {kind_of(scenario.mission) for scenario in drawn}) == 1:
+            if len(found := {task_class(family.mission).kind_of(scenario.mission) for scenario in drawn}) == 1:
                 raise DocumentError(f"--kinds: expected scenarios of several kinds, got one: {found.pop()}")
             self.opened, self.choosers_that_fit = self._opened(open_mission(family, self.directories))
         self.family, self.mission = self.opened.family, self.opened.family.mission
@@ -141,7 +141,9 @@ class Advising(Evaluation):
     @cache  # noqa: B019  (an evaluation lives as long as its process)
     def kind(self, name: str) -> str:
         """Return the kind of a scenario; all are of one unless kinds are asked for."""
-        return kind_of(scenario_named(self.family, self.request.seed, name).mission) if self.kinds else ""
+        if not self.kinds:
+            return ""
+        return task_class(self.mission).kind_of(scenario_named(self.family, self.request.seed, name).mission)
 
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the missions that the search needs next; once it is over, those of the last round."""

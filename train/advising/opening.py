@@ -15,8 +15,6 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of
-from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from clean_swarm_env.world.task import task_class
 from selector.configurations.library import library_of
 from selector.documents.errors import DocumentError
@@ -165,15 +163,6 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
     for goal, variant in [one for one in chain(*zip_longest(*tried)) if one is not None][:MOST_VARIANTS]:
         found[goal].append(variant)
     return found
-
-
-def kind_of(mission: MissionConfig) -> str:
-    """Return the kind of a mission within its family: by its spots of garbage and places of stations."""
-    task = mission.task
-    if not isinstance(task, CleaningSettings):
-        return task.name
-    places, harmless = len(set(task.stations.places)), " harmless" * task.consequences.harmless
-    return f"spots {len(task.garbage.spots)} stations {places}{harmless}"
 
 
 def document_of(table: Mapping[str, Sequence[Option]], directories: tuple[Path, ...], **more: object) -> str:

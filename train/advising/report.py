@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.families import scenario_name
+from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selforg.arrays import Floats
 from train.advising.advice import BROKE, Advising, seconds_of
@@ -179,7 +180,7 @@ class Advice:
         if not self.left:
             return begin
         lost, most = int(self.left[found.winner].sum()), most_left(self.left[found.winner])
-        word = "left short of a target" if evaluation.measured else "left unfinished"
+        word = task_class(evaluation.mission).missed[1]
         many = f"{lost or 'No'} mission{'s' * (lost > 1)} of {found.starts} {'were' if lost > 1 else 'was'} {word}"
         return f"{begin} {many} (up to {most:.0%} may be)."
 

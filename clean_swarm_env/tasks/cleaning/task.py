@@ -261,6 +261,13 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         return float(self.world.seconds[world]) + collision_price(priced, terms.limit)
 
     @classmethod
+    def kind_of(cls, mission: MissionConfig) -> str:
+        """Return the kind of a mission within its family: by its spots of garbage and places of stations."""
+        task = settings_of(mission)
+        places, harmless = len(set(task.stations.places)), " harmless" * task.consequences.harmless
+        return f"spots {len(task.garbage.spots)} stations {places}{harmless}"
+
+    @classmethod
     def cost_words(cls, mission: MissionConfig) -> str:
         """Return the prices of a mission."""
         left, coming = cost_terms(mission).left, mission.items.keep_coming

@@ -137,7 +137,7 @@ WRONG = {
     "duration": [lambda self, world, wrong=wrong: wrong for wrong in (np.inf, -5.0, "x")],
     "completed": [lambda self, values: 7, lambda self, values: np.zeros(self.world.worlds)],
     "headline": [lambda self, world: 7],
-    "cost_words": [classmethod(lambda cls, mission: None)],
+    **{part: [classmethod(lambda cls, mission: None)] for part in ("cost_words", "kind_of")},
     "cost_so_far": [lambda self, world, values: np.nan],
     "target": [lambda self, row, read, wrong=wrong: wrong for wrong in (7, ("a den", "far"), ("a den", np.zeros(2)))],
     "totals": [lambda self: {"waited": 7}],
@@ -163,7 +163,7 @@ def lived(cls):
         batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
     task = batch.worlds.task
     task.headline(0), task.target(0, {}), task.totals(), task.cost_so_far(0, task.result())
-    task.cost_words(batch.mission)
+    task.cost_words(batch.mission), task.kind_of(batch.mission)
 
 
 class Mute(BaseException):
