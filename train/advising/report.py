@@ -194,14 +194,15 @@ class Advice:
     def _beside(self) -> str:
         opened, winner, parts, lost = self.evaluation.opened, self.found.winner, list[str](), list[str]()
         said = dict.fromkeys(never_avoiding(opened, self.held), "never avoiding")
-        said |= {arm_of(opened.experts): "the experts' scores", RANDOM: "a random choice"}
+        scores = "the scores before" if opened.known.learned else "the experts' scores"
+        said |= {arm_of(opened.experts): f"{scores} ({self._words(arm_of(opened.experts))})", RANDOM: "a random choice"}
         for arm, name in said.items():
             if arm in self.stopped:
                 lost.append(f"{name} left {self.stopped[arm]} of {self._first} unfinished")
             elif arm in self.costs and arm != winner:
-                costs = "" if parts else "cost " if name.endswith("scores") else "costs "
+                costs = "" if parts else "cost " if name.startswith(scores) else "costs "
                 parts.append(f"{name} {costs}{times(self.ratio(arm), 'times as much' if not parts else '')}")
-        same = "the experts' scores choose the same" if arm_of(opened.experts) == winner else ""
+        same = f"{scores} choose the same" if arm_of(opened.experts) == winner else ""
         text = "; ".join(filter(None, (", ".join(parts), *lost, same)))
         return f"{text[0].upper()}{text[1:]}." if text else ""
 
@@ -237,7 +238,11 @@ class Advice:
         ratios = [*(self.ratio(arm) for arm in self.found.choosers if arm in self.costs), self.hindsight]
         counts = [one.tests[0].needed(TOLD) for one in ratios if one is not None and one.tests[0].spread > 0.0]
         count = max((count for count in counts if count is not None), default=0.0)
-        more = f"; about {about_number(count)} starts would tell a tenth" if count > self.found.starts else ""
+        more = (
+            f"; about {about_number(count)} starts (more --minutes) would tell a tenth"
+            if count > self.found.starts
+            else ""
+        )
         return f"So a learned selector is not shown to be worth it here{more}. {learn}."
 
     @property
@@ -252,7 +257,8 @@ class Advice:
             told.append(f"{names} cost less in the last round: the best is not known well; --minutes gives more time.")
         own, budget = self.evaluation.directories, self.evaluation.budget
         for name in self.found.choosers:
-            told += [f"{one}." for one in remarks_of(name, decider_named(name, own), self.runs.missions, own)]
+            remarks = remarks_of(name, decider_named(name, own), self.runs.missions, own)
+            told += [f"{one.partition(';')[0]}." for one in remarks]  # here it was measured
         spent = sum(map(self.evaluation.price, self.done.values()))
         if spent > OVER * budget:
             unit, word = (1.0, "missions") if self.evaluation.missions else (60.0, "min of processors")

@@ -38,7 +38,7 @@ Configs = Annotated[
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
-Output = Annotated[Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")]
+Output = Annotated[Path | None, typer.Option(help="Directory for the results; a new one unless given.")]
 RunStore = Annotated[
     str | None,
     typer.Option(

@@ -55,7 +55,9 @@ def ranking_table(
     lines = [] if alone else lines
     if ranking.heavy:
         names = listed([ranking.name(label) for label in ranking.heavy])
-        lines.append(f"heavy tails: a few scenarios have most of the cost of {names}; these intervals are too narrow")
+        lines.append(
+            f"heavy tails: some scenarios of {names} cost far more than the others; these intervals are too narrow"
+        )
     return Grid(title, heads, rows, notes=(*lines, *notes))
 
 
