@@ -59,6 +59,11 @@ def seconds_of(record: RunRecord) -> float:
     return record.counts.get(CPU, 0) / 1000.0
 
 
+def broke_off(record: RunRecord) -> str:
+    """Return why a plug-in broke off a mission; empty if none did."""
+    return next((name.removeprefix(BROKE) for name in record.counts if name.startswith(BROKE)), "")
+
+
 @dataclass(frozen=True)
 class AdviceTask(TrialTask):
     """Starts under one arm; missions that a plug-in breaks off cost more than any other."""
@@ -187,13 +192,13 @@ class Advising(Evaluation):
         arms = self.entrants(found.winner, found.finalists, found.choosers)
         first = {arm: [(scenario_name("test", k), arm) for k in range(min(found.starts, JAMMED))] for arm in arms}
         runs = needed(first, done)
-        stopped = {}
+        stopped = {arm: sum(map(bool, map(broke_off, own))) for arm, own in runs.items() if any(map(broke_off, own))}
         if self.censors:
             lost = {arm: sum(not one.result.completed for one in own) for arm, own in runs.items()}
             most = len(first[found.winner])
             if 2 * lost[found.winner] < most:
-                goes = {arm for arm in lost if 2 * lost[arm] < most} | {*found.kinds.values()}
-                stopped = {arm: many for arm, many in lost.items() if arm not in goes}
+                stopped = {arm: many for arm, many in lost.items() if 2 * many >= most} | stopped
+        stopped = {arm: many for arm, many in stopped.items() if arm not in {found.winner, *found.kinds.values()}}
         twice = found.finalists if len(found.finalists) > 1 else ()
         going = [arm for arm in arms if arm not in stopped]
         every = {

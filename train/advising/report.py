@@ -8,7 +8,6 @@ Shapes: K starts of the last round, V worlds of each.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,7 +19,7 @@ from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selforg.arrays import Floats
-from train.advising.advice import BROKE, Advising, seconds_of
+from train.advising.advice import Advising, broke_off, seconds_of
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.family_report import FamilyRuns, excesses_of, family_report_of, ratio_of, unfinished_of
 from train.analysis.flips import ALPHA
@@ -140,9 +139,8 @@ class Advice:
     def gains(self) -> bool:
         """Whether the best combination of each start, or of each kind, is shown to gain something worth while."""
         ratios = [one for one in (self.hindsight, self.by_kind) if one is not None]
-        told = [p is not None and p < ALPHA for p in corrected_ps(ratios)] if ratios else []
-        most = 1.0 - WORTH_LEARNING
-        return any(known and (one.ratio or 1.0) <= most for known, one in zip(told, ratios, strict=True))
+        told = zip(ratios, corrected_ps(ratios) if ratios else [], strict=True)
+        return any((one.ratio or 1.0) <= 1.0 - WORTH_LEARNING and p is not None and p < ALPHA for one, p in told)
 
     @property
     def sentences(self) -> list[str]:
@@ -161,10 +159,15 @@ class Advice:
         """What is held, in a word."""
         return {1: "option", 2: "pair"}.get(len(self.held), "combination")
 
-    @property
-    def _first(self) -> int:
-        """Starts after which an arm of the last round was stopped."""
-        return min(self.found.starts, JAMMED)
+    @cached_property
+    def broken(self) -> dict[str, str]:
+        """Arm of which a plug-in broke missions off -> why."""
+        return {one.condition: why for one in self.done.values() if (why := broke_off(one))}
+
+    def _ended(self, arm: str) -> str:
+        """Return how an arm ended that was stopped in the last round."""
+        many = f"{self.stopped[arm]} of {min(self.found.starts, JAMMED)}"
+        return f"had {many} broken off by a plug-in" if arm in self.broken else f"left {many} unfinished"
 
     @property
     def _hold(self) -> str:
@@ -187,8 +190,10 @@ class Advice:
     @property
     def _hopeless(self) -> str:
         limit = max(mission.time_limit for mission in self.runs.missions)
-        short = f"the time limit of {limit:g} s may be too short"
-        return f"So nothing that was tried does this mission, and no selector is judged: {short}."
+        return (
+            "So nothing that was tried does this mission, and no selector is judged: "
+            f"the time limit of {limit:g} s may be too short."
+        )
 
     @property
     def _beside(self) -> str:
@@ -198,7 +203,7 @@ class Advice:
         said |= {arm_of(opened.experts): f"{scores} ({self._words(arm_of(opened.experts))})", RANDOM: "a random choice"}
         for arm, name in said.items():
             if arm in self.stopped:
-                lost.append(f"{name} left {self.stopped[arm]} of {self._first} unfinished")
+                lost.append(f"{name} {self._ended(arm)}")
             elif arm in self.costs and arm != winner:
                 costs = "" if parts else "cost " if name.startswith(scores) else "costs "
                 parts.append(f"{name} {costs}{times(self.ratio(arm), 'times as much' if not parts else '')}")
@@ -209,11 +214,8 @@ class Advice:
     @property
     def _on_the_way(self) -> str:
         names = {arm: f"the rule {arm[4:]}" if arm.startswith(f"{MACHINE}:") else arm for arm in self.found.choosers}
-        parts = [f"{name} {times(self.ratio(arm))}" for arm, name in names.items() if arm in self.costs]
-        parts += [
-            f"{names[arm]} left {self.stopped[arm]} of {self._first} unfinished" for arm in names if arm in self.stopped
-        ]
-        told, ratio = ", ".join(parts), self.hindsight
+        ends = {arm: times(self.ratio(arm)) if arm in self.costs else self._ended(arm) for arm in names}
+        told, ratio = ", ".join(f"{names[arm]} {end}" for arm, end in ends.items()), self.hindsight
         begin = f"To change the choice during the mission: {told}." if told else NONE_FITS
         if ratio is None or ratio.ratio is None:
             return begin
@@ -223,9 +225,10 @@ class Advice:
     def _of_kinds(self) -> str:
         if self.by_kind is None:
             return ""
-        best, starts = self.best_of_kinds, Counter(self.kinds)
-        held = "; ".join(f"{kind}: {self._words(arm)} ({starts[kind]} starts)" for kind, arm in best.items())
-        saved = "nothing: the best is the same" if set(best.values()) == {self.found.winner} else gain(self.by_kind)
+        held = "; ".join(
+            f"{kind}: {self._words(arm)} ({self.kinds.count(kind)} starts)" for kind, arm in self.best_of_kinds.items()
+        )
+        saved = gain(self.by_kind) if {*self.best_of_kinds.values()} - {self.found.winner} else "nothing: one is best"
         return f"By kind: {held}. To tell the kind gains {saved}."
 
     @property
@@ -247,8 +250,7 @@ class Advice:
 
     @property
     def _remarks(self) -> list[str]:
-        broke = [(one.condition, name) for one in self.done.values() for name in one.counts if name.startswith(BROKE)]
-        dropped = {**self.evaluation.opened.dropped, **{arm: why.removeprefix(BROKE) for arm, why in broke}}
+        dropped = {**self.evaluation.opened.dropped, **self.broken}
         first = {why: arm for arm, why in reversed(dropped.items())}
         told = [f"{self._words(arm)} dropped out: {why}." for why, arm in first.items()]
         rivals = [arm for arm in self.costs if arm not in (self.found.winner, *self.found.choosers)]

@@ -126,13 +126,14 @@ def test_an_option_that_a_plugin_breaks_drops_out_and_is_named(tmp_path, monkeyp
     each = TrialTask.each
 
     def breaks(task):
-        if "+ORCA" in task.member:
+        if "+ORCA" in task.member or task.member == "Random":
             raise PluginError("my_swarm: mechanism ORCA: broke")
         yield from each(task)
 
     monkeypatch.setattr(TrialTask, "each", breaks)
     out = done("advise", "yard.yaml", *QUICK)
     assert out.count("dropped out: my_swarm: mechanism ORCA: broke.") == 1
+    assert "a random choice had 5 of 5 broken off by a plug-in" in out.lower()
     assert "ORCA" not in json.loads((tmp_path / "advice/yard/summary.json").read_text())["held"]["AvoidCollision"]
 
 
