@@ -27,7 +27,6 @@ from clean_swarm_env.recording.sampled import (
 )
 from clean_swarm_env.recording.stepping import copy_poses
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
-from clean_swarm_env.tasks.cleaning.cost import cost_terms
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.worlds import Worlds
@@ -134,7 +133,8 @@ class MissionRecorder:
         }
         if mission.robots.groups:
             facts["models"] = mission.models.tolist()
-        facts |= self._networks | ({"prices": cost_terms(mission)._asdict()} if task.priced else {})
+        prices = task.prices(mission)
+        facts |= self._networks | ({"prices": prices} if prices else {})
         if task.tally is not None:
             facts["counted"] = task.tally._asdict()
         if not items:

@@ -195,6 +195,11 @@ class Task(StagedTask, ABC, Generic[S, T]):
         return cls.name
 
     @classmethod
+    def prices(cls, mission: MissionConfig) -> Mapping[str, float]:
+        """Return the prices of a mission, which the page of recordings adds up by the names that cleaning has."""
+        return {}
+
+    @classmethod
     def cost_words(cls, mission: MissionConfig) -> str:
         """Return what the cost of a mission is made of."""
         return f"{mission.time_limit:g} s times the measure that is worst by its target"

@@ -268,6 +268,11 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         return f"spots {len(task.garbage.spots)} stations {places}{harmless}"
 
     @classmethod
+    def prices(cls, mission: MissionConfig) -> dict[str, float]:
+        """Return the prices by the names of `CostTerms`."""
+        return cost_terms(mission)._asdict()
+
+    @classmethod
     def cost_words(cls, mission: MissionConfig) -> str:
         """Return the prices of a mission."""
         left, coming = cost_terms(mission).left, mission.items.keep_coming
