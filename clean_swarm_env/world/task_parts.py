@@ -1,4 +1,4 @@
-"""Parts of tasks: things, items, arrays, and the start of one world."""
+"""Parts of tasks: things, arrays, and the start of one world."""
 
 from __future__ import annotations
 
