@@ -60,29 +60,24 @@ class Claim:
 
 
 def claims_of(
+    asked: Sequence[tuple[str, str, str]],
     families: Mapping[str, Mapping[str, Floats]],
-    strategies: Sequence[str],
-    against: Mapping[str, str],
     left: Mapping[str, Mapping[str, Floats]] | None = None,
 ) -> list[Claim]:
-    """Return one claim for each strategy and family.
+    """Return one claim for each comparison.
 
     Args:
+        asked: family, label, and label of the strategy with which it is compared.
         families: family -> label -> excess costs (S, K, V), at least two scenarios.
-        strategies: labels that all families have.
-        against: family -> label of the strategy with which the others are compared.
         left: family -> label -> 1 where a mission was not completed (S, K, V); nothing where that means nothing.
 
     """
-    ratios = {
-        (family, label): Ratio.between(label, against[family], excesses, (left or {}).get(family))
-        for family, excesses in families.items()
-        for label in strategies
-    }
-    ps, tail = corrected_ps(list(ratios.values())), TAIL / max(len(ratios), 1)
+    ratios = [
+        Ratio.between(label, against, families[family], (left or {}).get(family)) for family, label, against in asked
+    ]
+    ps, tail = corrected_ps(ratios), TAIL / max(len(ratios), 1)
     return [
-        Claim(family, label, against[family], one, one.interval(tail) or ANY_RATIO, p)
-        for ((family, label), one), p in zip(ratios.items(), ps, strict=True)
+        Claim(*names, one, one.interval(tail) or ANY_RATIO, p) for names, one, p in zip(asked, ratios, ps, strict=True)
     ]
 
 

@@ -1,0 +1,154 @@
+"""The missions of a comparison: excess and end of each, kept in one small file so that tables can be judged again.
+
+A line of the file is one strategy on all test scenarios of a family. Lines that are there are kept.
+"""
+
+import json
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from clean_swarm_env.config.families import FamilyConfig, Scenario, scenario_name
+from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.types import ConfigurationError
+from docs.comparison.headroom import scenario_kinds
+from docs.comparison.manifest import OFF, TOLD, Compared, Manifest
+from docs.comparison.running import run, written
+from docs.figures.stored import ROOT
+from selector.documents.find import load_file
+from selector.documents.writing import write_whole
+from train.deciders.named import FIXED, MACHINE, POLICY
+from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named
+from train.learning.config import TrainingConfig
+
+SEASON = "true_season"
+"""Term that tells a team the season, which no robot can know."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """The missions of one strategy on a family."""
+
+    family: str
+    strategy: str
+    """Label of the strategy."""
+    of: str
+    """The strategy as `--strategy` takes it; those of the kinds of scenarios of a told team."""
+    seed: int
+    """Seed of the scenarios."""
+    excess_s: list[float]
+    """(K,) excess of each scenario, in order [s]."""
+    unfinished: list[int] | None
+    """Numbers of the scenarios that were not completed; None where garbage keeps coming."""
+    cpu_s: float
+    """CPU time of the missions [s]."""
+    training_cpu_s: float = 0.0
+    """CPU time of the training that was done for it [s]."""
+
+
+def read_missions(file: Path, manifest: Manifest) -> dict[tuple[str, str], Judged]:
+    """Return family and label -> missions of a file; nothing if there is none.
+
+    Raises:
+        ConfigurationError: the file has missions of other seeds or numbers of scenarios than the manifest.
+
+    """
+    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
+    found = {(one.family, one.strategy): one for one in (Judged(**json.loads(line)) for line in lines)}
+    for (family, label), one in found.items():
+        compared = manifest.families.get(family)
+        asked = None if compared is None else (manifest.seed, compared.scenarios)
+        if (one.seed, len(one.excess_s)) != asked:
+            told = f"expected seed and scenarios of the manifest, {asked}, got {(one.seed, len(one.excess_s))}"
+            raise ConfigurationError(f"{file}: {label} on {family}: {told}")
+    return found
+
+
+def do_missions(manifest: Manifest, file: Path) -> None:
+    """Do the missions that the file lacks, those of trainings last."""
+    found = read_missions(file, manifest)
+    asked = [(family, label) for family in manifest.families for label in manifest.run_on(family)]
+    for family, label in sorted(asked, key=lambda each: each[1] in manifest.trained):
+        if (family, label) not in found:
+            found[family, label] = _judged(manifest, family, label)
+            lines = [json.dumps(asdict(found[each])) for each in asked if each in found]
+            write_whole(file, ("\n".join(lines) + "\n").encode())
+
+
+def _judged(manifest: Manifest, family: str, label: str) -> Judged:
+    """Do the missions of a strategy on a family, in one process."""
+    compared, training_s = manifest.families[family], 0.0
+    if label in manifest.trained:
+        training_s = _train(manifest, label)
+    given, began = _family(family, compared), time.process_time()
+    drawn = [scenario_named(given, manifest.seed, scenario_name("test", k)) for k in range(compared.scenarios)]
+    members = _members(manifest, family, label, drawn)
+    excesses, unfinished = [0.0] * len(drawn), list[int]()
+    for member in dict.fromkeys(members):
+        own = [k for k, other in enumerate(members) if other == member]
+        for first in range(0, len(own), TASK_SCENARIOS):
+            part = own[first : first + TASK_SCENARIOS]
+            scenarios = tuple(drawn[k] for k in part)
+            goal = compared.goal or manifest.goal
+            records = TrialTask(given.name, manifest.seed, scenarios, label, member, goal).run()
+            for k, record in zip(part, records, strict=True):
+                excesses[k] = round(record.result.excess_s, 4)
+                unfinished += [] if record.result.completed else [k]
+    ends = not drawn[0].mission.items.keep_coming
+    used = round(time.process_time() - began, 1)
+    of = _identity(manifest, label, members)
+    return Judged(family, label, of, manifest.seed, excesses, sorted(unfinished) if ends else None, used, training_s)
+
+
+def _identity(manifest: Manifest, label: str, members: list[str]) -> str:
+    """Return what was judged, without paths of this machine."""
+    if label in manifest.trained:
+        own = manifest.trained[label]
+        return f"training {own.training}, seed {own.seed}"
+    return TOLD if members[0].startswith(MACHINE) and label == TOLD else " ".join(sorted(set(members)))
+
+
+def _family(name: str, compared: Compared) -> FamilyConfig:
+    """Return a family, with the season in its observations where a team is told it."""
+    file = str(Path(__file__).with_name("families") / compared.file) if compared.file else name
+    return load_family(file).with_knowledge(None, (), (SEASON,) if compared.told_by else ())
+
+
+def _members(manifest: Manifest, family: str, label: str, scenarios: list[Scenario]) -> list[str]:
+    """Return what decides in each scenario."""
+    compared = manifest.families[family]
+    if label == TOLD and compared.told:
+        return [f"{FIXED}:{compared.told[kind]}" for kind in scenario_kinds(scenarios)]
+    known = {
+        **manifest.strategies,
+        **{name: f"{POLICY}:{output_of(manifest, name) / 'policy'}" for name in manifest.trained},
+        OFF: f"{FIXED}:{compared.off}",
+    }
+    if label == TOLD:
+        known[TOLD] = f"{MACHINE}:{_told_machine(manifest, family, compared.told_by)}"
+    return [known.get(label, label)] * len(scenarios)
+
+
+def _told_machine(manifest: Manifest, family: str, told: Mapping[str, str]) -> Path:
+    """Write the machine of a team that is told; return its file."""
+    ways = [{"to": case, "when": case, "above": 0.5} for case in told]
+    states = {case: {"option": options, "transitions": ways} for case, options in told.items()}
+    machine = {"goal": manifest.families[family].goal or manifest.goal, "start": next(iter(told)), "states": states}
+    return written(ROOT / "results" / manifest.name / f"told-{family}.yaml", machine)
+
+
+def output_of(manifest: Manifest, label: str) -> Path:
+    """Return the directory of a training."""
+    return ROOT / "results" / manifest.name / f"{label}-{manifest.trained[label].seed}"
+
+
+def _train(manifest: Manifest, label: str) -> float:
+    """Do a training unless it is done; return its CPU time [s]."""
+    output, asked = output_of(manifest, label), manifest.trained[label]
+    if (output / "policy").exists():
+        return 0.0
+    learner = load_file("training", asked.training, TrainingConfig).learner
+    place = output.relative_to(ROOT)  # policies name their command
+    words = ("--config", asked.training, "--seed", asked.seed, "--output", place, "--resume")
+    return round(run("train", learner, *words), 1)
