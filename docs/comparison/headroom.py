@@ -272,11 +272,9 @@ def race(
     judged: int,
     seed: int,
     finalists: int = 0,
-    knowledge: Path | None = None,
 ) -> None:
     """Do a search of options of a goal that is missing in its directory, in processes of all CPUs."""
-    given = None if knowledge is None else str(knowledge)
-    request = Request(family, seed=seed, scenarios=judged, knowledge=given, goal=goal, output=output, resume=True)
+    request = Request(family, seed=seed, scenarios=judged, goal=goal, output=output, resume=True)
     machine = Machine(usable_cpus())
     evaluation = HeadroomEvaluation(replace(request, machine=machine), searched, finalists=finalists)
     evaluate(evaluation, Console(quiet=True))

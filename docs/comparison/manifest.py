@@ -54,8 +54,8 @@ class Manifest(Closed):
     """Goals whose options are chosen."""
     seed: int
     """Seed of the test scenarios."""
-    strategies: Annotated[dict[Name, str], Field(min_length=1)]
-    """Label -> strategy, as `--strategy` takes it. The first is what is claimed; it is compared with the others, too."""
+    strategies: dict[Name, str] = Field(default_factory=dict)
+    """Label -> strategy, as `--strategy` takes it. The first is claimed, and compared with the others, too."""
     trained: dict[Name, Trained] = Field(default_factory=dict)
     """Label -> training, which is done first."""
     only: dict[Name, tuple[Name, ...]] = Field(default_factory=dict)
@@ -67,8 +67,8 @@ class Manifest(Closed):
 
     @property
     def claimed(self) -> str:
-        """Label of the strategy that is claimed."""
-        return next(iter(self.strategies))
+        """Label of what is claimed: the first strategy; of trainings alone the first of these."""
+        return next(iter([*self.strategies, *self.trained]))
 
     def judged_on(self, family: str) -> list[str]:
         """Return the labels that are judged on a family beside the fixed options."""
@@ -84,7 +84,7 @@ class Manifest(Closed):
 
     @property
     def comparisons(self) -> list[tuple[str, str, str]]:
-        """Family, label, and label with which it is compared: all comparisons of the page, which are judged together."""
+        """Family, label, and label with which it is compared: all of the page, which are judged together."""
         return [
             (family, label, against)
             for family in self.families

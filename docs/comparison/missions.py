@@ -81,7 +81,7 @@ def _judged(manifest: Manifest, family: str, label: str) -> Judged:
     compared, training_s = manifest.families[family], 0.0
     if label in manifest.trained:
         training_s = _train(manifest, label)
-    given, began = _family(family, compared), time.process_time()
+    given, began = family_of(family, compared), time.process_time()
     drawn = [scenario_named(given, manifest.seed, scenario_name("test", k)) for k in range(compared.scenarios)]
     members = _members(manifest, family, label, drawn)
     excesses, unfinished = [0.0] * len(drawn), list[int]()
@@ -109,7 +109,7 @@ def _identity(manifest: Manifest, label: str, members: list[str]) -> str:
     return TOLD if members[0].startswith(MACHINE) and label == TOLD else " ".join(sorted(set(members)))
 
 
-def _family(name: str, compared: Compared) -> FamilyConfig:
+def family_of(name: str, compared: Compared) -> FamilyConfig:
     """Return a family, with the season in its observations where a team is told it."""
     file = str(Path(__file__).with_name("families") / compared.file) if compared.file else name
     return load_family(file).with_knowledge(None, (), (SEASON,) if compared.told_by else ())

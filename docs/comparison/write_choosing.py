@@ -1,17 +1,19 @@
-"""Races fixed choices, trains a selector and others, compares them, and writes a page such as docs/choosing.md.
+"""Judges strategies beside fixed options, and writes the tables of a page such as docs/choosing.md.
 
-`python -m docs.comparison.write_choosing [MANIFEST]`: MANIFEST is docs/comparison/choosing.yaml unless given. What
-results/NAME holds already is kept. Tables of a manifest without a page are printed. What has to hold is checked.
+`python -m docs.comparison.write_choosing [--judge] [MANIFEST]`: MANIFEST is docs/comparison/choosing.yaml unless given.
+Missions are kept in a file beside it, and what the file holds already is not done again; with `--judge` no mission is
+done. Tables of a manifest without a page are printed.
 """
 
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from clean_swarm_env.config.types import ConfigurationError
 from docs.comparison.frequencies import frequencies_table
 from docs.comparison.manifest import Manifest
-from docs.comparison.runs import make
-from docs.comparison.tables import Results
+from docs.comparison.missions import do_missions, read_missions
+from docs.comparison.tables import Tables
 from docs.figures.stored import ROOT, record
 from selector.documents.errors import validated
 from selector.documents.reading import read_mapping
@@ -19,25 +21,34 @@ from selector.documents.reading import read_mapping
 OWN = Path(__file__).resolve().with_name("choosing.yaml")
 DOCS = ROOT / "docs"
 COMMAND = "python -m docs.comparison.write_choosing"
+JUDGE = "--judge"
 
 
 def main(arguments: list[str]) -> int:
-    """Make the page; return 1 if something does not hold."""
-    given = Path(arguments[0]) if arguments else OWN
+    """Make the tables; return 1 if something does not hold."""
+    named = [Path(word) for word in arguments if word != JUDGE]
+    given = named[0] if named else OWN
     manifest = validated(Manifest, read_mapping(given), str(given))
-    folder = ROOT / "results" / manifest.name
-    make(manifest, folder)
-    results = Results(manifest, folder)
-    wrong, tables = results.broken(), results.tables()
+    file = given.with_suffix(".jsonl") if manifest.page else ROOT / "results" / manifest.name / "missions.jsonl"
+    if JUDGE not in arguments:
+        do_missions(manifest, file)
+    missions = read_missions(file, manifest)
+    asked = [(family, label) for family in manifest.families for label in manifest.run_on(family)]
+    for family, label in asked:
+        if (family, label) not in missions:
+            raise ConfigurationError(f"{file}: expected missions of {label} on {family}, got none")
+    tables = Tables(manifest, missions)
     if manifest.page:
-        lost = "\n".join(f"- {line}." for line in wrong) or "Nothing."
-        found = {**tables, "frequencies": frequencies_table(manifest, folder), "broken": lost}
-        put_tables(manifest.name, found, COMMAND, inputs_of(given, manifest.families))
+        inputs = [*inputs_of(given, manifest.families), file.resolve().relative_to(ROOT).as_posix()]
+        options = {} if JUDGE in arguments else {"frequencies": frequencies_table(manifest)}
+        put_tables(manifest.name, tables.tables() | options, COMMAND, inputs)
     else:
-        print("\n\n".join(tables.values()))
-    for line in wrong:
+        print("\n\n".join(tables.tables().values()))
+    for claim in tables.claims.values():
+        print(f"{claim.family}: {claim.strategy} / {claim.against} {claim.ratio:.3f}, p {claim.holm} (Holm)")
+    for line in tables.broken():
         print(line)
-    return 1 if wrong else 0
+    return 1 if tables.broken() else 0
 
 
 def put_tables(name: str, tables: Mapping[str, str], command: str, inputs: Sequence[str]) -> None:

@@ -1,198 +1,167 @@
-"""The command behind docs/choosing.md: what is there is kept, tables say what runs say, and a lost claim is noticed."""
+"""The command behind docs/choosing.md: what is there is kept, and tables say what the missions that are kept say."""
 
 import json
-import shutil
+from dataclasses import asdict
 
 import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_family
-from docs.comparison import runs, write_choosing
-from docs.comparison.claims import family_runs
+from clean_swarm_env.config.types import ConfigurationError
+from docs.comparison import missions, write_choosing
 from docs.comparison.frequencies import frequencies_table
-from docs.comparison.manifest import Manifest, Numbers
-from docs.comparison.raced_numbers import Won, numbers_table, race_numbers
-from docs.comparison.shuffled import ShuffledDecider
-from docs.comparison.tables import Results
+from docs.comparison.manifest import BEST, OFF, TOLD, Manifest
+from docs.comparison.missions import Judged, do_missions, family_of, read_missions
+from docs.comparison.tables import Tables, share_of_way
+from docs.figures.stored import parts
 from selector.documents.find import load_file
-from selector.documents.reading import read_mapping
-from selector.knowledge import load_knowledge
-from selector.strategies.policy_file import find_policy
-from selector.strategies.problem import Problem
-from tests.train.learning.trainings import written
-from train.analysis.family_report import excesses_of
-from train.analysis.intervals import Ratio
-from train.deciders.decider import OptionDecider
+from selector.documents.reading import as_yaml, read_mapping
+from train.evaluation.trial_task import TrialTask
 from train.learning.config import TrainingConfig
 
+SIZES = {"scenarios": 2, "fixed": ("ORCA", "PredictiveSteering"), "off": "Off"}
+TOLD_OF = {"spots 0 stations 2": "ORCA"}
 TRIED = {
     "name": "tried",
     "goal": "AvoidCollision",
-    "seeds": (3, 4),
-    "race": {"searched": 2, "finalists": 2, "seed": 1},
-    "families": {"random": {"scenarios": 2, "headroom": True, "told": {"free_far": "Off", "free_near": "ORCA"}}},
-    "variants": {"three robots": {"family": "random", "robots": (3, 3), "loss": 0.5}},
+    "seed": 3,
+    "strategies": {"one": "policy:one", "rule": "MaxScore"},
+    "only": {"rule": ("random",)},
+    "families": {"random": {**SIZES, "told": TOLD_OF}, "table1": {"scenarios": 2, "fixed": ("ORCA",)}},
 }
+OWN = Manifest(**read_mapping(write_choosing.OWN))
+KEPT = write_choosing.OWN.with_suffix(".jsonl")
 
 
-@pytest.mark.long
-@pytest.mark.extra
-def test_the_tables_come_from_races_trainings_and_evaluations_which_are_kept(tmp_path):
-    pytest.importorskip("torch")
-    training = str(written(tmp_path, "ppo", validation={"scenarios": 1}))
-    ablations = {"seeds": (1,), "families": ("random",), "knowledge": "avoidance"}
-    ablations["of"] = {"never off": {"without": ("Off",), "changes": {"ppo": {"entropy": 0.0}}}}
-    learners = {"one": {"training": training, "seeds": (1, 2)}, "other": {"training": training, "seeds": (3,)}}
-    manifest = Manifest(**TRIED, learners=learners, rules={"hold": "MaxScore"}, ablations=ablations)
-    folder = tmp_path / "results"
-    runs.make(manifest, folder)
-    results = Results(manifest, folder)
-    tables = results.tables()
-    assert list(tables) == ["main", "learners", "told", "variants", "ablations", "unfinished"]
-    raced = json.loads((folder / "race-of-random" / "summary.json").read_text())["notes"]
-    assert f"best single choice: {results.best['random']}" in raced
-    found = [excesses_of(family_runs(folder / f"random-{seed}")) for seed in (3, 4)]
-    mean = {label: np.mean([own[label].mean() for own in found]) for label in found[0]}
-    best = mean[f"fixed:{results.best['random']}"]
-    assert f"| {best:.1f} |" in tables["main"]
-    for label, table in {
-        "one": "main",
-        "Random": "main",
-        "other": "learners",
-        "hold": "learners",
-        "told": "told",
-    }.items():
-        assert f"{mean[label] / best:.3f}" in tables[table]
-    assert f"{mean['never off'] / mean['one']:.3f}" in tables["ablations"]
-    policy = json.loads((folder / "never off-1" / "policy" / "policy.json").read_text())
-    assert "Off" not in policy["goals"]["AvoidCollision"]
-    (lost,) = [line for line in results.broken() if line.startswith("not shown to be better than `other`")]
-    assert "`random`" in lost
-    assert "| `random` |" in frequencies_table(manifest, folder)
+def test_missions_are_done_once_and_a_team_that_is_told_takes_what_serves_its_kind(tmp_path, monkeypatch):
+    file, manifest = tmp_path / "missions.jsonl", Manifest(**TRIED)
+    do_missions(manifest, file)
+    whole, found = file.read_bytes(), read_missions(file, manifest)
+    assert list(found) == [(family, label) for family in manifest.families for label in manifest.run_on(family)]
+    assert ("table1", "rule") not in found
+    orca = found["random", "fixed:ORCA"]
+    assert found["random", TOLD].excess_s == orca.excess_s
+    given = load_family("random")
+    alone = TrialTask("random", 3, (given.scenario(3, 1, "test"),), "", "fixed:ORCA", "AvoidCollision").run()
+    assert orca.excess_s[1] == round(alone[0].result.excess_s, 4)
+    assert orca.unfinished == []
+    assert len(Tables(manifest, found).claims) == 5 + 1 + 2
 
-    before = {file: file.read_bytes() for file in folder.glob("*/runs.csv")}
-    times = (folder / runs.CPU_TIMES).read_bytes()
-    runs.make(manifest, folder)
-    assert {file: file.read_bytes() for file in folder.glob("*/runs.csv")} == before
-    assert (folder / runs.CPU_TIMES).read_bytes() == times
+    lines = whole.decode().splitlines()
+    file.write_text("\n".join([*lines[:2], *lines[3:]]))
+    do_missions(manifest, file)  # does one strategy again, with the same results
+    assert [one.excess_s for one in read_missions(file, manifest).values()] == [one.excess_s for one in found.values()]
+    monkeypatch.setattr(missions, "_judged", None)
+    do_missions(manifest, file)
+    with pytest.raises(ConfigurationError, match=r"fixed:ORCA on random: expected seed and scenarios .*\(4, 2\), got"):
+        read_missions(file, manifest.model_copy(update={"seed": 4}))
 
 
-def trained(folder, **scores):
-    """Write two trainings of a policy that ships, with these scores on validation scenarios."""
-    for name, score in scores.items():
-        shutil.copytree(find_policy("one"), folder / name / "policy")
-        entry = {"decisions": 1, "score": score, "random/excess_s": 100.0 * score}
-        lines = [json.dumps(entry | {"score": 9.0}), json.dumps(entry)]
-        (folder / name / "history.jsonl").write_text("\n".join(lines))
-    (folder / runs.CPU_TIMES).write_text(json.dumps(dict.fromkeys(scores, 60.0)))
-
-
-def test_who_is_clearly_worse_goes_and_the_best_validation_goes_on(tmp_path, monkeypatch):
-    trained(tmp_path, **{"one-1": 0.5, "one-2": 0.25})
-    made = [tmp_path / name / "policy" for name in ("one-1", "one-2")]
-    assert runs.preferred(made) == made[1]
-    own = np.arange(10.0, 18.0)[None, :, None].repeat(2, axis=0)  # (trainings, scenarios, runs)
-    noise = np.sin(np.arange(8.0))[None, :, None]
-    found = {
-        "one": own,
-        "worse": 1.5 * own[:1] + noise,
-        "alike": own[:1] + 4.0 * noise,
-        "better": 0.5 * own[:1] + noise,
+def judged(**strategies):
+    """Return the missions of one family; label -> excess."""
+    return {
+        ("random", label): Judged("random", label, label, 3, own.tolist(), [], 0.0) for label, own in strategies.items()
     }
-    monkeypatch.setattr(runs, "family_runs", lambda folder: folder)
-    monkeypatch.setattr(runs, "excesses_of", lambda folder: found)
-    assert runs.clearly_worse(tmp_path, "one") == {"worse"}
+
+
+def example(scenarios=20, **changes):
+    """Return a manifest and missions of which `one` saves a fifth, half of the way of a told team."""
+    known = np.arange(10.0, 10.0 + scenarios)
+    own = {
+        "one": 0.8 * known,
+        "rule": known + np.sin(known),
+        TOLD: 0.6 * known,
+        "Random": 2.0 * known,
+        OFF: 3.0 * known,
+    }
+    fixed = {"fixed:ORCA": known, "fixed:PredictiveSteering": 1.1 * known}
+    families = {"random": {**SIZES, "scenarios": scenarios, "told": TOLD_OF}}
+    return Manifest(**TRIED | {"families": families}), judged(**own | fixed | changes)
+
+
+def test_tables_have_the_cheaper_fixed_option_ratios_and_bold_what_sign_flips_tell():
+    tables = Tables(*example())
+    shown = tables.tables()
+    main = shown["main"].splitlines()[2]
+    assert main.startswith("| `random` | 20 | ORCA | 19.5 | **0.800** [0.800, 0.800] | 0.998 [")
+    assert tables.told("random", "one") == tables.told("random", "one", "rule") == -1.0
+    assert tables.told("random", "rule") == 0.0
+    assert "**2.000** [2.000, 2.000] | **3.000** [3.000, 3.000] |" in shown["chance"]
+    assert "| **0.600** [0.600, 0.600] | 50 % [50, 50] |" in shown["told"]
+    assert tables.broken() == []
+    few = Tables(*example(scenarios=6))
+    assert {claim.holm for claim in few.claims.values()} == {None}
+    assert "**" not in "".join(few.tables().values())
+
+
+def test_unfinished_missions_have_a_test_of_their_own_and_heavy_tails_are_named():
+    manifest, found = example()
+    lost = found["random", "one"]
+    excess = np.where(np.arange(20) < 12, 10_000.0, lost.excess_s)
+    found["random", "one"] = Judged(**asdict(lost) | {"excess_s": excess.tolist(), "unfinished": list(range(12))})
+    heavy = np.array(found["random", "rule"].excess_s)
+    heavy[3] = 5_000.0
+    found["random", "rule"] = Judged(**asdict(found["random", "rule"]) | {"excess_s": heavy.tolist()})
+    tables = Tables(manifest, found)
+    shown = tables.tables()
+    assert tables.told("random", "one") == 1.0  # it is cheaper wherever both finish, but leaves twelve unfinished
+    assert "| `random` | 20 | 0, up to 17 % | 12, up to 81 % | 0, up to 17 %" in shown["unfinished"]
+    assert [cell.endswith("heavy ") for cell in shown["main"].splitlines()[2].split("|")[5:8]] == [False, True, True]
+
+
+def test_what_has_to_be_better_and_is_not_shown_to_be_fails():
+    manifest, found = example(one=np.arange(10.0, 30.0) + np.cos(np.arange(20.0)))
+    (line,) = Tables(manifest.model_copy(update={"better": ("random",)}), found).broken()
+    assert line.startswith("`random`: not shown to be better than the best options, 1.0")
+
+
+def test_shares_of_the_way_have_intervals_that_hold_the_truth():
+    rng, held = np.random.default_rng(4), 0
+    for _ in range(60):
+        told = rng.gamma(9.0, 10.0, 60)
+        best, own = told + rng.normal(40.0, 20.0, 60), told + rng.normal(20.0, 20.0, 60)
+        share, (low, high) = share_of_way(best, own, told, 500)
+        assert low <= share <= high
+        held += low <= 0.5 <= high
+    assert 52 <= held < 60
+
+
+@pytest.mark.parametrize("name", ["choosing", "learning"])
+def test_manifests_that_ship_name_what_there_is(name):
+    manifest = Manifest(**read_mapping(write_choosing.OWN.with_name(f"{name}.yaml")))
+    assert manifest.name == name
+    for trained in manifest.trained.values():
+        assert load_file("training", trained.training, TrainingConfig).validation.scenarios
+    named = {family for families in (*manifest.only.values(), manifest.better) for family in families}
+    assert named <= set(manifest.families)
+    for family, compared in manifest.families.items():
+        assert family_of(family, compared).name == family
+
+
+def test_the_page_has_what_the_missions_that_are_kept_say():
+    assert KEPT.stat().st_size < 300_000
+    found = Tables(OWN, read_missions(KEPT, OWN)).tables()
+    page = (write_choosing.DOCS / "choosing.md").read_text(encoding="utf-8")
+    assert {name: parts(page, name)[1] for name in found} == found
+
+
+def test_nothing_is_run_to_judge_and_what_is_missing_is_named(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(missions, "_judged", None)
+    monkeypatch.setattr(write_choosing, "ROOT", tmp_path)
+    manifest, found = example()
+    given, kept = tmp_path / "tried.yaml", tmp_path / "results" / "tried" / "missions.jsonl"
+    given.write_bytes(as_yaml(manifest.model_dump(mode="json", exclude_none=True)).encode())
+    kept.parent.mkdir(parents=True)
+    lines = [json.dumps(asdict(one)) for one in found.values()]
+    kept.write_text("\n".join(lines))
+    assert write_choosing.main(["--judge", str(given)]) == 0
+    assert f"random: one / {BEST} 0.800, p " in capsys.readouterr().out
+    kept.write_text("\n".join(lines[1:]))
+    with pytest.raises(ConfigurationError, match="expected missions of one on random, got none"):
+        write_choosing.main(["--judge", str(given)])
 
 
 @pytest.mark.long
-def test_a_screening_drops_who_is_clearly_worse_and_only_the_training_of_the_best_validation_goes_on(tmp_path):
-    trained(tmp_path, **{"one-1": 0.5, "one-2": 0.25})
-    learners = {"one": {"training": "one", "seeds": (1, 2)}}
-    given = {"families": {"random": {"scenarios": 2, "best": "ORCA"}}, "screening": {"scenarios": 8, "seed": 9}}
-    rules = {"worse": "fixed:RepulsionFernandez-view2.0", "hold": "fixed:PredictiveSteering"}
-    manifest = Manifest(**TRIED | given | {"variants": {}}, learners=learners, rules=rules)
-    runs.make(manifest, tmp_path)
-    screened = excesses_of(family_runs(tmp_path / "random-screening-9"))
-    judged = excesses_of(family_runs(tmp_path / "random-3"))
-    assert screened["one"].shape[:2] == (2, 8)
-    assert {"one", "hold", "fixed:ORCA"} <= set(judged) < set(screened)
-    assert {"worse", "Random", "fixed:Off"}.isdisjoint(judged)
-    assert screened["worse"].mean() > screened["one"].mean()
-    assert judged["one"].shape[:2] == (1, 2)
-    assert runs.claimed_training(manifest, tmp_path) == tmp_path / "one-2" / "policy"
-    tables = Results(manifest, tmp_path).tables()
-    assert "| `one` / `worse` |  |  | - |" in tables["learners"]  # a screening chooses, and judges nobody
-    assert "| `random` | 37.5 | 37.5 | 25.0 | 50.0 |" in tables["trainings"]
-
-
-@pytest.mark.long
-def test_numbers_are_raced_among_the_options_that_ship(tmp_path):
-    tried = {"AvoidCollision": {"ORCA": {"distance": (0.9,)}}}
-    sizes = {"searched": 2, "finalists": 2, "seed": 1, "confirmed": 2, "fresh": 2}
-    numbers = Numbers(**sizes, held={"AvoidCollision": "ORCA"}, tried=tried, families=("random",))
-    (won,) = race_numbers(numbers, tmp_path, "random", "AvoidCollision").values()
-    raced = (tmp_path / "numbers-of-random-AvoidCollision" / "runs.jsonl").read_text()
-    assert "ORCA-distance0.9" in raced
-    library = {option.name for option in load_knowledge("avoidance").options("AvoidCollision")}
-    assert won.known in library
-    assert won.best in {*library, "ORCA-distance0.9"}
-
-
-def test_a_variant_counts_if_fresh_scenarios_show_it_to_be_better():
-    known = np.arange(10.0, 30.0)
-    better, alike = Ratio.of(0.8 * known + np.sin(known), known), Ratio.of(known + 5.0 * np.sin(known), known)
-    assert Won("ORCA", "ORCA-distance0.9", better).option == "ORCA-distance0.9"
-    assert Won("ORCA", "ORCA-distance0.9", alike).option == Won("ORCA", "ORCA", None).option == "ORCA"
-    table = numbers_table({"random": {"AvoidCollision": Won("ORCA", "ORCA-distance0.9", better)}})
-    assert f"**{better.ratio:.3f} [" in table
-
-
-def test_a_race_tells_the_options_of_each_kind(tmp_path):
-    manifest = Manifest(
-        **TRIED | {"families": {"rare": {"scenarios": 2, "headroom": True}}, "variants": {}}, learners=LEARNERS
-    )
-    notes = ["best single choice: ORCA+Patrol", "best choices: spots 0 ORCA+Patrol, spots 1 Off+Finds"]
-    (tmp_path / "race-of-rare").mkdir()
-    (tmp_path / "race-of-rare" / "summary.json").write_text(json.dumps({"notes": notes}))
-    found = runs.raced(manifest, tmp_path, "rare")
-    assert found == runs.Raced("ORCA+Patrol", {"spots 0": "ORCA+Patrol", "spots 1": "Off+Finds"})
-
-
-LEARNERS = {"one": {"training": "one", "seeds": (1,)}}
-
-
-def test_shuffled_observations_change_places_within_teams_and_rows_without_robot_keep_theirs():
-    class Seen(OptionDecider):
-        def _choose(self, observations):
-            self.seen = observations.copy()
-            return np.zeros(len(observations), dtype=np.int64)
-
-    teams = np.array([0, 0, 0, 0, 1, 1, 1, 1])
-    own = np.array([1.0, 2.0, 3.0, 0.0, 5.0, 6.0, 7.0, 8.0], dtype=np.float32)[:, None]
-    decider = Seen(Problem("Goal", ("only",), np.zeros(1), ("number",)), teams)
-    shuffled = ShuffledDecider(decider, teams)
-    for team in (0, 1):
-        shuffled.reset(np.flatnonzero(teams == team), seed=team)
-    orders = []
-    for _ in range(20):
-        shuffled.decide(own)
-        orders.append(decider.seen[:, 0].tolist())
-        assert sorted(orders[-1][:3]) == [1.0, 2.0, 3.0]
-        assert orders[-1][3] == 0.0
-        assert sorted(orders[-1][4:]) == [5.0, 6.0, 7.0, 8.0]
-    assert len({tuple(order) for order in orders}) > 10
-
-
-@pytest.mark.parametrize("file", [write_choosing.OWN.with_name(f"{name}.yaml") for name in ("choosing", "learning")])
-def test_manifests_that_ship_name_what_there_is(file):
-    manifest = Manifest(**read_mapping(file))
-    assert manifest.name == file.stem
-    if manifest.page:
-        page = (write_choosing.DOCS / f"{manifest.name}.md").read_text(encoding="utf-8")
-        for label in manifest.learners:
-            assert f"| `{label}` |" in page
-    for learner in manifest.learners.values():
-        assert load_file("training", learner.training, TrainingConfig).validation.scenarios
-        assert set(learner.families) <= set(manifest.families)
-    for family in (*manifest.families, *(variant.family for variant in manifest.variants.values())):
-        load_family(family)
+def test_options_that_are_taken_are_counted_by_the_state_of_the_world():
+    table = frequencies_table(Manifest(**TRIED | {"families": {"random": SIZES}}))
+    assert "| `random` | anywhere | ORCA-distance0.8 " in table

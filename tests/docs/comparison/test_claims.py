@@ -1,10 +1,9 @@
-"""Claims over families: Holm's correction, intervals that hold together, and directories that cannot be compared."""
+"""Claims over families: Holm's correction, and intervals that hold together."""
 
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.types import ConfigurationError
-from docs.comparison.claims import claims_of, claims_over
+from docs.comparison.claims import claims_of
 from train.analysis.flips import holm
 
 
@@ -29,7 +28,7 @@ def test_of_many_families_without_a_difference_hardly_any_is_claimed():
         families = {
             str(k): {"a": rng.gamma(4.0, 25.0, (1, 30, 1)), "b": rng.gamma(4.0, 25.0, (1, 30, 1))} for k in range(6)
         }
-        claims = claims_of(families, ["a"], dict.fromkeys(families, "b"))
+        claims = claims_of([(name, "a", "b") for name in families], families)
         wrong += any(claim.holm < 0.05 for claim in claims)
         alone += any(claim.of.p < 0.05 for claim in claims)
         assert all(c.corrected[0] <= c.ci95[0] <= c.ratio <= c.ci95[1] <= c.corrected[1] for c in claims)
@@ -40,12 +39,6 @@ def test_of_many_families_without_a_difference_hardly_any_is_claimed():
 def test_a_real_difference_is_claimed_on_every_family():
     rng = np.random.default_rng(2)
     families = {str(k): {"a": (b := rng.gamma(9.0, 10.0, (1, 60, 2))) * 0.8, "b": b} for k in range(6)}
-    for claim in claims_of(families, ["a"], dict.fromkeys(families, "b")):
+    for claim in claims_of([(name, "a", "b") for name in families], families):
         assert claim.holm < 0.01
         assert claim.corrected == pytest.approx((0.8, 0.8))
-
-
-def test_a_directory_without_results_of_a_family_is_refused(tmp_path):
-    (tmp_path / "manifest.json").write_text('{"identity": {"configuration": {}}}')
-    with pytest.raises(ConfigurationError, match="expected results of `evaluate --family`"):
-        claims_over([tmp_path], ["Random"], "")

@@ -7,7 +7,6 @@ import pytest
 import yaml
 
 from docs.comparison import loop_runs
-from docs.comparison.claims import family_runs
 from docs.comparison.loop import (
     LEARNERS,
     RIGHT,
@@ -18,11 +17,12 @@ from docs.comparison.loop import (
     learned_choices,
     tried_numbers,
 )
-from docs.comparison.loop_runs import LoopedRuns, make_loop
+from docs.comparison.loop_runs import LoopedRuns, make_loop, read_table
 from docs.comparison.loop_tables import BY_SCORE, LoopResults
 from selector.knowledge import knowledge_from
 from selector.strategies.registry import spec_from_text
 from tests.train.commands import done
+from train.running.finished_runs import JOURNAL, runs_of
 
 GOAL = "AvoidCollision"
 ROOMS = {
@@ -71,8 +71,9 @@ def test_strategies_learn_from_runs_of_single_options_as_the_command_does(tmp_pa
             done("evaluate", "--family", file, "--store", f"{output}.sqlite", "--learn", "--strategy", text,
                  "--scenarios", 4, "--seed", seed, "--output", output)  # fmt: skip
             assert taken(output) == [names[option] for option in found[row]]
-            (excess,) = family_runs(output).table(lambda _, result: result.excess_s).values()
-            assert excess[0, :, 0].tolist() == own.missions.paid(found)[row].tolist()
+            (strategy,) = {record.condition for record in runs_of(output / JOURNAL)}
+            (excess,) = read_table(output, "test", [strategy], "excess_s")
+            assert excess.tolist() == own.missions.paid(found)[row].tolist()
 
 
 def looped(means, missions=40, seeds=2):

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 import yaml
 
-from clean_swarm_env.config.types import ConfigurationError
-from docs.comparison.claims import claims_over, claims_table
 from selector.knowledge import load_knowledge
 from selector.strategies.learned_file import save_strategy
 from selector.strategies.policy_file import find_policy, load_policy, save_policy
@@ -18,8 +16,6 @@ from selector.strategies.registry import create
 from selector.strategies.streams import row_keys
 from tests.paths import TRAINED
 from tests.train.commands import command, cut, done, refused, runs
-from train.analysis.statistics import share_cell
-from train.reports.text_table import markdown
 
 FAMILY = {
     "name": "small",
@@ -115,37 +111,3 @@ def test_what_strategies_learned_is_taken_from_their_files(words, undrawn, tmp_p
 def test_mistakes_are_one_line_and_nothing_is_written(words, tmp_path, more, line):
     assert line in refused(*words, *more, "--output", tmp_path / "none")
     assert not (tmp_path / "none").exists()
-
-
-def test_claims_over_two_families_are_those_of_their_directories(words, undrawn, tmp_path, family):
-    for name in ("small", "other"):
-        family.write_text(yaml.safe_dump({**FAMILY, "name": name}))
-        done(*words, "--strategy", "fixed:RepulsionGradient-view0.5", "--scenarios", 2, "--output", tmp_path / name)
-    claims, shares = claims_over([tmp_path / "small", tmp_path / "other"], ["Random"], "fixed:Off")
-    assert [(claim.family, claim.strategy, claim.against) for claim in claims] == [
-        ("small", "Random", "fixed:Off"),
-        ("other", "Random", "fixed:Off"),
-    ]
-    rows = runs(tmp_path / "small")
-    summary = json.loads((tmp_path / "small" / "summary.json").read_text())["strategies"]
-    ratio = summary["Random"]["excess_s"]["mean"] / summary["fixed:Off"]["excess_s"]["mean"]
-    assert claims[0].ratio == pytest.approx(ratio)
-    assert [(claim.of.p, claim.holm) for claim in claims] == [(None, None)] * 2
-    table = markdown(claims_table(claims, shares))
-    assert "2 scenarios: no statement; " in table
-    ended = {name: [row["completed"] for row in rows if row["condition"] == name] for name in ("Random", "fixed:Off")}
-    left = [share_cell(1.0 - np.mean([completed == "True" for completed in own])) for own in ended.values()]
-    assert f"| {' / '.join(left)} |" in table
-    best = json.loads((tmp_path / "small" / "summary.json").read_text())["best_fixed"]
-    (claim,), shares = claims_over([tmp_path / "small"], ["Random"], "")
-    assert claim.against == " / ".join(dict.fromkeys(best))
-    assert set(shares["small"]) == {"Random", "fixed:Off", "fixed:RepulsionGradient-view0.5", claim.against}
-    cut(tmp_path / "other", tmp_path / "cut", slice(1, None))
-    for directories, message in (
-        ([tmp_path / "small"] * 2, "expected each family once, got small twice"),
-        ([tmp_path / "cut"], "1 are missing"),
-    ):
-        with pytest.raises(ConfigurationError, match=message):
-            claims_over(directories, ["Random"], "")
-    with pytest.raises(ConfigurationError, match="unknown strategy 'fsm:rule'"):
-        claims_over([tmp_path / "small"], ["fsm:rule"], "")
