@@ -12,7 +12,7 @@ from docs.comparison.manifest import BEST, OFF, TOLD, Manifest
 from docs.comparison.missions import Judged
 from selforg.arrays import Floats
 from train.analysis.flips import ALPHA
-from train.analysis.intervals import Interval, heavy_tailed, share_interval
+from train.analysis.intervals import Interval, Ratio, heavy_tailed, share_interval
 from train.analysis.strategy_comparison import BestFixed
 from train.analysis.verdict import RANDOM
 from train.deciders.named import FIXED
@@ -69,7 +69,7 @@ class Tables:
 
     def tables(self) -> dict[str, str]:
         """Return name -> table."""
-        found = {"main": self._main(), "chance": self._chance(), "unfinished": self._unfinished()}
+        found = {"main": self._main(), "chance": self._chance(), "unfinished": self._unfinished(), "both": self._both()}
         return found | ({"told": self._told()} if any(TOLD in own for own in self._excesses.values()) else {})
 
     def _main(self) -> str:
@@ -115,6 +115,18 @@ class Tables:
         ]
         heads = [f"`{label}`" if label in (*self._manifest.strategies, RANDOM) else label for label in labels]
         return markdown_table(["family", "missions", *heads], rows)
+
+    def _both(self) -> str:
+        """Return the ratios over missions that both finish, where one of the two leaves some unfinished."""
+        rows = []
+        for family, label, against in self.claims:
+            left = self._left[family]
+            if left and (ended := (left[label] + left[against] == 0.0).ravel()).sum() < ended.size:
+                own, other = (self._excesses[family][name].ravel()[ended] for name in (label, against))
+                found = Ratio.of(own, other)
+                cells = [f"`{family}`", f"{label} / {against}", f"{ended.sum()} of {ended.size}"]
+                rows.append([*cells, f"{found.ratio:.3f} {interval_cell(found.ci95)}"])
+        return markdown_table(["family", "ratio", "missions that both finish", "there"], rows)
 
     def _cell(self, family: str, label: str, against: str = BEST) -> str:
         """Return a ratio with its interval, bold where the two are told apart."""

@@ -106,6 +106,8 @@ def test_unfinished_missions_have_a_test_of_their_own_and_heavy_tails_are_named(
     shown = tables.tables()
     assert tables.told("random", "one") == 1.0  # it is cheaper wherever both finish, but leaves twelve unfinished
     assert "| `random` | 20 | 0, up to 17 % | 12, up to 81 % | 0, up to 17 %" in shown["unfinished"]
+    assert "| `random` | one / best | 8 of 20 | 0.800 [0.800, 0.800] |" in shown["both"]
+    assert "rule / best" not in shown["both"]
     assert [cell.endswith("heavy ") for cell in shown["main"].splitlines()[2].split("|")[5:8]] == [False, True, True]
 
 
