@@ -107,13 +107,14 @@ class Tables:
 
     def _unfinished(self) -> str:
         """Return the unfinished missions, and how many there may be of a hundred, where missions end."""
-        labels = [BEST, *self._manifest.strategies, RANDOM, OFF]
+        own = self._manifest.strategies or self._manifest.trained
+        labels = [BEST, *own, RANDOM, OFF]
         rows = [
             [f"`{family}`", str(left[BEST].size), *(_unfinished_cell(left.get(label)) for label in labels)]
             for family, left in self._left.items()
             if left
         ]
-        heads = [f"`{label}`" if label in (*self._manifest.strategies, RANDOM) else label for label in labels]
+        heads = [f"`{label}`" if label in (*own, RANDOM) else label for label in labels]
         return markdown_table(["family", "missions", *heads], rows)
 
     def _both(self) -> str:
