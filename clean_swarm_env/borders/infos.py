@@ -19,8 +19,8 @@ from typing import Any
 
 from clean_swarm_env.borders.spaces import masks_of
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission_end import COMPLETED
+from clean_swarm_env.world.parts.measure import key_of
 
 Info = dict[str, Any]
 InfoColumns = dict[str, list[Any]]

@@ -49,7 +49,7 @@ class Area(NamedTuple):
     repels: bool = False
 
 
-class Signs(NamedTuple):
+class SignedThings(NamedTuple):
     """Things with one sign: its name, their places (K, 2) [m], and the radius of the area around each [m]."""
 
     sign: str
@@ -77,7 +77,7 @@ class Canvas:
     working: Flags | None = None  # (N,) whether the robot is at work; None: all are
     options: tuple[str, ...] = ()  # names of the options of a goal
     held: Ints | None = None  # (N,) which of them serves the goal in each robot; None: the first
-    signs: tuple[Signs, ...] = ()  # of things
+    signs: tuple[SignedThings, ...] = ()  # of things
     areas: tuple[Area, ...] = ()  # what else lies in the world
     zones: tuple[Zone, ...] = ()  # in which messages are lost or robots are slow
     walls: Floats = field(default_factory=lambda: np.zeros((0, 4)))  # (K, 4) x, y of either end [m]

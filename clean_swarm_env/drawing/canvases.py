@@ -10,12 +10,12 @@ import numpy as np
 from pydantic import AliasChoices, AliasPath, BaseModel, Field, TypeAdapter
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.canvas import NOTHING, Area, Canvas, Signs, Zone, between, no_places
+from clean_swarm_env.drawing.canvas import NOTHING, Area, Canvas, SignedThings, Zone, between, no_places
 from clean_swarm_env.drawing.look import LOOK, SIGNS
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.sampled import things_of, walls_shown, zones_shown
-from clean_swarm_env.world.shown import ROBOT, AnyArray, Counted, Drawn
+from clean_swarm_env.world.parts.shown import ROBOT, AnyArray, Counted, Drawn
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
@@ -216,7 +216,7 @@ def signs_of(drawn: Iterable[Drawn], values: Mapping[str, AnyArray], there: Flag
 
     `values`: arrays (N,) of robots and (M,) of things by name, and places (M, 2) [m] by what the things are called.
     """
-    signs: list[Signs] = []
+    signs: list[SignedThings] = []
     loads: list[str] = []
     load = np.full(len(there), NOTHING)
     for one in drawn:
@@ -229,7 +229,7 @@ def signs_of(drawn: Iterable[Drawn], values: Mapping[str, AnyArray], there: Flag
         else:
             numbers = np.flatnonzero(chosen)
             own = numbers if one.numbers is None else numbers[np.isin(numbers, one.numbers)]
-            signs.append(Signs(one.sign, values[one.at][own] - corner, one.radius))
+            signs.append(SignedThings(one.sign, values[one.at][own] - corner, one.radius))
     return {"signs": tuple(signs), "loads": tuple(loads), "load": load[there] if loads else None}
 
 

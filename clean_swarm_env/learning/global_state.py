@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.learning.progress import MissionProgress
-from clean_swarm_env.world.shown import ROBOT, WORLD, AnyArray, Shown
+from clean_swarm_env.world.parts.shown import ROBOT, WORLD, AnyArray, Shown
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.elementary import unit_vectors

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission import MissionResult
+from clean_swarm_env.world.parts.measure import key_of
 from selforg.arrays import Flags, Floats
 
 

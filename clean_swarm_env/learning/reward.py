@@ -27,8 +27,8 @@ from clean_swarm_env.config.task_names import TASKS_HOME
 from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.learning.given import config_from
 from clean_swarm_env.learning.progress import Period, open_period
-from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission_end import COMPLETED
+from clean_swarm_env.world.parts.measure import key_of
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import DocumentError, unknown_key

@@ -15,7 +15,7 @@ from clean_swarm_env.config.free_places import segments_of
 from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.explaining import Movements
-from clean_swarm_env.world.shown import ROBOT, Shown
+from clean_swarm_env.world.parts.shown import ROBOT, Shown
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel

@@ -8,9 +8,9 @@ from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.tasks.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
 from clean_swarm_env.tasks.measures.order import barycentre
-from clean_swarm_env.world.measure import Measure
+from clean_swarm_env.world.parts.measure import Measure
+from clean_swarm_env.world.parts.things import TaskState, WorldStart
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import TaskState, WorldStart
 from selforg.arrays import KEPT, Floats, Ints
 from selforg.commands import Commands
 

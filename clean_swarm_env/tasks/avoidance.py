@@ -10,9 +10,9 @@ import numpy as np
 from pydantic import Field
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
-from clean_swarm_env.world.measure import Measure
+from clean_swarm_env.world.parts.measure import Measure
+from clean_swarm_env.world.parts.things import TaskState, Things, WorldStart
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.elementary import unit_vectors

@@ -8,9 +8,9 @@ import numpy as np
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.tasks.measures.coverage import UNSEEN, area, idleness, mark
-from clean_swarm_env.world.measure import Measure
+from clean_swarm_env.world.parts.measure import Measure
+from clean_swarm_env.world.parts.things import TaskState, WorldStart
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import TaskState, WorldStart
 from selforg.arrays import KEPT, Floats, Ints
 
 ROBOT_SIGHT, PITCH = 0.5, 0.25  # [m]

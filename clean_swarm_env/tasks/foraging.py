@@ -8,9 +8,9 @@ import numpy as np
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.config.types import Index
 from clean_swarm_env.world.by_hand import WORLD, by_hand, free_place, show_things
-from clean_swarm_env.world.measure import Achievement, Measure
+from clean_swarm_env.world.parts.measure import Achievement, Measure
+from clean_swarm_env.world.parts.things import TaskState, Things, WorldStart
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
 from selector.documents.fields import Number
 from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.order import gap_spread, nearest_neighbours, polarisation, radial_spread
-from clean_swarm_env.world.measure import Measure
+from clean_swarm_env.world.parts.measure import Measure
+from clean_swarm_env.world.parts.things import TaskState, Things, WorldStart
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
 from selforg.arrays import KEPT, Floats, Ints
 from selforg.commands import Commands
 from selforg.elementary import unit_vectors

@@ -7,8 +7,8 @@ from pydantic import Field
 
 from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.tasks.avoidance import Obstacles, ObstacleSettings, ObstacleState
-from clean_swarm_env.world.measure import Measure
-from clean_swarm_env.world.task_parts import Things, WorldStart
+from clean_swarm_env.world.parts.measure import Measure
+from clean_swarm_env.world.parts.things import Things, WorldStart
 from selforg.arrays import Floats
 
 GOAL_AREA_RADIUS, START_AWAY = 2.0, 8.0  # [m]; room for all around the goal

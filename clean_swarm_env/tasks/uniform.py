@@ -2,9 +2,9 @@
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.order import nearest_neighbours, unevenness
-from clean_swarm_env.world.measure import Measure
+from clean_swarm_env.world.parts.measure import Measure
+from clean_swarm_env.world.parts.things import TaskState
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import TaskState
 from selforg.arrays import Floats
 
 

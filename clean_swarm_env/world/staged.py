@@ -19,11 +19,11 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskKind
 from clean_swarm_env.physics.rays import Bodies
 from clean_swarm_env.world.agenda import NO_TICK
-from clean_swarm_env.world.measure import Measure
-from clean_swarm_env.world.promises import TASK_PROMISES
+from clean_swarm_env.world.parts.measure import Measure
+from clean_swarm_env.world.parts.promises import TASK_PROMISES
+from clean_swarm_env.world.parts.shown import NO_END, ROBOT, Counted, Drawn, Shown
+from clean_swarm_env.world.parts.things import Things, kinds_of
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.shown import MANY, ROBOT, Counted, Drawn, Shown
-from clean_swarm_env.world.task_parts import Things, kinds_of
 from clean_swarm_env.world.view import CARRYING, World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
@@ -221,7 +221,7 @@ class StagedTask(TaskKind, ABC):
 
     def drawn(self) -> tuple[Drawn, ...]:
         """Return the signs that pictures draw beside robots, `around` and trails."""
-        return (Drawn(ROBOT, "item", {"cargo": (0, MANY)}),) if CARRYING in self.world.memory.kinds else ()
+        return (Drawn(ROBOT, "item", {"cargo": (0, NO_END)}),) if CARRYING in self.world.memory.kinds else ()
 
     def headline(self, world: int) -> str:
         """Return what there is to say of a world in one line: its measures."""

@@ -18,9 +18,9 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import StartsFile
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.world.measure import Achievement
+from clean_swarm_env.world.parts.measure import Achievement
+from clean_swarm_env.world.parts.things import TaskState, Things, WorldStart
 from clean_swarm_env.world.staged import StagedTask
-from clean_swarm_env.world.task_parts import TaskState, Things, WorldStart
 from clean_swarm_env.world.view import World
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models

@@ -20,7 +20,7 @@ from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.mission_end import tick_limit
-from clean_swarm_env.world.task_parts import Things
+from clean_swarm_env.world.parts.things import Things
 from clean_swarm_env.world.team_changes import Team
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.coordinator import Coordinator

@@ -21,9 +21,9 @@ from clean_swarm_env.world.agenda import Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.mission_end import tick_limit
+from clean_swarm_env.world.parts.things import WorldStart
 from clean_swarm_env.world.states import KeptStates, WorldState
 from clean_swarm_env.world.task import Task, task_class
-from clean_swarm_env.world.task_parts import WorldStart
 from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.view import World
 from selector.coordination.coordinator import Coordinator, hold_options

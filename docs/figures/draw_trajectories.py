@@ -13,7 +13,7 @@ from matplotlib.patches import Circle, FancyBboxPatch
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import AVOIDANCE
-from clean_swarm_env.drawing.canvas import NOTHING, Canvas, Signs, appearances
+from clean_swarm_env.drawing.canvas import NOTHING, Canvas, SignedThings, appearances
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.world.worlds import Worlds
@@ -105,7 +105,7 @@ def signs(garbage_sight: float, reach: float) -> Iterator[Line2D]:
     )
 
 
-def draw_station(axes: Axes, scene: Canvas, station: Signs, colour: str) -> None:
+def draw_station(axes: Axes, scene: Canvas, station: SignedThings, colour: str) -> None:
     """Draw a station as a rounded square with its name, and the circle in which a robot is there (dotted)."""
     name, places, radius = station
     for x, y in appearances(scene, places, radius)[1]:

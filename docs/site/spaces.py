@@ -9,7 +9,7 @@ from clean_swarm_env.clean_swarm_v0 import CleanSwarm
 from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.tasks import Task
-from clean_swarm_env.world.measure import key_of
+from clean_swarm_env.world.parts.measure import key_of
 from docs.site.texts import cell, code, table
 
 

@@ -13,8 +13,8 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks import TASKS, Cleaning, Task
 from clean_swarm_env.world.by_hand import CHANGES
-from clean_swarm_env.world.measure import key_of
 from clean_swarm_env.world.mission import MissionRun
+from clean_swarm_env.world.parts.measure import key_of
 from selector.strategies.registry import STRATEGIES
 from tests.clean_swarm_env.courses import mission
 from tests.clean_swarm_env.recording.shepherding import with_shepherding

@@ -12,7 +12,7 @@ from clean_swarm_env.clean_swarm_v0 import CleanSwarm
 from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.learning.reward import RewardConfig, weights_of
 from clean_swarm_env.tasks import Cleaning
-from clean_swarm_env.world.measure import key_of
+from clean_swarm_env.world.parts.measure import key_of
 from train.cli.listing import names_of
 
 SEED, STEPS = 1, 20

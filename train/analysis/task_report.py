@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from clean_swarm_env.world.measure import Measure
+from clean_swarm_env.world.parts.measure import Measure
 from selforg.arrays import Floats
 from train.analysis.flips import ALPHA, Flips, fewest, holm
 from train.analysis.statistics import Figures, Summary, summarise

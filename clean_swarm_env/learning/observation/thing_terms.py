@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.ground import Ground
-from clean_swarm_env.world.task_parts import kinds_of
+from clean_swarm_env.world.parts.things import kinds_of
 from selforg.arrays import Flags, Floats, Ints
 from selforg.elementary import unit_vectors
 from selforg.plugins import check_answer

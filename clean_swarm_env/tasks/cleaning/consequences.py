@@ -14,7 +14,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from clean_swarm_env.tasks.cleaning.settings import settings_of
-from clean_swarm_env.world.shown import ROBOT, Shown
+from clean_swarm_env.world.parts.shown import ROBOT, Shown
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel

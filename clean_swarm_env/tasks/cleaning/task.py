@@ -34,10 +34,10 @@ from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more,
 from clean_swarm_env.tasks.cleaning.rounds import Rounds
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
+from clean_swarm_env.world.parts.shown import NO_END, ROBOT, WORLD, Counted, Drawn, Shown
+from clean_swarm_env.world.parts.things import TaskState, WorldStart
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.shown import MANY, ROBOT, WORLD, Counted, Drawn, Shown
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import TaskState, WorldStart
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
@@ -326,7 +326,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
             name: [number for number, own in enumerate(config.kinds) if own == kind]
             for kind, name in enumerate(STATION_CHANNELS)
         }
-        fresh, left, some = (0, 0), (1, 1), (0, MANY)
+        fresh, left, some = (0, 0), (1, 1), (0, NO_END)
         lies = (LYING, LYING)
         return (
             *(Drawn("station", name, numbers=own, radius=config.reach) for name, own in kinds.items()),

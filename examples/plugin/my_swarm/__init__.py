@@ -4,9 +4,9 @@ import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.order import nearest_neighbours
-from clean_swarm_env.world.measure import Measure
+from clean_swarm_env.world.parts.measure import Measure
+from clean_swarm_env.world.parts.things import TaskState
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.task_parts import TaskState
 from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES

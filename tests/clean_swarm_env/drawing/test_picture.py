@@ -7,12 +7,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from clean_swarm_env.drawing.canvas import NOTHING, Canvas, Signs
+from clean_swarm_env.drawing.canvas import NOTHING, Canvas, SignedThings
 from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, SIGNS, legend
 from clean_swarm_env.drawing.picture import MARGIN, TITLE, pixels_of, write_picture
 
 SIDE = 400
-STATIONS = tuple(Signs(name, np.array([[x, 8.5]]), 0.5) for name, x in (("recycling", 2.75), ("dump", 8.25)))
+STATIONS = tuple(SignedThings(name, np.array([[x, 8.5]]), 0.5) for name, x in (("recycling", 2.75), ("dump", 8.25)))
 
 
 def canvas(**changes):
@@ -43,7 +43,7 @@ def test_a_robot_has_the_colour_of_its_option_and_a_bright_front_also_across_the
 
 
 def test_cargo_items_stations_and_robots_that_failed_can_be_seen():
-    signs = (*STATIONS, Signs("item", np.array([[7.0, 7.0]])))
+    signs = (*STATIONS, SignedThings("item", np.array([[7.0, 7.0]])))
     load = {"loads": ("item",), "load": np.array([0, NOTHING])}
     drawn = canvas(**load, signs=signs, working=np.array([True, False]))
     assert colour_at(drawn, 4.9, 5.0) == colour_at(drawn, 7.0, 7.0) == LOOK.item.colour

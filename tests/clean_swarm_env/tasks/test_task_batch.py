@@ -8,7 +8,7 @@ from clean_swarm_env.borders.infos import own_infos
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import TASKS
-from clean_swarm_env.world.measure import key_of
+from clean_swarm_env.world.parts.measure import key_of
 from tests.clean_swarm_env.courses import begun, long_course
 
 every_task = pytest.mark.parametrize("task", [name for name in TASKS.names() if name != "Cleaning"])

@@ -24,8 +24,8 @@ from clean_swarm_env.tasks.cleaning.cost import (
 )
 from clean_swarm_env.tasks.cleaning.garbage import DONE, NOTHING
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
-from clean_swarm_env.world.measure import Achievement
 from clean_swarm_env.world.mission_end import TIME_OVER
+from clean_swarm_env.world.parts.measure import Achievement
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, Floats, Ints
 from selforg.compiler.decorators import inlined, long_kernel

@@ -15,7 +15,7 @@ from selforg.arrays import Flags
 
 AnyArray = NDArray[Any]
 ROBOT, WORLD = "robot", "world"
-MANY: Final = 1 << 30
+NO_END: Final = 1 << 30
 """Most that a range of `Drawn.where` has where it has no end."""
 
 

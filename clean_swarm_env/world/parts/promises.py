@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 
 from clean_swarm_env.config.tasks import ItemCounts, TaskSettings
-from clean_swarm_env.world.shown import ROBOT, WORLD, Drawn, Shown
-from clean_swarm_env.world.task_parts import Things
+from clean_swarm_env.world.parts.shown import ROBOT, WORLD, Drawn, Shown
+from clean_swarm_env.world.parts.things import Things
 from selector.coordination.robot_network import RobotNetwork
 from selforg.gradients.buffer import SoBuffer
 from selforg.plugins import Promises, are_numbers

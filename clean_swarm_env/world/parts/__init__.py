@@ -1,0 +1,1 @@
+"""What tasks consist of: measures, things, what they show, and what their parts have to return."""
