@@ -115,15 +115,10 @@ def opened(path: str | None, *, create: bool) -> KnowledgeStore:
 
     With `create`, a missing store is made, and for the data directory also the directory.
     """
-    named = store_path(path)
+    named = path or os.environ.get(VARIABLE) or str(default_path())
     if create and named == str(default_path()):
         try:
             default_path().parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise StoreError(f"{default_path().parent}: cannot be made ({error.strerror})") from error
     return KnowledgeStore(named, create=create)
-
-
-def store_path(path: str | None) -> str:
-    """Return a path if given, else that in the environment variable, else the one in the data directory."""
-    return path or os.environ.get(VARIABLE) or str(default_path())

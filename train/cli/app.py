@@ -68,10 +68,6 @@ class _Grouped(_Interruptible):
                     formatter.write(f"  {name:<{width}}  {command.short_help}\n")
 
 
-def _group(summary: str) -> typer.Typer:
-    return typer.Typer(cls=_Interruptible, no_args_is_help=True, rich_markup_mode=None, help=summary)
-
-
 app = typer.Typer(cls=_Grouped, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     "run": {
@@ -91,28 +87,17 @@ COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     },
 }
 """Panel -> command -> its function, and what it is for with its usual time."""
-GROUPS: dict[str, tuple[str, dict[str, Any]]] = {
-    "look": (
-        "picture, draw: a run or a document as a file (seconds)",
-        {"picture": look.picture_command, "draw": look.draw_command},
-    ),
+GROUPS = {
+    "look": (look.app, "look", "picture, draw: a run or a document as a file (seconds)"),
+    "train": (train.app, "learn", "ppo, bandit, es, design: which option to choose (2 to 60 min)"),
+    "knowledge": (knowledge.app, "learn", "stored scores of options: show, import, export, reset (seconds)"),
 }
-"""Group, in the panel of its name -> what it is for, and its commands."""
+"""Group of commands -> its commands, its panel, and what it is for."""
 for _panel, _commands in COMMANDS.items():
     for _name, (_command, _summary) in _commands.items():
         app.command(_name, short_help=_summary, rich_help_panel=_panel)(_command)
-groups = {name: _group(summary) for name, (summary, _) in GROUPS.items()}
-for _name, (_summary, _below) in GROUPS.items():
-    for _own, _command in _below.items():
-        groups[_name].command(_own)(_command)
-    app.add_typer(groups[_name], name=_name, short_help=_summary, rich_help_panel=_name)
-LEARNING = {
-    "train": (train.app, "ppo, bandit, es, design: which option to choose (2 to 60 min)"),
-    "knowledge": (knowledge.app, "stored scores of options: show, import, export, reset (seconds)"),
-}
-"""Group of the panel "learn" -> its commands, and what it is for."""
-for _name, (_group_of, _summary) in LEARNING.items():
-    app.add_typer(_group_of, name=_name, short_help=_summary, rich_help_panel="learn")
+for _name, (_group, _panel, _summary) in GROUPS.items():
+    app.add_typer(_group, name=_name, short_help=_summary, rich_help_panel=_panel)
 
 
 def run_app() -> None:

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from clean_swarm_env.drawing.canvases import RecordedCourse
     from train.reports.network_content import NetworkPanel
 
+app = typer.Typer(
+    no_args_is_help=True, rich_markup_mode=None, help="picture, draw: a run or a document as a file (seconds)"
+)
 LEAST_SIZE, MOST_SIZE = 200, 4000
 ShownRun = Annotated[
     Path, typer.Argument(help=f"A recording, or a directory of results; {MAY_NAME_CODE}.", metavar="RUN")
@@ -36,6 +39,7 @@ PictureSize = Annotated[int, typer.Option(help="Longer side of the world [pixels
 Numbers = Annotated[bool, typer.Option(help="Show the numbers of the robots, where there is room.")]
 
 
+@app.command("picture")
 def picture_command(
     run: ShownRun,
     output: Annotated[Path, typer.Argument(help="File to write, .svg, .png or .webp; one that exists is replaced.")],
@@ -149,22 +153,21 @@ def report_command(
     typer.echo(f"{page}: open it in a browser")
 
 
-RobotOrConfiguration = Annotated[
-    str, typer.Argument(help="Name of a robot, a mechanism configuration or a state machine, or path to its YAML file.")
-]
-PictureFile = Annotated[
-    Path | None, typer.Option(help="File to write, .svg, .png or .pdf; NAME.svg in this directory unless given.")
-]
-ExpertKnowledge = Annotated[
-    str | None,
-    typer.Option(help="Expert knowledge whose options the coordinators show; that of the robot's name unless given."),
-]
-
-
+@app.command("draw")
 def draw_command(
-    robot: RobotOrConfiguration,
-    output: PictureFile = None,
-    knowledge: ExpertKnowledge = None,
+    robot: Annotated[
+        str,
+        typer.Argument(help="Name of a robot, a mechanism configuration or a state machine, or path to its YAML file."),
+    ],
+    output: Annotated[
+        Path | None, typer.Option(help="File to write, .svg, .png or .pdf; NAME.svg in this directory unless given.")
+    ] = None,
+    knowledge: Annotated[
+        str | None,
+        typer.Option(
+            help="Expert knowledge whose options the coordinators show; that of the robot's name unless given."
+        ),
+    ] = None,
     configs: Configs = None,
 ) -> None:
     """Draw sensors, preconditions, behaviours, effects and goals of a network as a diagram."""

@@ -38,21 +38,8 @@ Configs = Annotated[
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
-Output = Annotated[Path | None, typer.Option(help="Directory for the results; a new one unless given.")]
-RunStore = Annotated[
-    str | None,
-    typer.Option(
-        help="Begin with what this knowledge store knows; see `knowledge`.",
-        metavar="FILE",
-    ),
-]
-EveryTable = Annotated[bool, typer.Option("--all", help="Print all tables; table.md has them anyway.")]
 PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
 """Endings of figures."""
-FigureFile = Annotated[
-    Path | None, typer.Option(help="Write the figure to this file, too, .svg, .png or .pdf.", metavar="FILE")
-]
-Learn = Annotated[bool, typer.Option("--learn", help="Give learned rewards back to the store.")]
 
 SHARED: dict[str, tuple[Any, Any]] = {
     "scenarios": (
@@ -75,10 +62,19 @@ SHARED: dict[str, tuple[Any, Any]] = {
         None,
     ),
     "threads": (Annotated[int, typer.Option(help="Threads that step the worlds; the same bits with any number.")], 1),
-    "output": (Output, None),
+    "output": (
+        Annotated[Path | None, typer.Option(help="Directory for the results; a new one unless given.")],
+        None,
+    ),
     "resume": (Annotated[bool, typer.Option("--resume", help="Do only what the directory lacks.")], False),
-    "store": (RunStore, None),
-    "learn": (Learn, False),
+    "store": (
+        Annotated[
+            str | None,
+            typer.Option(help="Begin with what this knowledge store knows; see `knowledge`.", metavar="FILE"),
+        ],
+        None,
+    ),
+    "learn": (Annotated[bool, typer.Option("--learn", help="Give learned rewards back to the store.")], False),
     "record": (
         Annotated[bool, typer.Option("--record", help="Record the missions, for `clean-swarm replay`.")],
         False,
@@ -107,8 +103,16 @@ SHARED: dict[str, tuple[Any, Any]] = {
         ],
         False,
     ),
-    "every_table": (EveryTable, False),
-    "figure": (FigureFile, None),
+    "every_table": (
+        Annotated[bool, typer.Option("--all", help="Print all tables; table.md has them anyway.")],
+        False,
+    ),
+    "figure": (
+        Annotated[
+            Path | None, typer.Option(help="Write the figure to this file, too, .svg, .png or .pdf.", metavar="FILE")
+        ],
+        None,
+    ),
     "configs": (Configs, None),
 }
 """Options that commands share: name -> type and help, default."""

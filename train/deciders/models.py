@@ -106,7 +106,8 @@ class ModelDecider(Decider):
         known = remembered(path)
         if known.options and known.goal != problem.goal:
             raise DocumentError(f"{path}: goal: expected {problem.goal}, got {known.goal}")
-        parts = parted_options(problem) if known.options else [problem.options]
+        columns = zip(*(option.split(JOINT) for option in problem.options), strict=True)
+        parts = [tuple(dict.fromkeys(column)) for column in columns] if known.options else [problem.options]
         own = list(known.options.values()) or parts
         for part, names in zip(parts, own, strict=True):
             check_known(str(path), "options", part, names)
@@ -139,12 +140,6 @@ class ModelDecider(Decider):
             raise ValueError(f"options {given.tolist()}")
         chosen = [places[column] for places, column in zip(self._places, table.T, strict=True)]
         return Decided(np.ravel_multi_index(chosen, self._sizes), vectors)
-
-
-def parted_options(problem: Problem) -> list[tuple[str, ...]]:
-    """Return the options of each of the goals that are joined in a problem."""
-    rows = [option.split(JOINT) for option in problem.options]
-    return [tuple(dict.fromkeys(column)) for column in zip(*rows, strict=True)]
 
 
 def loaded(path: Path, features: int, gives: str, check: Callable[[NDArray[Any], int], Any]) -> Model:

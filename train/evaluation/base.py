@@ -16,7 +16,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import validated
-from selector.strategies.strategy import DecisionStrategy
 from train.evaluation.entrants import Entrant
 from train.evaluation.trial_task import variants_of
 from train.memory import Memory, as_plain
@@ -30,9 +29,9 @@ DIGEST = " sha256:"
 
 
 class Identity(BaseModel):
-    """The identity of an evaluation, without what only some have: an experiment, or a family."""
+    """The identity of an evaluation of an experiment or of a family."""
 
-    model_config = ConfigDict(extra="allow", frozen=True)
+    model_config = ConfigDict(frozen=True)
 
     seed: Annotated[int, Field(strict=True, ge=0)]
     """Seed of the evaluation."""
@@ -46,21 +45,16 @@ class Identity(BaseModel):
     """Condition of an experiment -> its decider, with the digest of its file."""
     files: Mapping[str, str] = Field(default={})
     """File on which runs depend -> its digest."""
+    configuration: Any = None
+    """Document of the experiment; None of a family."""
+    on: Any = Field(default=None, alias="family")
+    """Document of the family; None of an experiment."""
 
     @classmethod
     def of(cls, manifest: Json, directory: Path) -> Self:
         """Return the identity in the manifest of a directory; an error of one line for a mistake in it."""
         beside = {key: manifest[key] for key in ("directories",) if key in manifest}
         return validated(cls, {**beside, **manifest["identity"]}, f"{directory / MANIFEST}: identity")
-
-    @property
-    def of_family(self) -> bool:
-        """Whether strategies were compared on a family."""
-        return "family" in (self.model_extra or {})
-
-    def content(self, key: str) -> Any:  # noqa: ANN401  (whatever a manifest holds)
-        """Return what stands under another key."""
-        return (self.model_extra or {}).get(key)
 
     @property
     def entrants(self) -> list[Entrant]:
@@ -72,10 +66,10 @@ class Identity(BaseModel):
 
     def family(self, directory: Path) -> FamilyConfig:
         """Return the family, with disturbances where it has them."""
-        held, where = self.content("family"), f"{directory / MANIFEST}: identity.family"
-        if isinstance(held, dict) and "disturbances" in held:
-            return validated(RobustnessConfig, held | {"strategies": list(self.strategies)}, where)
-        return validated(FamilyConfig, held, where)
+        where = f"{directory / MANIFEST}: identity.family"
+        if isinstance(self.on, dict) and "disturbances" in self.on:
+            return validated(RobustnessConfig, self.on | {"strategies": list(self.strategies)}, where)
+        return validated(FamilyConfig, self.on, where)
 
     def runs(self, family: FamilyConfig) -> dict[str, tuple[FamilyConfig, str]]:
         """Return condition -> variant of the family, and member with its digest; see `variants_of`."""
@@ -87,8 +81,6 @@ class Identity(BaseModel):
         }
 
 
-Choosers = Mapping[str, DecisionStrategy]
-"""Goal -> strategy with one row, which chooses one option for the whole team and mission."""
 Done = Mapping[RunKey, RunRecord]
 """Runs that need not be done."""
 

@@ -21,7 +21,7 @@ from selforg.registry import unknown
 from train.analysis.report import report_of, summary_of, verdict_of
 from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT
-from train.evaluation.trial_task import TrialTask, experiment_tasks, identities
+from train.evaluation.trial_task import TrialTask, experiment_tasks
 from train.reports.experiment_tables import all_tables
 from train.reports.text_table import Publication
 from train.request import Request
@@ -69,7 +69,7 @@ class ExperimentEvaluation(Evaluation):
             largest = max((task.first.mission for task in tasks), key=lambda mission: needs_of(mission).memory)
             check_needs(largest, len(tasks), request.machine)
         self._missions = {task.keys[0]: task.first.mission for task in tasks}
-        deciders = identities(tasks)
+        deciders = {task.condition: task.named.identity for task in tasks if isinstance(task, TrialTask)}
         identity = {
             "experiment": self.experiment.name,
             "seed": self.seed,
@@ -162,7 +162,5 @@ def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], w
         models = coordinators_of(experiment.mission, knowledge, library, directories)
         task_class(experiment.mission).robot(experiment.mission, models, directories)
     for condition in experiment.conditions:
-        try:
+        with within(f"{where}: condition {condition.name!r}: scores"):
             knowledge.with_scores(condition.scores)
-        except ValueError as error:
-            raise ConfigurationError(f"{where}: condition {condition.name!r}: scores: {error}") from error

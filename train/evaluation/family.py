@@ -17,12 +17,13 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
+from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.robustness_report import RobustnessReport, durations_over
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import decider_named
-from train.evaluation.base import Choosers, Done, Evaluation
+from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, check_goals, entrants_of, remarks_on, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
 from train.reports.family_tables import family_tables, robustness_tables
@@ -141,23 +142,16 @@ class FamilyEvaluation(Evaluation):
             return "this family has no such scenario"
         return record.mistake(self.family.name, self.request.seed, self.family.largest)
 
-    def choosers(self) -> dict[str, Choosers]:
-        """Return the strategy of each member, which chooses for the one goal."""
+    def choosers(self) -> dict[str, DecisionStrategy]:
+        """Return the strategy of each member: with one row, it chooses one option for the whole team and mission."""
         directories, alone = self.request.directories, np.zeros(1, dtype=np.int64)
         problem = Problem.of(knowledge_of(self.mission, directories), self.goal)
         return {
-            condition: {
-                self.goal: decider_named(member, directories)
-                .strategy()
-                .build(problem, row_keys(np.random.SeedSequence([self.request.seed, k]), 1), alone)
-            }
+            condition: decider_named(member, directories)
+            .strategy()
+            .build(problem, row_keys(np.random.SeedSequence([self.request.seed, k]), 1), alone)
             for k, (condition, member) in enumerate(self._members())
         }
-
-    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> TrialTask:
-        """Return the task of one run in which an option serves the goal."""
-        task = self.task([self.scenario(self.family, scenario)], condition, "")
-        return replace(task, goal=self.goal).serving(options)
 
     def _members(self) -> list[tuple[str, str]]:
         """Return the condition and the name of each member of all entrants."""

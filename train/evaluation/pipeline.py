@@ -17,6 +17,7 @@ from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.task import task_class
 from selector.store.exact_sums import REWARD_LIMIT
+from train.deciders.named import FIXED
 from train.evaluation.base import Evaluation
 from train.evaluation.family import FamilyEvaluation
 from train.reports.knowledge_tables import learned_scores
@@ -123,26 +124,27 @@ def _lessons(
     choosers, choices, given = evaluation.choosers(), "", set()
     held = memory.held()
     for scenario in evaluation.scenarios:
-        for condition, strategies in choosers.items():
-            chosen = {goal: strategy.select(NO_CONTEXT) for goal, strategy in strategies.items()}
-            options = {goal: strategies[goal].problem.options[number[0]] for goal, number in chosen.items()}
-            kept, task = done.get((scenario, condition)), evaluation.task_with(scenario, condition, options)
+        for condition, strategy in choosers.items():
+            chosen = strategy.select(NO_CONTEXT)
+            option = strategy.problem.options[chosen[0]]
+            drawn = evaluation.scenario(evaluation.family, scenario)
+            task = replace(evaluation.task([drawn], condition, f"{FIXED}:{option}"), goal=evaluation.goal)
+            kept = done.get((scenario, condition))
             record = kept or (task.recorded(settings) if settings else task).run()[0]
             score = mission_score(evaluation.mission, record.result.cost_s)
+            options = {evaluation.goal: option}
             choice = {"scenario": scenario, "condition": condition, "options": options, "score": score}
             choices += json.dumps(choice) + "\n"
             results.folder.write(CHOSEN_OPTIONS, choices)
-            trial = (scenario, *options.items())
             if kept is None:
                 yield record
-            if trial not in given:  # the same mission under another condition would count twice
+            if (scenario, option) not in given:  # the same mission under another condition would count twice
                 if held:
-                    held -= len(options)
+                    held -= 1
                 else:
-                    memory.give((goal, option, score) for goal, option in options.items())
-            given.add(trial)
-            for goal, strategy in strategies.items():
-                strategy.update(chosen[goal], np.array([score]), NO_CONTEXT)
+                    memory.give([(evaluation.goal, option, score)])
+            given.add((scenario, option))
+            strategy.update(chosen, np.array([score]), NO_CONTEXT)
 
 
 def mission_score(mission: MissionConfig, cost: float) -> float:

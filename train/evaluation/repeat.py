@@ -86,7 +86,7 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
             raise ConfigurationError(f"{directory}: expected the results of an evaluation, got those of {kind}")
     identity = Identity.of(manifest, directory)
     _check_same_files(identity, path)
-    task, member = (_family_task if identity.of_family else _experiment_task)(identity, directory, scenario, condition)
+    task, member = (_experiment_task if identity.on is None else _family_task)(identity, directory, scenario, condition)
     task = task.knowing(manifest.get(LEARNED_BEFORE, {}))
     if isinstance(task, TrialTask) and task.named.identity != member:
         told = f"condition {task.condition!r} has changed since the evaluation; its runs cannot be repeated"
@@ -122,7 +122,7 @@ def _experiment_task(
 
     Its condition is the first unless given: what only others name is neither read nor refused.
     """
-    content, where = identity.content("configuration"), f"{directory / MANIFEST}: identity.configuration"
+    content, where = identity.configuration, f"{directory / MANIFEST}: identity.configuration"
     if isinstance(content, dict) and isinstance(content.get("conditions"), list):
         named = {str(one["name"]): one for one in content["conditions"] if isinstance(one, dict) and "name" in one}
         if condition is not None and condition not in named:

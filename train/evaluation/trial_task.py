@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -115,11 +115,6 @@ def experiment_tasks(
                 given = (condition.scores, strategy, run_mission)
                 found.append(RunTask(*named, *given, directories=directories))
     return found
-
-
-def identities(tasks: Sequence[RunTask | TrialTask]) -> dict[str, str]:
-    """Return the identity of the decider of each condition that has one."""
-    return {task.condition: task.named.identity for task in tasks if isinstance(task, TrialTask)}
 
 
 def variants_of(family: FamilyConfig) -> Mapping[str, FamilyConfig]:

@@ -82,7 +82,10 @@ def report_of_results(results: Sequence[HeldResults]) -> str:
 
 def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
     records = _together(results)
-    conditions = sorted(dict.fromkeys(record.condition for record in records), key=lambda one: _mean_cost(records, one))
+    costs: dict[str, list[float]] = {}
+    for record in records:
+        costs.setdefault(record.condition, []).append(record.result.cost_s)
+    conditions = sorted(costs, key=lambda condition: float(np.mean(costs[condition])))
     scenarios = list(dict.fromkeys(scenario for held in results for scenario in held.scenarios))
     for held in results:
         yield f"<h2>{escape(str(held.path))}</h2>" if len(results) > 1 else ""
@@ -99,11 +102,6 @@ def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
         values = table_of(records, conditions, scenarios, figure)
         yield f"<h3>{escape(figure)}</h3>" + distributions(values, scenarios, labels, figure)
     yield from _selection(results)
-
-
-def _mean_cost(records: Sequence[RunRecord], condition: str) -> float:
-    """Return what the missions under a condition cost [s]."""
-    return float(np.mean([record.result.cost_s for record in records if record.condition == condition]))
 
 
 def _together(results: Sequence[HeldResults]) -> list[RunRecord]:

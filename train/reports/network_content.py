@@ -101,7 +101,7 @@ class NetworkPanel:
                 for sensor in _read_by(tree):
                     self.link(f"sensor.{sensor}", needed, LinkKind.READS)
             for effect in face.effects:
-                text = change_in_words(effect.sensor, effect.change)
+                text = f"{effect.sensor} {'+' if effect.change >= 0.0 else MINUS}{abs(effect.change):g}"
                 self.add(f"effect.{text}", BoxKind.EFFECT, text)
                 self.changes[f"effect.{text}"] = (effect.sensor, effect.change)
                 self.link(key, f"effect.{text}", LinkKind.RAISES if effect.change > 0.0 else LinkKind.LOWERS)
@@ -198,11 +198,6 @@ def condition_in_words(tree: Tree | Optional) -> str:
             return " and ".join(_part_in_words(part) for part in parts)
         case Disjunction(of=parts):
             return " or ".join(_part_in_words(part) for part in parts)
-
-
-def change_in_words(sensor: str, change: float) -> str:
-    """Return an effect: the sensor and the signed change, such as `carrying +1`."""
-    return f"{sensor} {'+' if change >= 0.0 else MINUS}{abs(change):g}"
 
 
 def component_in_words(declared: Mapping[str, Any]) -> str:

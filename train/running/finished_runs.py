@@ -10,7 +10,7 @@ import io
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from clean_swarm_env.config.types import ConfigurationError
@@ -106,16 +106,11 @@ def natural_order(scenario: str) -> tuple[tuple[int, int, str], ...]:
 def runs_table(records: Sequence[RunRecord]) -> str:
     """Return runs as CSV, with a column for each measure, and the collisions at the first distance only."""
     columns = (*RUN_COLUMNS, *(records[0].result.measures if records else ()))
-    cells = ({**record.as_mapping(), **record.result.measures} for record in records)
-    return as_csv(columns, ([one[column] for column in columns] for one in cells))
-
-
-def as_csv(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table as CSV; of a cell with several numbers the first one."""
+    rows = ({**record.as_mapping(), **record.result.measures} for record in records)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(heads)
-    writer.writerows(map(_cell, row) for row in rows)
+    writer.writerow(columns)
+    writer.writerows([_cell(row[column]) for column in columns] for row in rows)
     return text.getvalue()
 
 
