@@ -170,20 +170,15 @@ class GivenOptions:
             raise ConfigurationError("--on: expected no --learn, where missions learn in turn")
 
 
-def asking(*names: str, **defaults: object) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command the shared options of these names; it gets what is given for them, checked, as `given`.
-
-    Options with a default of their own get it: `scenarios=30`.
-    """
+def asking(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the shared options of these names; it gets what is given for them, checked, as `given`."""
 
     def with_options(command: Callable[..., None]) -> Callable[..., None]:
         own = inspect.signature(command).parameters.values()
         shared = [
-            inspect.Parameter(
-                name, inspect.Parameter.KEYWORD_ONLY, default=defaults.get(name, default), annotation=annotation
-            )
+            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
             for name, (annotation, default) in SHARED.items()
-            if name in names or name in defaults
+            if name in names
         ]
 
         @wraps(command)

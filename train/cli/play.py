@@ -80,7 +80,8 @@ def play_command(
     def opened(choose: Callable[[], PlayedMission]) -> Session:
         play = choose()
         recorded.append(_new_file(output, play.name))
-        return Session(play, recorded[-1], minds=play.robots <= MINDS_UP_TO if minds is None else minds)
+        few = play.scenario.mission.robots.count <= MINDS_UP_TO
+        return Session(play, recorded[-1], minds=few if minds is None else minds)
 
     checked_speed(speed)
     play = chosen(name, scenario, seed, strategy, directories)

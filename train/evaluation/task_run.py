@@ -186,14 +186,11 @@ def _taken(request: TaskRun, mission: MissionConfig) -> tuple[str, str]:
 def outcome_grid(outcome: TaskOutcome) -> Grid:
     """Return the results of one task that was run."""
     request, task = outcome.request, outcome.task
-    title = f"{request.name} by {outcome.option}: {setting_of(request.mission)}, {_runs(request)}"
+    told = f"{request.runs} run{'s' * (request.runs > 1)} of seed {request.seed}"
+    title = f"{request.name} by {outcome.option}: {setting_of(request.mission)}, {told}"
     rows = [measure_cells(one) for one in outcome.measured]
     notes = [f"baseline: {task.baseline}"]
     notes += [f"target of {one.measure.name}: {one.measure.reason}" for one in outcome.measured]
     if not outcome.own_setting:
         notes.append(f"targets are stated for {setting_of(request.own_mission)}")
     return Grid(title, MEASURE_HEADS, rows, notes=tuple(notes))
-
-
-def _runs(request: TaskRun) -> str:
-    return f"{request.runs} run{'s' if request.runs > 1 else ''} of seed {request.seed}"

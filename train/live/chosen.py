@@ -57,11 +57,6 @@ class PlayedMission:
         """The strategy without the digest of its file."""
         return self.strategy.partition(DIGEST)[0]
 
-    @property
-    def robots(self) -> int:
-        """Number of robots at the start."""
-        return self.scenario.mission.robots.count
-
     def described(self) -> dict[str, Any]:
         """Return what the head of the recording says, from which `again` makes the play."""
         told = _MissionPlay(

@@ -27,6 +27,7 @@ from train.reports.charts import figure_of, svg
 from train.reports.curves import EXPLAINED as EXPLAINED_CURVES
 from train.reports.curves import Trained, draw_curves, verdict_of
 from train.reports.text_table import markdown_table
+from train.running.finished_runs import natural_order
 from train.running.runs import RunRecord
 
 FIGURES: Final[Mapping[str, Callable[[RunRecord], float]]] = {
@@ -86,7 +87,7 @@ def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
     for record in records:
         costs.setdefault(record.condition, []).append(record.result.cost_s)
     conditions = sorted(costs, key=lambda condition: float(np.mean(costs[condition])))
-    scenarios = list(dict.fromkeys(scenario for held in results for scenario in held.scenarios))
+    scenarios = sorted({record.scenario for record in records}, key=natural_order)
     for held in results:
         yield f"<h2>{escape(str(held.path))}</h2>" if len(results) > 1 else ""
         first, *more = re.split(r"(?m)^## ", re.sub(r"\A# .*\n", "", held.tables))

@@ -13,7 +13,7 @@ from clean_swarm_env.recording.reader import RecordedMission, recordings_in
 from selector.documents.errors import shown
 from selector.documents.reading import json_value, read_text
 from train.learning.yardstick import Validation, validation_in
-from train.running.finished_runs import JOURNAL, natural_order, runs_of
+from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import most_numbers
 from train.running.run_folder import RECORDINGS, read_manifest
 from train.running.runs import RunRecord
@@ -48,11 +48,6 @@ class HeldResults:
             return self.records[0].experiment
         configured = identity.get("configuration")
         return str(configured.get("name", self.path.name)) if isinstance(configured, dict) else self.path.name
-
-    @property
-    def scenarios(self) -> list[str]:
-        """Names of the scenarios, in natural order."""
-        return sorted({record.scenario for record in self.records}, key=natural_order)
 
 
 def results_in(path: Path) -> HeldResults:
