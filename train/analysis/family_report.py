@@ -142,7 +142,9 @@ class FamilyReport:
         if comparison is not None:
             content["best_fixed"] = comparison.best_fixed.labels
             content["gap"] = None if comparison.gap is None else asdict(comparison.gap)
-            content["comparison"] = [standing.content for standing in comparison.standings]
+            content["comparison"] = [
+                {**asdict(standing), "ratio": standing.ratio.content} for standing in comparison.standings
+            ]
         return content
 
 

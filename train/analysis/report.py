@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
-from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.task import Task, task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Flags, Floats
@@ -28,7 +27,7 @@ from train.analysis.statistics import (
     figures_of,
     summarise,
 )
-from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_conditions
+from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies
 from train.analysis.verdict import MOST_NAMED, Ranking, amount, unfinished_sentence
 from train.running.runs import RunRecord
 
@@ -104,13 +103,6 @@ def ranking_of_conditions(report: Report) -> Ranking:
     return Ranking.of(values, verb, left={} if report.measured_by_task else report.left)
 
 
-def _left(figures: Figures, mission: MissionConfig) -> dict[str, Floats]:
-    """Return condition -> 1 where a mission was not completed (1, K, 1), else 0; nothing where garbage keeps coming."""
-    if mission.items.keep_coming:
-        return {}
-    return dict(zip(figures.conditions, 1.0 - figures.completed[:, None, :, None], strict=True))
-
-
 def verdict_of(report: Report) -> list[str]:
     """Return what came out, in one to three sentences."""
     ranking, beside = ranking_of_conditions(report), agreements(report)
@@ -149,7 +141,9 @@ def report_of(
         name: {metric: summarise(figures.values[metric][c]) for metric in summarised}
         for c, name in enumerate(conditions)
     }
-    left = _left(figures, experiment.mission)
+    left: dict[str, Floats] = {}
+    if not experiment.mission.items.keep_coming:
+        left = dict(zip(conditions, 1.0 - figures.completed[:, None, :, None], strict=True))
     comparisons = {
         (a, b, metric): Ratio.between(
             a,
@@ -164,7 +158,11 @@ def report_of(
         figures, measured, experiment.conditions, ["duration_s", *distance_metrics(distances)]
     )
     baseline = next((each.name for each in experiment.conditions if each.strategy == BASELINE), "")
-    of_task = measured_conditions(measures, figures, baseline)
+    values = {
+        name: {measure.name: figures.values[measure.name][c] for measure in measures}
+        for c, name in enumerate(conditions)
+    }
+    of_task = measured_strategies(measures, values, baseline)
     return Report(experiment, seed, figures, left, summaries, comparisons, *beside, measured, own_starts, of_task)
 
 

@@ -17,9 +17,8 @@ Shapes: S training seeds, K scenarios, V world seeds of each, O fixed options.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -53,11 +52,6 @@ class StrategyStanding:
     """Mean excess cost [s]."""
     ratio: Ratio
     """Ratio of the mean excess to that of the best fixed option."""
-
-    @property
-    def content(self) -> dict[str, Any]:
-        """The standing as JSON has it."""
-        return {**asdict(self), "ratio": self.ratio.content}
 
 
 @dataclass(frozen=True)

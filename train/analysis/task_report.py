@@ -12,7 +12,7 @@ from typing import Any
 from clean_swarm_env.world.parts.measure import Measure
 from selforg.arrays import Floats
 from train.analysis.flips import ALPHA, Flips, fewest, holm
-from train.analysis.statistics import Figures, Summary, summarise
+from train.analysis.statistics import Summary, summarise
 
 
 @dataclass(frozen=True)
@@ -87,13 +87,6 @@ def _beats(one: MeasuredStrategy, p: float, tests: int) -> bool | None:
     if one.flips is None or len(one.flips.differences) < fewest(tests):
         return None
     return p < ALPHA and (one.flips.sign < 0.0) == (one.measure.better == "lower")
-
-
-def measured_conditions(measures: Sequence[Measure], figures: Figures, baseline: str) -> list[MeasuredStrategy]:
-    """Return every measure under every condition of an experiment; `baseline` is the condition to compare with."""
-    names = [measure.name for measure in measures]
-    values = {own: {name: figures.values[name][c] for name in names} for c, own in enumerate(figures.conditions)}
-    return measured_strategies(measures, values, baseline)
 
 
 def by_strategy(measured: Sequence[MeasuredStrategy]) -> dict[str, Any]:

@@ -28,22 +28,9 @@ TRUST, IMPORT_PLUGIN = "--trust", "--import"
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
-class _Interruptible(TyperGroup):
-    """A group that ends with a line and exit code 130 when it is interrupted; typer alone would write no line."""
-
-    def make_context(self, *words: Any, **more: Any) -> Any:  # noqa: ANN401  (versions of typer differ in the types)
-        """Read the words of a command."""
-        with _interruptions_reported():
-            return super().make_context(*words, **more)
-
-    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
-        """Run a command."""
-        with _interruptions_reported():
-            return super().invoke(ctx)
-
-
 @contextmanager
 def _interruptions_reported() -> Iterator[None]:
+    """End with a line and exit code 130 when interrupted; typer alone would write no line."""
     try:
         yield
     except KeyboardInterrupt:
@@ -55,8 +42,18 @@ PANELS = ("run", "look", "learn")
 """Groups of commands in the help, in this order."""
 
 
-class _Grouped(_Interruptible):
+class _Grouped(TyperGroup):
     """The group of all commands, which its help shows under `PANELS`, one line each."""
+
+    def make_context(self, *words: Any, **more: Any) -> Any:  # noqa: ANN401  (versions of typer differ in the types)
+        """Read the words of a command."""
+        with _interruptions_reported():
+            return super().make_context(*words, **more)
+
+    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
+        """Run a command."""
+        with _interruptions_reported():
+            return super().invoke(ctx)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401
         """Write the commands, panel by panel."""

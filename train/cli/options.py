@@ -120,6 +120,8 @@ KEEPING = ("output", "resume", "workers", "on", "force", "configs")
 """Options of all commands that do missions and keep results."""
 REPORTING = (*KEEPING, "every_table", "figure")
 """Options of those that report on them."""
+TAKEN_OVER = ("scenarios", "seed", "knowledge", "goal", "output", "resume", "every_table", "figure")
+"""Those that a request has as they are given."""
 BOUNDS = {"scenarios": (1, MOST_SCENARIOS), "seed": (0, MOST_SEED), "workers": (1, 1000), "threads": (1, 1000)}
 """Least and largest number."""
 
@@ -144,18 +146,13 @@ class GivenOptions:
         from train.running.needs import Machine
         from train.running.run_folder import RECORDINGS
 
-        value = self.values.get
-        learns = value("learn", False)
-        record = value("record") or value("minds")
+        value, minds = self.values.get, self.values.get("minds", False)
         workers = value("workers") or (usable_cpus() if "workers" in self.values else 1)
         settings = {
-            **{name: value(name) for name in ("scenarios", "knowledge", "goal", "output")},
-            "seed": value("seed", 0),
+            **{name: given for name, given in self.values.items() if name in TAKEN_OVER},
             "directories": self.directories,
-            "store": StoreRequest(value("store"), learns),
-            "resume": value("resume", False),
-            **{name: value(name) for name in ("every_table", "figure") if name in self.values},
-            "record": RecordSettings(Path(RECORDINGS), value("minds", False)) if record else None,
+            "store": StoreRequest(value("store"), value("learn", False)),
+            "record": RecordSettings(Path(RECORDINGS), minds) if minds or value("record") else None,
             "machine": Machine(workers, value("force", False), value("on"), value("threads", 1)),
             "words": ("clean-swarm", *sys.argv[1:]),
         }

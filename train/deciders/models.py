@@ -33,7 +33,7 @@ from selector.documents.trust import check_trust
 from selector.documents.writing import write_whole
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
-from train.deciders.decider import Decided, Decider, columns_of
+from train.deciders.decider import Decided, Decider, columns_of, mode_of
 
 SPACE_TYPE = ":type:"
 """Key of the kind of a space."""
@@ -51,6 +51,11 @@ class TrainedOn:
     """Goal -> names of its options; none if the file does not know, or without options."""
     vector: bool = False
     """Whether it gives a movement vector, alone or behind the options."""
+
+    @property
+    def mode(self) -> Mode:
+        """What an action of the model is."""
+        return mode_of(options=bool(self.options), vector=self.vector)
 
     @property
     def goal(self) -> str:

@@ -211,8 +211,7 @@ def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
 def _model(text: str, path: Path) -> NamedDecider:
     """Return a model of another library, whose digest is that of the normalisation beside it, too."""
     known = remembered(path)
-    drives = text.startswith(f"{VELOCITY}:")
-    mode = mode_of(options=bool(known.options) and not drives, vector=known.vector or drives)
+    mode: Mode = "velocity" if text.startswith(f"{VELOCITY}:") else known.mode
     goal = known.goal if mode != "velocity" else ""
     digest = _sha256(*(file for file in (path, path.with_suffix(".pkl")) if file.is_file()))
     build = partial(ModelDecider, path, mode)
