@@ -1,12 +1,20 @@
-"""Training of a strategy in many worlds, by the rewards that follow its choices."""
+"""Training of a strategy in many worlds, by the rewards that follow its choices.
+
+Rows decide when their situation changes, or after some time. A decision is credited with the discounted rewards within
+a horizon; see `CreditConfig`.
+
+Shapes: R rows, which are the robots of all worlds.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from clean_swarm_env.learning.joined import Joined
 from selector.documents.arrays import Arrays, check_same_names, load_arrays, save_arrays
 from selector.documents.errors import shown, validated, within
 from selector.knowledge import learned_from
@@ -19,7 +27,7 @@ from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.deciders.decider import DeciderMaker, columns_of
 from train.deciders.strategies import StrategyDecider
-from train.learning.lessons import Paid, RewardLearning
+from train.learning.lessons import Credit, Paid
 from train.learning.training import Checkpoint, Training, TrainingJob, expert_knowledge
 
 STRATEGY = "strategy.safetensors"
@@ -40,12 +48,13 @@ class BanditTraining(Training):
         assert job.config.bandit is not None
         self.settings = job.config.bandit
         whole = self.goal.problem
-        columns_of(whole, self.settings.context, "context")
+        self._columns = columns_of(whole, self.settings.context, "context")
+        self._watched = columns_of(whole, self.settings.credit.until, "until")
+        self._joined = Joined(self.curriculum.batches)
         expert = expert_knowledge(self.curriculum.batches[0].mission, job.directories)
         known = expert.with_learned(learned_from(job.folder.learned, "manifest: learned"))
         self.problem = Problem.of(known, whole.goal, self.settings.context)
-        self._learning = RewardLearning(job.config, self.curriculum, self.goal)
-        self.strategy = self._built(self.settings.strategy, self.problem, self._learning.teams)
+        self.strategy = self._built(self.settings.strategy, self.problem, self._joined.world_of)
         self._decisions = 0
         self._best = self.strategy.learned()
         self._record = RewardSums(self.problem.goal, self.problem.options)
@@ -71,13 +80,38 @@ class BanditTraining(Training):
         seeds = np.random.SeedSequence([self.job.seed, self.checkpoint, 2])
         self.strategy.reseed(np.arange(self.strategy.rows), row_keys(seeds, self.strategy.rows))
         costs: list[float] = []
-        for paid, decisions, ended in self._learning.lessons(self.strategy, self.checkpoint):
-            self._decisions += decisions
+        for paid in self._periods():
+            self._decisions += self._joined.rows
             self.job.update(completed=self._decisions)
-            costs += ended
+            costs += [end.result.excess_s for end in self._joined.finished]
             if len(paid.rows):
                 self._learn_from(paid)
         return {"missions": len(costs), "training_excess_s": float(np.mean(costs)) if costs else None}
+
+    def _periods(self) -> Iterator[Paid]:
+        """Let the strategy decide until the next checkpoint; yield what it can learn after each period."""
+        settings, period = self.settings.credit, self.curriculum.batches[0].mission.decision_period
+        self.curriculum.set_scenarios(self.checkpoint)
+        seen, rows = self._joined.reset(), self._joined.rows
+        credit = Credit(rows, max(round(settings.horizon / period), 1), len(self._columns), settings.discount**period)
+        hold = round(settings.hold / period) or np.iinfo(np.int64).max
+        left, options = np.zeros(rows, dtype=np.int64), np.zeros(rows, dtype=np.int64)
+        watched = seen[:, self._watched].copy()
+        for _ in range(-(-self.config.decisions // rows)):
+            changed = (seen[:, self._watched] != watched).any(axis=1)
+            watched = seen[:, self._watched].copy()
+            deciding = np.flatnonzero(((left <= 0) | changed) & self._joined.working)
+            if len(deciding):
+                context = seen[deciding][:, self._columns].astype(np.float64)
+                options[deciding] = self.strategy.select(context, rows=deciding)
+                credit.decide(deciding, options[deciding], context, self.strategy.chance[deciding])
+                left[deciding] = hold
+            step = self._joined.step(self.goal.actions(options))
+            over = (step.terminated | step.truncated)[self._joined.world_of]
+            left -= 1
+            left[over] = 0
+            seen = step.observations
+            yield credit.pay(step.rewards, over)
 
     def _learn_from(self, paid: Paid) -> None:
         """Update the strategy by decisions whose rewards are complete."""

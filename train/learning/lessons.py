@@ -1,26 +1,18 @@
-"""Lessons for a bandit: what it decided, and which rewards followed.
-
-Rows decide when their situation changes, or after some time. A decision is credited with the discounted rewards within
-a horizon.
+"""Credit: the discounted rewards within a horizon after a decision, of a bandit or for a knowledge store.
 
 Shapes: R rows.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from clean_swarm_env.learning.joined import Joined
 from selector.store import RewardSums
-from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Flags, Floats, Ints
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.decider import columns_of
-from train.learning.config import CreditConfig, TrainingConfig
-from train.learning.curriculum import Curriculum
+from train.learning.config import CreditConfig
 
 
 class Paid(NamedTuple):
@@ -31,55 +23,6 @@ class Paid(NamedTuple):
     rewards: Floats
     contexts: Floats
     chances: Floats
-
-
-Lessons = Iterator[tuple[Paid, int, list[float]]]
-"""Decisions with complete rewards, the number of decisions made since the last lesson, and the excess costs [s] of the
-missions that ended since."""
-
-
-class RewardLearning:
-    """Learning in which all robots of all worlds decide; see `CreditConfig` for the times and the rewards.
-
-    Attributes:
-        teams: (R,) world of each row; rows are robots.
-
-    """
-
-    def __init__(self, config: TrainingConfig, curriculum: Curriculum, goal: DecidedGoal) -> None:
-        assert config.bandit is not None
-        self._goal = goal
-        self._decisions, self._credit, self._curriculum = config.decisions, config.bandit.credit, curriculum
-        self._joined = Joined(curriculum.batches)
-        self._period = curriculum.batches[0].mission.decision_period
-        self._columns = columns_of(goal.problem, config.bandit.context, "context")
-        self._watched = columns_of(goal.problem, self._credit.until, "until")
-        self.teams: Ints = self._joined.world_of
-
-    def lessons(self, strategy: DecisionStrategy, checkpoint: int) -> Lessons:
-        """Let the strategy decide until the next checkpoint; yield what it can learn after each period."""
-        self._curriculum.set_scenarios(checkpoint)
-        seen, rows = self._joined.reset(), self._joined.rows
-        periods = max(round(self._credit.horizon / self._period), 1)
-        credit = Credit(rows, periods, len(self._columns), self._credit.discount**self._period)
-        hold = round(self._credit.hold / self._period) or np.iinfo(np.int64).max
-        left, options = np.zeros(rows, dtype=np.int64), np.zeros(rows, dtype=np.int64)
-        watched = seen[:, self._watched].copy()
-        for _ in range(-(-self._decisions // rows)):
-            changed = (seen[:, self._watched] != watched).any(axis=1)
-            watched = seen[:, self._watched].copy()
-            deciding = np.flatnonzero(((left <= 0) | changed) & self._joined.working)
-            if len(deciding):
-                context = seen[deciding][:, self._columns].astype(np.float64)
-                options[deciding] = strategy.select(context, rows=deciding)
-                credit.decide(deciding, options[deciding], context, strategy.chance[deciding])
-                left[deciding] = hold
-            step = self._joined.step(self._goal.actions(options))
-            over = (step.terminated | step.truncated)[self.teams]
-            left -= 1
-            left[over] = 0
-            seen = step.observations
-            yield credit.pay(step.rewards, over), rows, [end.result.excess_s for end in self._joined.finished]
 
 
 class Credit:
