@@ -38,5 +38,4 @@ def own(name: str) -> None:
 def call(module: str, function: str, *arguments: object) -> object:
     """Call a function of a module in a package of ours, and return what it returns."""
     own(module.partition(".")[0])
-    result: object = getattr(import_module(module), function)(*arguments)
-    return result
+    return getattr(import_module(module), function)(*arguments)

@@ -109,23 +109,19 @@ def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfi
     size = np.array(mission.extent)
     robots = np.array(start.robots).reshape(-1, 3)
     for what, points in (("robots", robots[:, :2]), ("items", np.array(start.items).reshape(-1, 2))):
-        for row in np.flatnonzero(~np.all((points >= 0.0) & (points <= size), axis=1))[:1]:
-            expected = f"a point on the torus {size[0]:g} m x {size[1]:g} m"
-            raise ConfigurationError(
-                f"scenario {start.id}: {what}.{row}: expected {expected}, got {points[row].tolist()}"
-            )
+        for row, point in enumerate(points):
+            if not ((point >= 0.0) & (point <= size)).all():
+                expected = f"a point on the torus {size[0]:g} m x {size[1]:g} m"
+            elif not mission.is_free(point):
+                expected = "a place that robots can reach among the walls"
+            else:
+                continue
+            raise ConfigurationError(f"scenario {start.id}: {what}.{row}: expected {expected}, got {point.tolist()}")
     if mission.robots.groups and len(robots) != mission.robots.count:
         expected = f"{mission.robots.count}, as in the groups of the mission"
         raise ConfigurationError(f"scenario {start.id}: robots: expected {expected}, got {len(robots)}")
     if mission.world.contacts == "solid":
         _check_apart(mission, start.id, robots[:, :2], size)
-    for what, points in (("robots", robots[:, :2]), ("items", np.array(start.items).reshape(-1, 2))):
-        for row, point in enumerate(points if mission.world.has_walls else ()):
-            if not mission.is_free(point):
-                expected = "a place that robots can reach among the walls"
-                raise ConfigurationError(
-                    f"scenario {start.id}: {what}.{row}: expected {expected}, got {point.tolist()}"
-                )
     task = kind.with_items(mission, count=len(start.items))
     count = {} if mission.robots.groups else {"count": len(robots)}
     parts = {"robots": {**mission.robots.model_dump(), **count}, "task": task.model_dump()}

@@ -24,11 +24,6 @@ FRAMES_PER_SECOND: Final = 20
 FARTHEST_STEP: Final = 1.0  # [m] from picture to picture; beyond it a robot was put elsewhere
 
 
-def no_places() -> Floats:
-    """Return no places: (0, 2)."""
-    return np.zeros((0, 2))
-
-
 class Zone(NamedTuple):
     """A rectangle of the ground: its name, lower left and upper right corner [m]."""
 
@@ -81,7 +76,7 @@ class Canvas:
     areas: tuple[Area, ...] = ()  # what else lies in the world
     zones: tuple[Zone, ...] = ()  # in which messages are lost or robots are slow
     walls: Floats = field(default_factory=lambda: np.zeros((0, 4)))  # (K, 4) x, y of either end [m]
-    pheromones: Floats = field(default_factory=no_places)  # (M, 2) [m]
+    pheromones: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (M, 2) [m]
     pheromone_diffusions: Floats = field(default_factory=lambda: np.zeros(0))  # (M,) [m]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import AliasChoices, AliasPath, BaseModel, Field, TypeAdapter
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.canvas import NOTHING, Area, Canvas, SignedThings, Zone, between, no_places
+from clean_swarm_env.drawing.canvas import NOTHING, Area, Canvas, SignedThings, Zone, between
 from clean_swarm_env.drawing.look import LOOK, SIGNS
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
@@ -161,7 +161,7 @@ class RecordedCourse:
         values = {name: now[name] for one in self._shown.drawn for name in one.where}
         for at in {one.at for one in self._shown.drawn} - {ROBOT}:
             values[at] = np.stack([now[f"{at}_x"], now[f"{at}_y"]], axis=1)
-        moved = np.stack([now["thing_x"], now["thing_y"]], axis=1) if "thing_x" in now else no_places()
+        moved = np.stack([now["thing_x"], now["thing_y"]], axis=1) if "thing_x" in now else np.zeros((0, 2))
         return Canvas(
             np.stack([now["x"], now["y"]], axis=1)[there] - self._corner,
             now["heading"][there],
@@ -240,11 +240,11 @@ def moved_zones(zones: Iterable[tuple[str, float, float, float, float]], corner:
 
 def areas_of(things: Sequence[DrawnThing], corner: Floats, moved: Floats) -> tuple[Area, ...]:
     """Return the areas of a picture whose lower left `corner` (2,) [m] is given; `moved` (K, 2) [m]: what moves."""
-    areas = []
-    for thing in things:
-        x, y = (moved[thing.moves] if 0 <= thing.moves < len(moved) else np.array([thing.x, thing.y])) - corner
-        areas.append(Area(thing.channel, float(x), float(y), max(thing.radius, LOOK.least_area), thing.attraction < 0))
-    return tuple(areas)
+    places = [moved[one.moves] if 0 <= one.moves < len(moved) else np.array([one.x, one.y]) for one in things]
+    return tuple(
+        Area(one.channel, *(place - corner).tolist(), max(one.radius, LOOK.least_area), one.attraction < 0)
+        for one, place in zip(things, places, strict=True)
+    )
 
 
 def canvas_of(worlds: Worlds, world: int) -> Canvas:
@@ -273,7 +273,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
         working=worlds.team.working[rows].astype(np.bool_),
         options=coordinator.model.options if coordinator else (),
         held=coordinator.held[rows].copy() if coordinator else None,
-        areas=areas_of(things, corner, no_places()),
+        areas=areas_of(things, corner, np.zeros((0, 2))),
         zones=moved_zones(zones_shown(worlds), corner),
         walls=walls_shown(worlds) - np.tile(corner, 2),
         pheromones=trail - corner,

@@ -232,7 +232,7 @@ class Batch:
     def global_state(self) -> GlobalState:
         """Return what tells the global state of the worlds, and keeps it at the ends of missions from now on."""
         if self._state is None:
-            self._state = GlobalState(self.worlds, self.progress, options=self.action.mode != "velocity")
+            self._state = GlobalState(self.worlds, options=self.action.mode != "velocity")
         return self._state
 
     def _start_episode(self, world: int, start: StartConfiguration | None = None) -> None:

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.parts.shown import ROBOT, WORLD, AnyArray, Shown
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
@@ -34,7 +33,6 @@ class GlobalState:
 
     Args:
         worlds: the worlds.
-        progress: has the time limits of their missions.
         options: whether robots hold options; not if they are driven by vectors.
 
     Attributes:
@@ -43,8 +41,8 @@ class GlobalState:
 
     """
 
-    def __init__(self, worlds: Worlds, progress: MissionProgress, *, options: bool) -> None:
-        self._worlds, self._progress = worlds, progress
+    def __init__(self, worlds: Worlds, *, options: bool) -> None:
+        self._worlds = worlds
         self._coordinators = worlds.coordinators if options else ()
         several = len(self._coordinators) > 1
         holds = [
@@ -93,8 +91,7 @@ class GlobalState:
         ground = self._worlds.floor.ground
         if ground.kind == "open":
             return np.clip((points - ground.centre) / ground.size, -1.0, 1.0)
-        places: Floats = 2.0 * points / ground.land - 1.0
-        return places
+        return 2.0 * points / ground.land - 1.0
 
     def _robots(self, shown: Sequence[Shown]) -> Floats:
         """Return the components (R, ...) of the robots."""

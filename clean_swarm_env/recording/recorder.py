@@ -188,7 +188,9 @@ class MissionRecorder:
             for world in [w for w in self._running if done[w] or self._ticks >= self._ends[w]]:
                 self._end(world, result_of(worlds, world).as_mapping())
         if self.frames.at == self.frames.room:
-            self._write_all()
+            for world in self._running:
+                self._write(world)
+            self.frames.restart(self._running)
 
     @property
     def beginning(self) -> bytes:
@@ -258,11 +260,6 @@ class MissionRecorder:
             del self._ends[world]
             self._soonest = min(self._ends.values(), default=0)
             self._running.pop(world).close(result)
-
-    def _write_all(self) -> None:
-        for world in self._running:
-            self._write(world)
-        self.frames.restart(self._running)
 
     def _write(self, world: int) -> None:
         """Write the frames of a world that are not in its file yet."""

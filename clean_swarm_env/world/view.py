@@ -134,14 +134,12 @@ class World:
     @property
     def seconds(self) -> Floats:
         """Time (W,) since the start of each world [s]."""
-        seconds: Floats = self._clock.ticks.astype(np.float64) * self.period
-        return seconds
+        return self._clock.ticks.astype(np.float64) * self.period
 
     @property
     def robot_minutes(self) -> Floats:
         """Minutes (W,) of all robots of a world within its whole mission."""
-        minutes: Floats = self.limits.astype(np.float64) * (self.robots * self.period / 60.0)
-        return minutes
+        return self.limits.astype(np.float64) * (self.robots * self.period / 60.0)
 
     @property
     def now(self) -> float:

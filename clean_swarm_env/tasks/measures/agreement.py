@@ -9,8 +9,7 @@ from selforg.arrays import Flags, Floats, Ints
 def in_earshot(positions: Floats, reach: float, ground: Ground) -> Flags:
     """Return (W, N, N) whether two robots at positions (W, N, 2) [m] hear each other within `reach` [m]."""
     distances = ground.distances(positions[:, :, None], positions[:, None, :])
-    hears: Flags = (distances <= reach) & ~np.eye(positions.shape[1], dtype=np.bool_)
-    return hears
+    return (distances <= reach) & ~np.eye(positions.shape[1], dtype=np.bool_)
 
 
 def connected(hears: Flags) -> bool:

@@ -76,7 +76,6 @@ def _drawn(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
 
 
 OF_WORLDS: Final = "arrays of finite numbers ({0.world.worlds},) by name"
-OF_ROBOTS: Final = "arrays of finite numbers ({0.world.rows},) by name"
 TASK_PROMISES: Final[Promises] = {
     "__init__": ("a call of that of Task", lambda task, *_: hasattr(task, "around")),
     "sizes": (
@@ -104,7 +103,10 @@ TASK_PROMISES: Final[Promises] = {
             and all(are_numbers(one.places, task.world.worlds, *one.places.shape[1:2], 2) for one in answer)
         ),
     ),
-    "known": (OF_ROBOTS, lambda task, answer, *_: _by_name(answer, task.world.rows)),
+    "known": (
+        "arrays of finite numbers ({0.world.rows},) by name",
+        lambda task, answer, *_: _by_name(answer, task.world.rows),
+    ),
     "after_moving": ("robots and things to be at finite places", _places),
     **dict.fromkeys(
         ("done", "completed"),
