@@ -53,9 +53,8 @@ def team_infos(batch: Batch) -> InfoColumns:
         "completed": completed.tolist(),
         "duration_s": times.copy(),
     }
-    for achievement, counts in zip(task.achievements, progress.team.tolist(), strict=True):
-        if achievement.team:
-            columns[achievement.name] = counts
+    achieved = zip(task.achievements, progress.team.tolist(), strict=True)
+    columns |= {achievement.name: counts for achievement, counts in achieved if achievement.team}
     columns |= {name: counts.tolist() for name, counts in task.totals().items()}
     columns |= {key_of(name): own.tolist() for name, own in values.items()}
     for end in batch.finished:  # such a world may have begun anew

@@ -111,8 +111,7 @@ class RecordedCourse:
         for one in shown.drawn:
             if one.sign not in SIGNS:
                 raise ConfigurationError(f"{recording.path}: head: drawn: {unknown('sign', one.sign, tuple(SIGNS))}")
-        self._things = shown.things
-        moving = 1 + max((thing.moves for thing in self._things), default=-1)
+        moving = 1 + max((thing.moves for thing in shown.things), default=-1)
         counts = {ROBOT: head["robots"], ITEM: head["items"], THING: moving}
         kinds = CHANNELS | {f"{HELD}{goal}": ROBOT for goal in self._options} | drawn_channels(shown.drawn)
         kinds |= {"thing_x": THING, "thing_y": THING} if moving else {}
@@ -177,7 +176,7 @@ class RecordedCourse:
             working=now["working"][there] == 1,
             options=tuple(self._options[goal]) if goal is not None else (),
             held=now[f"{HELD}{goal}"][there] if goal is not None else None,
-            areas=areas_of(self._things, self._corner, moved),
+            areas=areas_of(self._shown.things, self._corner, moved),
             zones=moved_zones(self._shown.zones, self._corner),
             walls=self._walls - np.tile(self._corner, 2),
             pheromones=traces.positions[trail] - self._corner,
@@ -240,10 +239,11 @@ def moved_zones(zones: Iterable[tuple[str, float, float, float, float]], corner:
 
 def areas_of(things: Sequence[DrawnThing], corner: Floats, moved: Floats) -> tuple[Area, ...]:
     """Return the areas of a picture whose lower left `corner` (2,) [m] is given; `moved` (K, 2) [m]: what moves."""
-    places = [moved[one.moves] if 0 <= one.moves < len(moved) else np.array([one.x, one.y]) for one in things]
+    now = [moved[one.moves] if 0 <= one.moves < len(moved) else (one.x, one.y) for one in things]
+    places = np.array(now).reshape(-1, 2) - corner
     return tuple(
-        Area(one.channel, *(place - corner).tolist(), max(one.radius, LOOK.least_area), one.attraction < 0)
-        for one, place in zip(things, places, strict=True)
+        Area(one.channel, float(x), float(y), max(one.radius, LOOK.least_area), one.attraction < 0)
+        for one, (x, y) in zip(things, places, strict=True)
     )
 
 

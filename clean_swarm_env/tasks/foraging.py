@@ -7,7 +7,7 @@ import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.config.types import Index
-from clean_swarm_env.world.by_hand import WORLD, by_hand, free_place, show_things
+from clean_swarm_env.world.by_hand import WORLD, by_hand, free_place
 from clean_swarm_env.world.parts.measure import Achievement, Measure
 from clean_swarm_env.world.parts.things import TaskState, Things, WorldStart
 from clean_swarm_env.world.task import Task
@@ -115,4 +115,5 @@ def put_food(task: Foraging, patch: Index, x: Number, y: Number) -> None:
     if patch >= len(patches):
         raise ValueError(f"patch {patch}: expected a number below {len(patches)}")
     patches[patch] = free_place(task.world, x, y)
-    show_things(task)
+    task.show_around(WORLD)
+    task.world.forget_ways(WORLD)

@@ -114,15 +114,6 @@ def free_place(world: World, x: float, y: float) -> Floats:
     return place
 
 
-def show_things(task: Task[Any, Any]) -> None:
-    """Show things anew, of which a change has put some elsewhere."""
-    world, buffer = task.world, task.world.buffers["gradients"]
-    buffer.clear(WORLD)
-    for thing in task.around:
-        thing.show(buffer, WORLD, world.now)
-    world.forget_ways(WORLD)
-
-
 @by_hand
 def put_robot(worlds: Worlds, robot: Index, x: Number, y: Number) -> None:
     """Put a robot at another place [m], at rest; it keeps its heading and all that it knows."""

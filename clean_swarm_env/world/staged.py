@@ -120,8 +120,14 @@ class StagedTask(TaskKind, ABC):
     def reset(self, world: int, rows: slice) -> None:
         """Show the things of a world that has just been placed."""
         self.asked[rows] = self._walk[rows] = 0.0
+        self.show_around(world)
+
+    def show_around(self, world: int) -> None:
+        """Show the things of a world where they are now, and nowhere else."""
+        buffer = self.world.buffers["gradients"]
+        buffer.clear(world)
         for thing in self.around:
-            thing.show(self.world.buffers["gradients"], world, self.world.now)
+            thing.show(buffer, world, self.world.now)
 
     def come(self, world: int, tick: int) -> int:
         """Let come to a world what comes by itself up to a tick; return the tick at which more comes."""
@@ -142,13 +148,9 @@ class StagedTask(TaskKind, ABC):
 
     def sense(self) -> None:
         """Show things that move where they are now, before robots sense."""
-        moving = [thing for thing in self.around if thing.moves]
-        if moving:
-            buffer = self.world.buffers["gradients"]
+        if any(thing.moves for thing in self.around):
             for world in range(self.world.worlds):
-                buffer.clear(world)
-                for thing in self.around:
-                    thing.show(buffer, world, self.world.now)
+                self.show_around(world)
 
     def follow(self, vectors: Floats, working: Flags) -> None:
         """Act for robots that are driven by vectors (R, 2) [m/s]; working (R,): those that are at work."""
