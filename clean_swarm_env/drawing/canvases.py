@@ -11,7 +11,7 @@ from pydantic import AliasChoices, AliasPath, BaseModel, Field, TypeAdapter
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import NOTHING, Area, Canvas, SignedThings, Zone, between
-from clean_swarm_env.drawing.look import LOOK, SIGNS
+from clean_swarm_env.drawing.look import LOOK, SIGN_OF
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.sampled import things_of, walls_shown, zones_shown
@@ -109,8 +109,8 @@ class RecordedCourse:
             raise ConfigurationError(f"{recording.path}: head: models: expected {expected}, got {shown.models}")
         self._options = {goal: names for goal, names in head["options"].items() if f"{HELD}{goal}" in recording}
         for one in shown.drawn:
-            if one.sign not in SIGNS:
-                raise ConfigurationError(f"{recording.path}: head: drawn: {unknown('sign', one.sign, tuple(SIGNS))}")
+            if one.sign not in SIGN_OF:
+                raise ConfigurationError(f"{recording.path}: head: drawn: {unknown('sign', one.sign, tuple(SIGN_OF))}")
         moving = 1 + max((thing.moves for thing in shown.things), default=-1)
         counts = {ROBOT: head["robots"], ITEM: head["items"], THING: moving}
         kinds = CHANNELS | {f"{HELD}{goal}": ROBOT for goal in self._options} | drawn_channels(shown.drawn)

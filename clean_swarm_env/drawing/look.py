@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from clean_swarm_env.world.parts.shown import SIGNS
+
 OPTION_COLOURS: Final = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#882255", "#56B4E9", "#999933", "#5A3FFF", "#8C6BB1", "#44AA99",
 )  # fmt: skip
@@ -94,7 +96,7 @@ class Appearance:
 
 
 LOOK: Final = Appearance()
-SIGNS: Final = {"item": LOOK.item, "leftovers": LOOK.leftovers, "recycling": LOOK.stations[0], "dump": LOOK.stations[1]}
+SIGN_OF: Final = dict(zip(SIGNS, (LOOK.item, LOOK.leftovers, *LOOK.stations), strict=True))
 """Signs that tasks may draw, by name."""
 
 
@@ -113,7 +115,7 @@ def legend(
         *held,
         *marked,
         LOOK.failed,
-        *([sign for name, sign in SIGNS.items() if name in signs] or LOOK.areas),
+        *([sign for name, sign in SIGN_OF.items() if name in signs] or LOOK.areas),
         LOOK.pheromones,
         *((LOOK.zone,) if zoned else ()),
         *((LOOK.wall,) if walled else ()),

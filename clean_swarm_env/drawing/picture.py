@@ -27,7 +27,7 @@ from PIL import Image
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import NOTHING, Canvas, Pixels, appearances, trail_strength
-from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, SIGNS, Sign, legend
+from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, SIGN_OF, Sign, legend
 from selector.documents.writing import write_whole
 from selforg.arrays import Floats
 
@@ -149,7 +149,7 @@ class _Picture:
                 self._area(right, up, radius, LOOK.repels if repels else LOOK.attracts)
                 self._write(name, right, up, centred=True)
         for name, places, radius in canvas.signs:
-            sign = SIGNS[name]
+            sign = SIGN_OF[name]
             for _, x, y in self._places(places, max(radius, sign.half)):
                 if radius > 0.0:
                     self._area(x, y, radius, sign.colour)
@@ -177,17 +177,17 @@ class _Picture:
             if canvas.models is not None and (mark := LOOK.marks[canvas.models[row] % len(LOOK.marks)]):
                 self._shape(mark, x, y, LOOK.mark_half * size, WHITE)
             if canvas.load is not None and canvas.load[row] != NOTHING:
-                sign = SIGNS[canvas.loads[canvas.load[row]]]
+                sign = SIGN_OF[canvas.loads[canvas.load[row]]]
                 half = LOOK.cargo_half * size * sign.half / LOOK.item.half
                 self._sign(sign, x - LOOK.cargo_behind * right, y - LOOK.cargo_behind * up, half)
         large = sizes.min(initial=np.inf) > LOOK.least_numbered
         if self._numbers and large and len(canvas.positions) <= LOOK.most_numbered:
             numbers = range(len(canvas.positions)) if canvas.numbers is None else canvas.numbers
             for row, x, y in shown:
-                beside = Affine2D().translate(x + float(sizes[row]) + 1.0, y + float(sizes[row]))
+                corner = Affine2D().translate(x + float(sizes[row]) + 1.0, y + float(sizes[row]))
                 number = _word(str(numbers[row]))
-                self._outline(number, beside, LOOK.paper, LOOK.paper, HALO)
-                self._outline(number, beside, LOOK.ink)
+                self._outline(number, corner, LOOK.paper, LOOK.paper, HALO)
+                self._outline(number, corner, LOOK.ink)
 
     def _colour(self, row: int) -> str:
         """Return the colour of a robot."""

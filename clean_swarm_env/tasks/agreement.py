@@ -26,7 +26,7 @@ V = TypeVar("V", bound=TaskState)
 class Standing(Task[TaskSettings, V]):
     """Robots stand still, also those of the baseline."""
 
-    def lead(self, commands: Commands) -> None:
+    def command_baseline(self, commands: Commands) -> None:
         """Stand still."""
 
 
@@ -58,7 +58,7 @@ class FindBarycenter(Standing[TaskState]):
         """Return how far those who are elected are from the barycentre, and how many they are."""
         positions, ground = self.world.positions, self.world.ground
         away = ground.distances(barycentre(positions, ground)[:, None], positions)
-        if self.world.led:  # the mean over all draws
+        if self.world.by_baseline:  # the mean over all draws
             return {self.measures[0].name: away.mean(axis=1), self.measures[1].name: np.ones(len(away))}
         elected = self.world.decisions()[1] == CENTER
         count = elected.sum(axis=1)
@@ -112,7 +112,7 @@ class MaxValue(Standing[MeasuredValues]):
 
     def after_moving(self) -> None:
         """Note when all have agreed; in the first period robots send their own values only."""
-        if self.world.led:
+        if self.world.by_baseline:
             return
         state, best = self.state, self._values.max(axis=1, keepdims=True)
         agreed = (self.world.decisions()[0] == best).all(axis=1)
@@ -126,7 +126,7 @@ class MaxValue(Standing[MeasuredValues]):
         """Return the rounds until all agreed, and how many more than possible; the last round if they never do."""
         limits = self.world.limits
         rounds = np.where(self.state.agreed > 0, self.state.agreed - 1, limits).astype(np.float64)
-        if self.world.led:
+        if self.world.by_baseline:
             rounds = self.state.lot.astype(np.float64)
         hears = in_earshot(self.world.positions, EARSHOT, self.world.ground)
         fewest = [rounds_needed(h, int(v.argmax())) for h, v in zip(hears, self._values, strict=True)]

@@ -99,7 +99,7 @@ class Crossing(Task[S, E]):
         commands.vectors[adding] += (self.world.max_speed * self.state.wanted)[adding]
         commands.commanded[adding], commands.in_place[adding] = True, False
 
-    def lead(self, commands: Commands) -> None:
+    def command_baseline(self, commands: Commands) -> None:
         """Go straight on."""
         commands.vectors[:] = self.world.max_speed * self.state.wanted
         commands.commanded[:] = True

@@ -61,9 +61,9 @@ class FormationControl(Task[TaskSettings, Order]):
     def command(self, commands: Commands) -> None:
         """Let the robots set out."""
         commands.clear()
-        self.lead(commands)
+        self.command_baseline(commands)
 
-    def lead(self, commands: Commands) -> None:
+    def command_baseline(self, commands: Commands) -> None:
         """Go straight on."""
         commands.vectors[:] = SET_OUT * self.state.outset
         commands.commanded[:] = True
@@ -116,7 +116,7 @@ class CircleFormation(Task[TaskSettings, TaskState]):
         beacons = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
         return (Things("centre", beacons, diffusion=5.0, goal_radius=CIRCLE),)
 
-    def lead(self, commands: Commands) -> None:
+    def command_baseline(self, commands: Commands) -> None:
         """Stand still."""
 
     def result(self) -> dict[str, Floats]:

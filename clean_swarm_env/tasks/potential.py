@@ -105,7 +105,7 @@ class FollowMaxPotential(Task[TaskSettings, Sources]):
         reaches = np.array(SOURCE_REACHES)
         return (Things("field", self.state.places, diffusion=reaches, goal_radius=SOURCE_RADIUS),)
 
-    def lead(self, commands: Commands) -> None:
+    def command_baseline(self, commands: Commands) -> None:
         """Go to the source that was nearest at the start, and stop at it."""
         positions = self.world.floor.physics.positions
         offsets = self.world.ground.offsets(positions, self.state.nearest)

@@ -58,7 +58,7 @@ def check_task(cls: type[Task[Any, Any]], **settings: Any) -> None:  # noqa: ANN
 def _lived(cls: type, mission: Any, seeds: list[int], led: bool) -> tuple[Batch, list[Any]]:  # noqa: ANN401
     with contract(cls, ""):
         batch = Batch(mission, len(seeds))
-        batch.worlds.lead(led)
+        batch.worlds.follow_baseline(led)
         batch.reset(seeds)
     return batch, _steps(cls, batch)
 
@@ -69,6 +69,8 @@ def _steps(cls: type, batch: Batch) -> list[Any]:
     for _ in range(PERIODS):
         with contract(cls, ""):
             step = batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
-            measures = list(batch.worlds.task.result().values())
+            task = batch.worlds.task
+            task.shown(), task.drawn(), task.headline(0)
+            measures = list(task.result().values())
         seen += [step.observations.copy(), step.rewards.copy(), batch.worlds.physics.positions.copy(), *measures]
     return seen

@@ -13,7 +13,7 @@ import numpy as np
 from clean_swarm_env.config.events import Calendar, Event, Fail, Join, Remove, SetDelivery
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.team_changes import Place, Team
-from clean_swarm_env.world.view import World
+from clean_swarm_env.world.view import TaskView
 from selforg.arrays import KEPT, Ints, derived
 
 OWN_STREAMS: Final = 0xFFFFFFFF
@@ -50,7 +50,7 @@ class Agenda:
         self._joining: list[Place | None] = []
         self.due = 0
 
-    def run(self, number: int, world: World, task: Happening) -> None:
+    def run(self, number: int, world: TaskView, task: Happening) -> None:
         """Apply the events due in the world of a `number`."""
         tick = int(world.ticks[number])
         comes = task.come(number, tick)
@@ -73,7 +73,7 @@ class Agenda:
             team.add(world, place)
         return True
 
-    def _apply(self, event: Event, number: int, world: World, task: Happening) -> None:
+    def _apply(self, event: Event, number: int, world: TaskView, task: Happening) -> None:
         team, first = world.team, number * world.robots
         if isinstance(event, Join):
             self._joining += [*event.places, *[None] * (event.robots - len(event.places))]
@@ -94,7 +94,7 @@ class Agendas:
     _agendas: Annotated[list[Agenda | None], "W", KEPT]
     _due: Annotated[Ints, "1", derived(0)]  # tick of the batch at which something happens next in any world
 
-    def __init__(self, world: World, task: Happening) -> None:
+    def __init__(self, world: TaskView, task: Happening) -> None:
         self._world, self._task = world, task
         self._agendas = [None] * world.worlds
         self._due = np.array([NO_TICK])

@@ -22,7 +22,7 @@ from pydantic import Field, create_model
 from clean_swarm_env.config.task_names import TASKS_HOME
 from clean_swarm_env.config.types import Index
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.view import World
+from clean_swarm_env.world.view import TaskView
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import Closed, Number, Share
 from selforg.arrays import Floats
@@ -106,7 +106,7 @@ def change_of(given: object) -> Change:
     return CHANGES.find(name).model_validate(given)
 
 
-def free_place(world: World, x: float, y: float) -> Floats:
+def free_place(world: TaskView, x: float, y: float) -> Floats:
     """Return the place (2,) on the torus [m]; ValueError where walls leave no room."""
     place: Floats = np.array([x, y]) % world.ground.extent
     if not world.ground.is_free(place):

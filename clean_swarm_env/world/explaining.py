@@ -109,7 +109,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
 def _coordinated(coordinator: Coordinator, row: int) -> Coordinated:
     option = int(coordinator.held[row])
     network = coordinator.contents[option].network
-    inner = explain(network, row) if coordinator.beside[option] else _inner_step(coordinator, network, row)
+    inner = explain(network, row) if coordinator.steers[option] else _inner_step(coordinator, network, row)
     return Coordinated(coordinator.model.goal, coordinator.model.options[option], inner)
 
 

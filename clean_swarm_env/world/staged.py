@@ -24,7 +24,7 @@ from clean_swarm_env.world.parts.promises import TASK_PROMISES
 from clean_swarm_env.world.parts.shown import NO_END, ROBOT, Counted, Drawn, Shown
 from clean_swarm_env.world.parts.things import Things, kinds_of
 from clean_swarm_env.world.reception import Reception
-from clean_swarm_env.world.view import CARRYING, World
+from clean_swarm_env.world.view import CARRYING, TaskView
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import network_of
@@ -68,7 +68,7 @@ class StagedTask(TaskKind, ABC):
     always_acts: ClassVar[bool] = True
     tally: ClassVar[Counted | None] = None
 
-    world: World
+    world: TaskView
     around: tuple[Things, ...]
     asked: Annotated[Floats, "R 2", KEPT]
     standing: Annotated[Ints, "R", READ]

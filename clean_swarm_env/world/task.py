@@ -21,7 +21,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.parts.measure import Achievement
 from clean_swarm_env.world.parts.things import TaskState, Things, WorldStart
 from clean_swarm_env.world.staged import StagedTask
-from clean_swarm_env.world.view import World
+from clean_swarm_env.world.view import TaskView
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.documents.errors import validated
@@ -43,11 +43,11 @@ class Task(StagedTask, ABC, Generic[S, T]):
     You write `measures` and `result`.
 
     You may write what there is (`State`, `sizes`, `place`, `things`, `known`), how it goes on (`after_moving`, `done`,
-    `bend`, `command`, `lead`), what learners see and get (`observe`, `reward`, `terms`, `achievements` with `achieved`,
-    `totals`, `phases` with `phase`), how the task looks (`shown`, `drawn`, `headline`), and what is said of it
-    (`doing`, `searching`, `sees`, `target`, `cost_so_far`, `cost_words`, `kind_of`, `missed`, `excess`). You never need
-    to loop over robots, and will not need the rest: robots start anywhere, nothing else is there, and the mission ends
-    with its time.
+    `bend`, `command`, `command_baseline`), what learners see and get (`observe`, `reward`, `terms`, `achievements` with
+    `achieved`, `totals`, `phases` with `phase`), how the task looks (`shown`, `drawn`, `headline`), and what is said of
+    it (`doing`, `searching`, `sees`, `target`, `cost_so_far`, `cost_words`, `kind_of`, `missed`, `excess`). You never
+    need to loop over robots, and will not need the rest: robots start anywhere, nothing else is there, and the mission
+    ends with its time.
 
     A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
     recordings, states and training then take it as they take cleaning.
@@ -56,7 +56,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
         name, story, mission, changes, begins_as_given: see `TaskKind`.
         priced, Counts, best_score, thinks_when_driven, always_acts, asked, standing: see `StagedTask`.
         measures: figures of success; the first one that is no guard is the one that counts.
-        baseline: what the mechanisms are compared with, in words; see `lead`. Empty: nothing.
+        baseline: what the mechanisms are compared with, in words; see `command_baseline`. Empty: nothing.
         baseline_option: the option of the goal that is the baseline, where one is.
         goal: the goal in the knowledge whose options serve the task: the one of its own name unless given.
         fewest: robots with which the measures have a meaning.
@@ -65,7 +65,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
         terms: terms of an observation unless others are chosen.
         achievements: what robots are counted for, told and paid, see `achieved`.
         phases: names of the phases of a robot's work, by which options may be limited, see `phase`.
-        beside: strategies that every comparison has beside those chosen; the baseline unless given.
+        yardsticks: strategies that every comparison has beside those chosen; the baseline unless given.
         doing, searching: behaviour -> what a robot does while it runs, such as "picks an item"; what a robot does that
             looks for something, as a verb, such as "explore".
         sees: the sensor of robots that see what they look for.
@@ -94,7 +94,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
     sees: ClassVar[str] = ""
     missed: ClassVar[tuple[str, str]] = ("missed", "left short of a target")
     excess: ClassVar[str] = "the cost less the part that no strategy can avoid"
-    beside: ClassVar[tuple[str, ...]] = ()
+    yardsticks: ClassVar[tuple[str, ...]] = ()
 
     settings: S
     state: T
@@ -116,7 +116,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
             given = {name: getattr(cls, name) for name in attributes_of_tasks().model_fields}
             validated(attributes_of_tasks(), given, f"task {cls.name}")
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: TaskView) -> None:
         self.world = world
         mission = world.mission
         if mission.robots.count < self.fewest:
@@ -215,7 +215,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
     def bend(self, commands: Commands) -> None:
         """Change the commands of behaviours, once all are known."""
 
-    def lead(self, commands: Commands) -> None:
+    def command_baseline(self, commands: Commands) -> None:
         """Write the commands of the baseline in place of those of behaviours: a random walk unless you do."""
         rows = np.flatnonzero(self.world.ticks[self.world.of_row] % round(WALK / self.world.period) == 0)
         if len(rows):

@@ -35,7 +35,7 @@ CARRYING: Final = "carrying"
 """What robots know that carry something."""
 
 
-class World:
+class TaskView:
     """The worlds of a batch, as a task reads them.
 
     Attributes:
@@ -47,7 +47,7 @@ class World:
         of_row: (R,) the world of each row.
         missions: (W,) those of the worlds until their next resets.
         limits: (W,) control periods after which these missions end.
-        led: whether the baseline of the task commands the robots.
+        by_baseline: whether the baseline of the task commands the robots.
         floor, minds, team: bodies, what robots know and decide, and which of them are at work.
 
     """
@@ -66,7 +66,7 @@ class World:
         self.max_speed = self.of_each("max_speed")[:, None]
         self.of_row = np.repeat(np.arange(self.worlds), self.robots)
         self.limits = np.full(self.worlds, tick_limit(self.mission))
-        self.led = False
+        self.by_baseline = False
         self._aims: Aims | None = None  # things that gradients lead to round walls
         self._targets = []  # places of these things
 
@@ -78,7 +78,7 @@ class World:
         ways.corner = ways.corner + self.ground.corner
         return ways
 
-    def lead_to(self, things: Sequence[Things]) -> None:
+    def go_round_to(self, things: Sequence[Things]) -> None:
         """Let gradients of `things` lead round the walls, if these attract and stay where they are.
 
         A gradient behind a wall then seems to lie in the direction of the way there, as far off as it is.
@@ -170,7 +170,7 @@ class World:
     @property
     def steers(self) -> Flags:
         """Which robots (R,) hold an option that changes commands instead of giving some."""
-        found: Flags = self._coordinator.beside[self._coordinator.held] == 1
+        found: Flags = self._coordinator.steers[self._coordinator.held] == 1
         return found
 
     def directions(self, rows: Ints) -> Floats:

@@ -25,7 +25,7 @@ from clean_swarm_env.world.parts.things import WorldStart
 from clean_swarm_env.world.states import KeptStates, WorldState
 from clean_swarm_env.world.task import Task, task_class
 from clean_swarm_env.world.team_changes import Team
-from clean_swarm_env.world.view import World
+from clean_swarm_env.world.view import TaskView
 from selector.coordination.coordinator import Coordinator, hold_options
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
@@ -76,13 +76,13 @@ class Worlds:
         kind = task_class(mission)
         self.minds = Minds(mission, models, worlds, kind, directories, explained)
         self.team = Team(mission, self.floor, self.minds)
-        self.world = World(self.missions, self.floor, self.minds, self.team, self._clock)
+        self.world = TaskView(self.missions, self.floor, self.minds, self.team, self._clock)
         self.task: Task[Any, Any] = kind(self.world)
         self.minds.known, self.team.task = self.task.known, self.task
         self.agendas = Agendas(self.world, self.task)
         around = self.minds.surroundings
         around.physics, around.bodies = self.floor.physics, self._bodies
-        self.world.lead_to(self.task.around)
+        self.world.go_round_to(self.task.around)
         self._driven = self._correction = None
         self.extent, self.physics, self.collisions = self.floor.extent, self.floor.physics, self.floor.collisions
         self.network, self.coordinators = self.minds.network, self.minds.coordinators
@@ -186,9 +186,9 @@ class Worlds:
         """Add vectors (R, 2) [m/s], or nothing, to behaviours' commands from now on; networks decide as before."""
         self._driven, self._correction = None, vectors
 
-    def lead(self, baseline: bool) -> None:
+    def follow_baseline(self, baseline: bool) -> None:
         """Let the baseline of the task command the robots from now on, or what they decide again."""
-        self.world.led = baseline and not self.task.baseline_option
+        self.world.by_baseline = baseline and not self.task.baseline_option
 
     def tick(self) -> Ints:
         """Run one control period of all worlds; all robots decide at one instant (docs/decisions/0090-one-instant.md).
@@ -200,9 +200,9 @@ class Worlds:
         able = task.start_tick()
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
         minds.receive(now)
-        if self.world.led:
+        if self.world.by_baseline:
             minds.commands.clear()
-            task.lead(minds.commands)
+            task.command_baseline(minds.commands)
         elif self._driven is None or task.thinks_when_driven:
             self._think(able, now)
         if self._driven is not None:

@@ -15,7 +15,7 @@ from PIL.Image import Image
 from PIL.Image import open as open_picture
 
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.tasks import Task, World
+from clean_swarm_env.tasks import Task, TaskView
 from clean_swarm_env.tasks.measures.agreement import in_earshot
 from selforg.arrays import Floats
 from train.evaluation.task_run import tasks_to_run
@@ -75,14 +75,14 @@ def draw_things(axes: Axes, task: Task) -> None:
                 axes.add_patch(core)
 
 
-def images(world: World, place: Floats) -> list[Floats]:
+def images(world: TaskView, place: Floats) -> list[Floats]:
     """Return where a place (2,) [m] appears: on a torus beyond the seams too, which the frame cuts off."""
     if world.ground.kind == "open":
         return [place]
     return [place + world.ground.size * np.array(step) for step in product((-1, 0, 1), repeat=2)]
 
 
-def draw_tracks(axes: Axes, world: World, tracks: Floats) -> None:
+def draw_tracks(axes: Axes, world: TaskView, tracks: Floats) -> None:
     """Draw tracks that fade into the past; a step across the seam is left out."""
     fade = np.linspace(0.08, 0.7, len(tracks) - 1)
     for track in np.moveaxis(tracks, 1, 0):

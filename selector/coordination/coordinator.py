@@ -35,13 +35,13 @@ class Coordinator:
         contents: (O,) the running configurations of the options.
         used: the options that any row holds.
         always: (R,) the option that a row holds whatever is given to it, -1 for none; `bind` changes it.
-        beside: (O,) 1 for those that only steer, which run beside the robot's behaviours and never take a turn.
+        steers: (O,) 1 for those that only steer, which run beside the robot's behaviours and never take a turn.
 
     """
 
     held: Annotated[Ints, "R", KEPT, Within(0, "O")]
     always: Annotated[Ints, "R", READ]
-    beside: Annotated[Ints, "O", READ]
+    steers: Annotated[Ints, "O", READ]
     _radii: Annotated[list[Floats], "O", READ]  # (R, 2) radii of the poses [m], of each option
     _turn_of: Annotated[list[Ints], "O", READ]  # the behaviours of the parent with which each acts, none: always
     _all_columns: Annotated[Ints, "S", READ]  # of the sensors in the parent's readings
@@ -78,11 +78,11 @@ class Coordinator:
                 parent.readings,
                 np.array([parent.model.sensor_index[sensor.name] for sensor in sensors], dtype=np.int64),
             )
-        self.beside = np.array([spec.steers for spec in model.configurations], dtype=np.int64)
-        self._some_beside = bool(self.beside.any())
-        beside = [parent.model.behaviour_index[name] for name in during]
+        self.steers = np.array([spec.steers for spec in model.configurations], dtype=np.int64)
+        self._some_steer = bool(self.steers.any())
+        inside = [parent.model.behaviour_index[name] for name in during]
         self._turn_of = [
-            np.array(beside if spec.steers else [self.index], dtype=np.int64) for spec in model.configurations
+            np.array(inside if spec.steers else [self.index], dtype=np.int64) for spec in model.configurations
         ]
         self._poses = host.poses
         self._some_always = False
@@ -135,8 +135,8 @@ class Coordinator:
 
     def _let_compete(self, rows: Ints) -> None:
         """Let the coordinator compete with the other behaviours of `rows` (K,) unless what they hold only steers."""
-        if self._some_beside:
-            competes = self.beside[self.held[rows]] == 0
+        if self._some_steer:
+            competes = self.steers[self.held[rows]] == 0
             changed = self.parent.state.marks[rows, st.ENABLED, self.index] != competes
             for wanted in (False, True):  # only rows that change: to switch a behaviour makes a robot plan anew
                 self.parent.enable(rows[changed & (competes == wanted)], self.index, wanted)

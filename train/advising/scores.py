@@ -29,10 +29,10 @@ def learned_from_rounds(advice: Advice) -> LearnedScores:
         known = {one.name for one in table[goal]}
         own = {best: LearnedScore(count=len(rewards), mean=float(np.mean(rewards)), variance=float(np.var(rewards)))}
         for reference in dict.fromkeys((best, bases[goal])):  # rounds before that of the numbers lack a variant
-            beside = dict(chain.from_iterable(_beside(one, column, reference) for one in advice.search.rounds))
+            compared = dict(chain.from_iterable(_compared(one, column, reference) for one in advice.search.rounds))
             own = {
                 name: LearnedScore(count=count, mean=own[reference].mean + less, variance=variance)
-                for name, (count, less, variance) in beside.items()
+                for name, (count, less, variance) in compared.items()
                 if name in known
             } | own
         found[goal] = own
@@ -49,7 +49,7 @@ def options_known(advice: Advice) -> dict[str, list[Option]]:
     return found
 
 
-def _beside(done: Round, column: int, best: str) -> list[tuple[str, tuple[int, float, float]]]:
+def _compared(done: Round, column: int, best: str) -> list[tuple[str, tuple[int, float, float]]]:
     """Return options with starts, by how much the mean reward differs from that of `best`, and the variance.
 
     Of several arms with an option the cheapest counts.

@@ -158,10 +158,10 @@ class AdviceSearch:
         rounds = {goal: len(own) * max(np.ceil(np.log2(len(own) / FINALISTS)), 1.0) for goal, own in options.items()}
         order = [*options, *list(options)[:-1]]
         best: dict[str, list[str]] = {}
-        beside: dict[str, dict[str, str]] = {}
+        partners_of: dict[str, dict[str, str]] = {}
         for goal in order:
             partners = {other: name for other, name in held.items() if other != goal}
-            if beside.get(goal) == partners:
+            if partners_of.get(goal) == partners:
                 continue
             part = BUDGET_SHARES["goals"] * rounds[goal] / sum(rounds[each] for each in order)
             tried = self._tried(goal, held, part * self.budget / (self._price * rounds[goal] * FEWEST_STARTS))
@@ -170,7 +170,7 @@ class AdviceSearch:
             found = self._race(goal, list(arms), count) if len(arms) > 1 else list(arms)
             kept = (*found[: FINALISTS if len(options) < 3 else FINALISTS - 1], *self.rounds[-1].best_of_kinds.values())
             best[goal] = list(dict.fromkeys(arms[arm] for arm in kept if arm in arms))
-            beside[goal], held[goal] = partners, best[goal][0]
+            partners_of[goal], held[goal] = partners, best[goal][0]
         return best
 
     def _tried(self, goal: str, held: Mapping[str, str], able: float) -> list[str]:

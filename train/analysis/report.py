@@ -105,10 +105,10 @@ def ranking_of_conditions(report: Report) -> Ranking:
 
 def verdict_of(report: Report) -> list[str]:
     """Return what came out, in one to three sentences."""
-    ranking, beside = ranking_of_conditions(report), agreements(report)
+    ranking, agreed = ranking_of_conditions(report), agreements(report)
     source = "measured" if report.means else "the paper"
     those = source if report.means else f"of {source} (95 % intervals meet)"
-    known = [one for one in beside if one.agrees is not None]
+    known = [one for one in agreed if one.agrees is not None]
     others = [f"{one.what} ({amount(one.ours)}, {source} {amount(one.theirs)})" for one in known if not one.agrees]
     said = f"{len(known) - len(others)} of {len(known)} figures agree with those {those}"
     compared = [f"{said}{'; not: ' * bool(others)}{'; '.join(others[:MOST_NAMED])}."] if known else []
@@ -154,7 +154,7 @@ def report_of(
         for a, b in itertools.combinations(conditions, 2)
         for metric in compared
     }
-    beside = _compared_with_measured(
+    theirs = _compared_with_measured(
         figures, measured, experiment.conditions, ["duration_s", *distance_metrics(distances)]
     )
     baseline = next((each.name for each in experiment.conditions if each.strategy == BASELINE), "")
@@ -163,7 +163,7 @@ def report_of(
         for c, name in enumerate(conditions)
     }
     of_task = measured_strategies(measures, values, baseline)
-    return Report(experiment, seed, figures, left, summaries, comparisons, *beside, measured, own_starts, of_task)
+    return Report(experiment, seed, figures, left, summaries, comparisons, *theirs, measured, own_starts, of_task)
 
 
 def summary_of(report: Report) -> dict[str, Any]:
@@ -215,8 +215,8 @@ def _beside_measured(figures: Figures, measured: Measured, condition: ConditionC
     return figures.values[metric][figures.conditions.index(condition.name)], np.array(values), np.array(exist)
 
 
-def _mean(condition: str, metric: str, beside: Beside) -> Agreement:
-    ours, theirs = (values[beside[2]] for values in beside[:2])
+def _mean(condition: str, metric: str, both: Beside) -> Agreement:
+    ours, theirs = (values[both[2]] for values in both[:2])
     found, (mine, other) = Ratio.of(ours, theirs), (float(ours.mean()), float(theirs.mean()))
     agrees = None if found.ci95 is None else found.ci95[0] <= 1.0 <= found.ci95[1]
     content = {"condition": condition, "metric": metric, "n": len(ours), "ours": mine, "measured": other}

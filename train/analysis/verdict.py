@@ -149,9 +149,9 @@ class Ranking:
             few = f"{self.scenarios} scenario{'s' * (self.scenarios > 1)}"
             would = self._needed(others[0], best, TOLD)
             below = int((self.values[best].mean(axis=0) < self.values[yardstick].mean(axis=0)).sum())
-            beside = f"less than {self.name(yardstick)} in {below} of {self.scenarios}"
+            often = f"less than {self.name(yardstick)} in {below} of {self.scenarios}"
             cannot = f"{few} cannot tell {len(self.labels)} strategies apart, {fewest(self.pairs)} may{would}"
-            return [f"{cannot}: {self.name(best)} {self.verb} least in them, {mean}, {beside}."]
+            return [f"{cannot}: {self.name(best)} {self.verb} least in them, {mean}, {often}."]
         alike = [label for label in others if not self.apart(label, best)]
         if len(alike) == len(others):
             names = [self.name(label) for label in self.labels]

@@ -79,14 +79,14 @@ class DecidedGoal:
     def decide(self, decider: Decider, observations: Observations) -> NDArray[Any]:
         """Return the actions of a batch whose decider sees `observations` (R, F); a recording notes its opinions."""
         options, vectors = decider.decide(observations)
-        self.worlds.lead(decider.leads)
+        self.worlds.follow_baseline(decider.is_baseline)
         if self._mode == "velocity":
             return vectors
-        if decider.leads:
+        if decider.is_baseline:
             options = np.full(len(options), self._baseline)
         if self._recorder is not None:
             self._recorder.note_inputs(observations[:, self._inputs].astype(np.float64))
-            self.think(np.eye(len(self.problem.options))[options] if decider.leads else decider.opinions())
+            self.think(np.eye(len(self.problem.options))[options] if decider.is_baseline else decider.opinions())
         actions = self.actions(options)
         return actions if self._mode == "option" else np.hstack([actions, vectors])
 
@@ -112,9 +112,9 @@ class DecidedGoal:
 
     def check(self, decider: Decider) -> None:
         """Raise DocumentError for a decider that lets a baseline lead where the task or the knowledge has none."""
-        if decider.leads and not self.worlds.task.baseline:
+        if decider.is_baseline and not self.worlds.task.baseline:
             raise DocumentError(f"{BASELINE}: the task {self.worlds.mission.task.name} has none")
-        if decider.leads:
+        if decider.is_baseline:
             _ = self._baseline
 
     def actions(self, options: Ints) -> Ints:

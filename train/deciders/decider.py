@@ -48,11 +48,11 @@ class Decider(ABC):
         teams: (R,) number of the team of each row.
 
     Attributes:
-        leads: whether the baseline of the task commands the robots, in place of the decider.
+        is_baseline: whether the baseline of the task commands the robots, in place of the decider.
 
     """
 
-    leads: ClassVar[bool] = False
+    is_baseline: ClassVar[bool] = False
 
     def __init__(self, problem: Problem, teams: Ints) -> None:
         self.problem, self.teams = problem, teams
@@ -89,7 +89,7 @@ class OptionDecider(Decider):
 class BaselineDecider(OptionDecider):
     """Lets the baseline of the task command the robots: `DecidedGoal` carries it out."""
 
-    leads = True
+    is_baseline = True
 
     def _choose(self, observations: Observations) -> Ints:
         return np.zeros(len(observations), dtype=np.int64)

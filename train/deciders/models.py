@@ -173,8 +173,8 @@ def stable_baselines3(path: Path) -> Model:
     spaces = data["observation_space"], data["action_space"]
     policy = data["policy_class"](*spaces, lambda _: 0.0, **data["policy_kwargs"])
     policy.load_state_dict(parameters["policy"])
-    beside = path.with_suffix(".pkl")
-    normal = pickle.loads(beside.read_bytes()) if beside.is_file() else None
+    scales = path.with_suffix(".pkl")
+    normal = pickle.loads(scales.read_bytes()) if scales.is_file() else None
 
     def model(observations: Observations) -> NDArray[Any]:
         seen = observations if normal is None else normal.normalize_obs(observations)

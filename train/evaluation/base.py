@@ -53,8 +53,8 @@ class Identity(BaseModel):
     @classmethod
     def of(cls, manifest: Json, directory: Path) -> Self:
         """Return the identity in the manifest of a directory; an error of one line for a mistake in it."""
-        beside = {key: manifest[key] for key in ("directories",) if key in manifest}
-        return validated(cls, {**beside, **manifest["identity"]}, f"{directory / MANIFEST}: identity")
+        further = {key: manifest[key] for key in ("directories",) if key in manifest}
+        return validated(cls, {**further, **manifest["identity"]}, f"{directory / MANIFEST}: identity")
 
     @property
     def entrants(self) -> list[Entrant]:
@@ -123,12 +123,12 @@ class Evaluation(ABC):
         """Whether missions run one after the other, and each chooses its options by the results of the earlier ones."""
         return self.memory is not None and self.memory.learns
 
-    def identify(self, identity: Mapping[str, Any], **beside: object) -> None:
+    def identify(self, identity: Mapping[str, Any], **further: object) -> None:
         """Make the manifest of an identity, with further entries `beside` it."""
         learns = {"learns": True} if self.learns_in_turn else {}
         self.manifest = {
             "identity": {**identity, "files": fingerprints(self.directories), **learns},
-            **beside,
+            **further,
             "versions": versions(),
             **({LEARNED_BEFORE: as_plain(self.memory.knowledge.learned)} if self.memory is not None else {}),
         }

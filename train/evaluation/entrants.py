@@ -104,7 +104,7 @@ def with_baselines(entrants: Sequence[Entrant], options: Sequence[str], mission:
     taken = {member for entrant in entrants for member in entrant.members}
     task = task_class(mission)
     leads = task.baseline and (not task.baseline_option or task.baseline_option in options)
-    names = task.beside or ((BASELINE,) if leads else ())
+    names = task.yardsticks or ((BASELINE,) if leads else ())
     exist = [RANDOM, BASELINE, *(f"{FIXED}:{name}" for option in options for name in option.split(JOINT))]
     return [*entrants, *(Entrant(name, (name,)) for name in names if name in exist and name not in taken)]
 

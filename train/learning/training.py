@@ -271,8 +271,8 @@ class Training(ABC):
         if self.validation is None:
             start = self.config.ppo.start.values() if self.config.ppo is not None else ()
             settings = TrialSettings(self.trials.goal, directories=self.job.directories)
-            held, beside = best_fixed(self.curriculum.validation, self.goal.problem, tuple(start), settings)
+            held, yardstick = best_fixed(self.curriculum.validation, self.goal.problem, tuple(start), settings)
         else:
-            held, beside = self.validation.held, self.validation.yardstick
-        self.validation = Validation(learned=self._validated, yardstick=beside, held=held)
+            held, yardstick = self.validation.held, self.validation.yardstick
+        self.validation = Validation(learned=self._validated, yardstick=yardstick, held=held)
         self.job.folder.write(VALIDATION_FILE, self.validation.model_dump_json(indent=2) + "\n")

@@ -13,7 +13,7 @@ from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
 
-from clean_swarm_env.drawing.look import LOOK, SIGNS, legend
+from clean_swarm_env.drawing.look import LOOK, SIGN_OF, legend
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.writing import write_whole
 from train.running.needs import check_file
@@ -55,7 +55,7 @@ def live_page() -> str:
 def _page(title: str, content: str, asked: str) -> str:
     """Return the page with its content; it may connect to `asked`, a source of a content security policy."""
     folder = files("train.replay") / "page"
-    legends = [[asdict(sign) for sign in legend((), signs)] for signs in ((), [*SIGNS])]
+    legends = [[asdict(sign) for sign in legend((), signs)] for signs in ((), [*SIGN_OF])]
     wrong, due = LOOK.contact, LOOK.options[0]
     colours = {"ink": LOOK.ink, "paper": LOOK.paper, "faint": LOOK.edge, "wrong": wrong, "due": due}
     parts = {

@@ -13,7 +13,7 @@ from clean_swarm_env.tasks.cleaning.garbage import Arrivals
 from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.tasks.cleaning.site import Site
 from clean_swarm_env.world.agenda import own_streams
-from clean_swarm_env.world.view import World
+from clean_swarm_env.world.view import TaskView
 from selforg.arrays import KEPT, Flags
 
 
@@ -52,7 +52,7 @@ class Comings:
     over: Annotated[Flags, "W", KEPT]
     _comings: Annotated[list[Coming | None], "W", KEPT]
 
-    def __init__(self, world: World, site: Site) -> None:
+    def __init__(self, world: TaskView, site: Site) -> None:
         self._world, self._site = world, site
         self._comings = [None] * world.worlds
         self.over = np.zeros(world.worlds, dtype=np.bool_)

@@ -10,7 +10,7 @@ from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from clean_swarm_env.tasks.cleaning.records import MINDS, MindsRecord
 from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.tasks.cleaning.site import ITEM_CHANNEL, SAME_PLACE, Site
-from clean_swarm_env.world.view import World
+from clean_swarm_env.world.view import TaskView
 from selforg.arrays import READ, Flags, Ints
 from selforg.commands import Commands
 from selforg.compiler.records import Packed
@@ -42,7 +42,7 @@ class Movers:
 
     _straight: Annotated[Flags, "R", READ]
 
-    def __init__(self, world: World, site: Site) -> None:
+    def __init__(self, world: TaskView, site: Site) -> None:
         minds, config = world.minds, settings_of(world.mission).patrol
         self._floor, self._ground = site.packed.record, world.ground
         self._straight = (self._floor.room != 1) | (world.of_each("sight") > 0.0)

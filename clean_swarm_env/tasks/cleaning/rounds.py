@@ -11,7 +11,7 @@ from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from clean_swarm_env.tasks.cleaning.movers import Movers
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, MindsRecord, open_floor, open_minds
 from clean_swarm_env.tasks.cleaning.site import Site
-from clean_swarm_env.world.view import World
+from clean_swarm_env.world.view import TaskView
 from selforg.arrays import SCRATCH, Floats, Ints, Links, Octets
 from selforg.commands import Commanded, Commands, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
@@ -31,12 +31,12 @@ class Rounds:
     _goals: Annotated[Floats, "R 2", SCRATCH]  # offset to the target [m], zero where a robot goes to none
     _squares: Annotated[Ints, "R 2", SCRATCH]  # line and column of the target, STRAIGHT_ON
 
-    def __init__(self, world: World, site: Site, movers: Movers) -> None:
+    def __init__(self, world: TaskView, site: Site, movers: Movers) -> None:
         self._site, self._movers, self._ways = site, movers, world.ways
         self._goals = np.zeros((world.rows, 2))
         self._squares = np.zeros((world.rows, 2), dtype=np.int64)
 
-    def lead(self, commands: Commands) -> None:
+    def command_ways(self, commands: Commands) -> None:
         """Turn the commands of robots that go to a station or an item into the ways there."""
         floor, minds, ways = self._site.packed.words, self._movers.packed.words, self._ways
         goals, squares = self._goals, self._squares

@@ -11,7 +11,7 @@ from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.tasks.cleaning.records import FLOOR, FloorRecord
 from clean_swarm_env.tasks.cleaning.settings import settings_of
-from clean_swarm_env.world.view import World
+from clean_swarm_env.world.view import TaskView
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed
@@ -39,7 +39,7 @@ class Site:
     stations: Annotated[Floats, "W K 2", KEPT]
     kinds: Annotated[Ints, "K", READ]
 
-    def __init__(self, world: World, consequences: Consequences) -> None:
+    def __init__(self, world: TaskView, consequences: Consequences) -> None:
         mission, rows, extent = world.mission, world.rows, world.ground.extent
         task, count = settings_of(mission), mission.items.rows
         config = task.garbage

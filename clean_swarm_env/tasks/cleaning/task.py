@@ -38,7 +38,7 @@ from clean_swarm_env.world.parts.shown import NO_END, ROBOT, WORLD, Counted, Dra
 from clean_swarm_env.world.parts.things import TaskState, WorldStart
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.task import Task
-from clean_swarm_env.world.view import World
+from clean_swarm_env.world.view import TaskView
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
 from selforg.arrays import Flags, Floats, Ints
@@ -78,7 +78,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     sees = "garbage_seen"
     missed = ("unfinished", "left unfinished")
     excess = "the cost less the time until items arrive, which no strategy can avoid"
-    beside = ("fixed:Off", "Random")  # never to avoid, and any option in each decision period
+    yardsticks = ("fixed:Off", "Random")  # never to avoid, and any option in each decision period
     thinks_when_driven = always_acts = False
     begins_as_given = True
     mission = {"name": "cleaning", "knowledge": "cleaning"}
@@ -87,7 +87,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     with_items, item_ranges = staticmethod(missions.with_items), staticmethod(missions.item_ranges)
     draw_scenario = staticmethod(missions.draw_scenario)
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: TaskView) -> None:
         super().__init__(world)
         self.consequences = Consequences(world.mission, world.worlds, world.rows)
         self.site = Site(world, self.consequences)
@@ -183,7 +183,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         reset_commands(self.site.packed.words, self.movers.packed.words, commands.packed.words)
         self.movers.move(self.world.now, commands)
         if self.rounds is not None:
-            self.rounds.lead(commands)
+            self.rounds.command_ways(commands)
 
     def after_acting(self, commands: Commands) -> None:
         """Leave the pheromones of the patrol; all vectors are known."""

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from clean_swarm_env.config.tasks import ItemCounts, TaskSettings
-from clean_swarm_env.world.parts.shown import ROBOT, WORLD, Drawn, Shown
+from clean_swarm_env.world.parts.shown import ROBOT, SIGNS, WORLD, Drawn, Shown
 from clean_swarm_env.world.parts.things import Things
 from selector.coordination.robot_network import RobotNetwork
 from selforg.gradients.buffer import SoBuffer
@@ -70,7 +70,9 @@ def _drawn(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
     """Return whether signs are drawn for what is shown."""
     known = {one.name: one for one in task.shown()}
     return _all(Drawn, answer) and all(
-        (one.at == ROBOT or (one.at in known and known[one.at].values.ndim == 3)) and one.where.keys() <= known.keys()
+        one.sign in SIGNS
+        and (one.at == ROBOT or (one.at in known and known[one.at].values.ndim == 3))
+        and one.where.keys() <= known.keys()
         for one in answer
     )
 
@@ -140,7 +142,7 @@ TASK_PROMISES: Final[Promises] = {
         lambda task, answer, *_: answer is None or are_numbers(answer, task.world.rows),
     ),
     **dict.fromkeys(
-        ("command", "bend", "lead", "after_acting", "before_moving"),
+        ("command", "bend", "command_baseline", "after_acting", "before_moving"),
         (
             "finite commands ({0.world.rows}, 2), written into the arrays that there are",
             lambda task, _, commands: (
@@ -174,8 +176,14 @@ TASK_PROMISES: Final[Promises] = {
             are_numbers(answer, task.world.rows) and bool(np.isin(answer, range(len(task.phases) or 1)).all())
         ),
     ),
-    "shown": ("a tuple of Shown, of as many robots, worlds and things as there are", _shown),
-    "drawn": ("a tuple of Drawn, of what is shown", _drawn),
+    "shown": (
+        "a tuple of Shown with other names, of the axis robot (R,), world (W,) or a kind of things (W, M) or (W, M, 2)",
+        _shown,
+    ),
+    "drawn": (
+        f"a tuple of Drawn at robot or at places that are shown, `where` shown arrays are, as {', '.join(SIGNS)}",
+        _drawn,
+    ),
     "goals": ("names of goals", lambda cls, answer, *_: bool(answer) and _all(str, answer)),
     "robot": ("a RobotNetwork", lambda cls, answer, *_: isinstance(answer, RobotNetwork)),
     "buffers": (

@@ -15,6 +15,8 @@ from selforg.arrays import Flags
 
 AnyArray = NDArray[Any]
 ROBOT, WORLD = "robot", "world"
+SIGNS: Final = ("item", "leftovers", "recycling", "dump")
+"""Names of the signs that tasks may draw; `drawing.look` says how they look."""
 NO_END: Final = 1 << 30
 """Most that a range of `Drawn.where` has where it has no end."""
 
@@ -48,7 +50,7 @@ class Drawn(NamedTuple):
     at: str
     """`Shown.axis` of things, whose places have the same name, or `robot` for a sign that is carried."""
     sign: str
-    """Its name among those of `drawing.look`."""
+    """One of SIGNS."""
     where: Mapping[str, tuple[int, int]] = {}
     """Name of a shown array -> least and largest value with which the sign is drawn."""
     numbers: Sequence[int] | None = None

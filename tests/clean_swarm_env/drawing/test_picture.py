@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.drawing.canvas import NOTHING, Canvas, SignedThings
-from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, SIGNS, legend
+from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, SIGN_OF, legend
 from clean_swarm_env.drawing.picture import MARGIN, TITLE, pixels_of, write_picture
 
 SIDE = 400
@@ -83,7 +83,7 @@ def test_no_option_has_the_colour_of_anything_else():
 
 
 def test_the_legend_names_all_that_is_drawn():
-    cleaning, other = ({sign.word for sign in legend(("a",), signs)} for signs in (SIGNS, ()))
+    cleaning, other = ({sign.word for sign in legend(("a",), signs)} for signs in (SIGN_OF, ()))
     assert cleaning >= {"a", "item", "leftovers of an item", "recycling station", "dump station", "pheromones"}
     assert other >= {"a", "attracts robots", "repels robots", "pheromones"}
 

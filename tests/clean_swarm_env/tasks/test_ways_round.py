@@ -47,7 +47,7 @@ def test_a_goal_in_sight_lies_where_it_is_and_one_behind_a_wall_where_the_way_be
 @pytest.mark.parametrize("found", [True, False])
 def test_robots_reach_a_goal_behind_walls_by_the_ways_round_only(found, monkeypatch):
     if not found:
-        monkeypatch.setattr("clean_swarm_env.world.view.World.find_ways", lambda self: None)
+        monkeypatch.setattr("clean_swarm_env.world.view.TaskView.find_ways", lambda self: None)
     batch = of_seeds(behind_walls(task={"name": "ReachGoal", "obstacles": 1}, time_limit=120.0), [1, 2])
     places(batch, 0, 110)
     x, y = batch.worlds.physics.positions.T
