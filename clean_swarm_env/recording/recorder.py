@@ -35,6 +35,7 @@ from selector.coordination.coordinator import Coordinator
 from selforg.arrays import Floats
 from selforg.elementary import directions
 from selforg.gradients.store import columns as c
+from selforg.plugins import broken
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,9 @@ class MissionRecorder:
         if settings.inputs:
             about, shape = "what a policy saw when it last decided", (worlds.robots, len(settings.inputs))
             sampled.append(Sampled(Channel("input", ("robot", "input"), shape, MILLI, 1, "-", about), self._inputs))
+        names = [one.channel.name for one in sampled]
+        if twice := next((name for name in names if names.count(name) > 1), ""):
+            raise broken(worlds.task, "shown", f"expected names that no other channel of a recording has, got {twice}")
         self.frames = WaitingFrames(sampled, worlds.worlds)
         self._begun = False  # whether a mission has begun since the last frame
         self._joined = worlds.team.joined.copy()

@@ -24,6 +24,7 @@ from selforg.network import state as st
 from selforg.network.explanation import in_short
 from selforg.network.model.conditions import Optional, leaves
 from selforg.network.network import BehaviourNetwork
+from selforg.plugins import broken
 
 BEHAVIOUR_TERMS = ("activation", "satisfaction", *st.COMPONENTS)
 """Terms of a behaviour, in the order of the layers of `state`."""
@@ -51,9 +52,15 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
         own.append(Shown("samples", "distance", worlds.collisions.samples[:, :1], about))
     for c in worlds.coordinators:
         own.append(Shown(f"held/{c.model.goal}", ROBOT, c.held, "the option that serves the goal in the robot"))
-    for one in (*own, *(each for each in worlds.task.shown() if each.recorded)):
-        axis = (one.axis, worlds.robots if one.axis == ROBOT else one.values.shape[1])
+    task = worlds.task
+    for one, again in zip(task.shown(), task.shown(), strict=True):
+        if one.recorded and one.note is None and not np.shares_memory(one.values, again.values):
+            raise broken(task, "shown", f"expected the same array all the time, got a new one of {one.name}")
+        own += [one] if one.recorded else []
+    for one in own:
+        axis = (one.axis, worlds.robots if one.axis == ROBOT else one.values.size // worlds.worlds)
         if one.values.ndim == 3:
+            axis = (one.axis, one.values.shape[1])
             yield from points(one.name, (axis,), one.values, one.about)
         else:
             yield Sampled(whole_channel(one.name, axis, one.about), one.values, None, one.note)

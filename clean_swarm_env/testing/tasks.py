@@ -69,7 +69,8 @@ def _steps(cls: type, batch: Batch) -> list[Any]:
     for _ in range(PERIODS):
         with contract(cls, ""):
             step = batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
-            task = batch.worlds.task
+            task, network = batch.worlds.task, batch.worlds.network
+            task.target(0, dict(zip(network.model.sensor_index, network.readings[0].tolist(), strict=True)))
             task.shown(), task.drawn(), task.headline(0)
             measures = list(task.result().values())
         seen += [step.observations.copy(), step.rewards.copy(), batch.worlds.physics.positions.copy(), *measures]

@@ -89,6 +89,9 @@ def by_hand(make: Made) -> Made:
     first, *given = signature(make, eval_str=True).parameters.values()
     if not (isinstance(first.annotation, type) and issubclass(first.annotation, Worlds | Task)):
         raise TypeError(f"{make.__name__}: expected a first parameter of the type Worlds or of a task, got {first}")
+    for one in given:
+        if one.annotation is Parameter.empty:
+            raise TypeError(f"{make.__name__}: expected a type of the parameter {one.name}, got none")
     keys: dict[str, Any] = {"do": Literal[make.__name__]}
     keys |= {p.name: (p.annotation, ... if p.default is Parameter.empty else p.default) for p in given}
     kind = create_model(make.__name__, __base__=Change, __module__=make.__module__, __doc__=make.__doc__, **keys)

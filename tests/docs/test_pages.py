@@ -155,7 +155,7 @@ def test_what_was_recorded_is_read_without_our_code(folder, capsys):
 
 
 def test_the_example_of_play_follows_a_session(folder):
-    (block,) = blocks("docs/play.md", "python")
+    block, _ = blocks("docs/play.md", "python")  # the other one is a plug-in
     names = block.run()
     with served(Session(play_of(OF_SIX), folder / "run.swarm")) as server:
         frames = names["follow"](server.address)

@@ -59,7 +59,8 @@ def _shown(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
             return False
         shape = counts.setdefault(one.axis, (world.worlds, *one.values.shape[1:2]))
         places = one.values.shape[len(shape) :] in ((), (2,)) and (len(shape) == 2 or one.values.ndim == 1)
-        if not (places and are_numbers(one.values, *shape, *one.values.shape[len(shape) :])):
+        whole = one.values.ndim == 3 or not one.recorded or one.values.dtype.kind in "iub"
+        if not (places and whole and are_numbers(one.values, *shape, *one.values.shape[len(shape) :])):
             return False
         if not all(are_numbers(part, *shape) and (np.abs(part) <= 1.0).all() for part in one.parts.values()):
             return False
@@ -177,7 +178,8 @@ TASK_PROMISES: Final[Promises] = {
         ),
     ),
     "shown": (
-        "a tuple of Shown with other names, of the axis robot (R,), world (W,) or a kind of things (W, M) or (W, M, 2)",
+        "a tuple of Shown with a name each: whole numbers, axis robot (R,), world (W,) or a kind of things (W, M); "
+        "or places (W, M, 2)",
         _shown,
     ),
     "drawn": (

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics.rays import Bodies
@@ -43,6 +44,10 @@ class Shown(NamedTuple):
     note: Callable[[], None] | None = None
     """Fills `values` before a frame of a recording; None: they are always up to date."""
 
+    def __repr__(self) -> str:
+        """Return name, axis and shape, for errors."""
+        return f"{self.name}: {self.axis} {np.shape(self.values)}"
+
 
 class Drawn(NamedTuple):
     """A sign that pictures draw for some of the things or robots that a task shows."""
@@ -57,6 +62,10 @@ class Drawn(NamedTuple):
     """Numbers of the things; None: all."""
     radius: float = 0.0
     """Of the area around each [m]."""
+
+    def __repr__(self) -> str:
+        """Return sign and place, for errors."""
+        return f"{self.sign} at {self.at}"
 
 
 class Counted(NamedTuple):

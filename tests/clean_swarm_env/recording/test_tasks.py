@@ -8,10 +8,12 @@ import pytest
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.task_names import task_names
-from clean_swarm_env.config.tasks import CLEANING
+from clean_swarm_env.config.tasks import CLEANING, find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
 from clean_swarm_env.recording.reader import tables_of
+from clean_swarm_env.recording.recorder import RecordSettings, record_mission
+from clean_swarm_env.tasks import Shown
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from tests.clean_swarm_env.courses import recorded
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
@@ -107,3 +109,14 @@ def test_a_robot_of_any_task_is_explained():
     assert step.options["Foraging"]
     assert [behaviour.name for behaviour in step.network.behaviours] == ["Foraging"]
     assert step.coordinators[0].inner is not None
+
+
+@pytest.mark.parametrize(
+    ("name", "kept", "said"),
+    [("load", False, "a new one of load"), ("heading", True, "no other channel .* got heading")],
+)
+def test_what_a_recording_cannot_keep_is_one_line_that_names_the_task(name, kept, said, tmp_path, monkeypatch):
+    task, turns = find_task("Shepherding"), np.zeros(6, dtype=np.int64)
+    monkeypatch.setattr(task, "shown", lambda self: (Shown(name, "robot", turns if kept else turns.copy(), "turns"),))
+    with pytest.raises(ValueError, match=f"Shepherding.shown: expected .*{said}"):
+        record_mission(run_of("Shepherding", time_limit=1.0), RecordSettings(tmp_path, name="run"), {})

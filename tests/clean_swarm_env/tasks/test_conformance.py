@@ -9,7 +9,7 @@ from gymnasium.utils.env_checker import check_env
 
 import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
 from clean_swarm_env import Batch, clean_swarm_v0
-from clean_swarm_env.tasks import TASKS, Achievement, Measure, Task, TaskSettings, TaskState, Things
+from clean_swarm_env.tasks import TASKS, Achievement, Drawn, Measure, Shown, Task, TaskSettings, TaskState, Things
 from clean_swarm_env.testing import check_task
 from selforg.plugins import PluginError
 from tests.clean_swarm_env.courses import begun
@@ -141,6 +141,18 @@ WRONG = {
     "cost_so_far": [lambda self, world, values: np.nan],
     "target": [lambda self, row, read, wrong=wrong: wrong for wrong in (7, ("a den", "far"), ("a den", np.zeros(2)))],
     "totals": [lambda self: {"waited": 7}],
+    "shown": [
+        lambda self: None, lambda self: (7,), lambda self: (Shown("load", "R", np.zeros(3, int), "too many"),),
+        lambda self: (Shown("load", "robot", np.zeros(self.world.rows), "no whole numbers"),),
+        lambda self: (Shown("load", "robot", np.full(self.world.rows, np.nan), "nothing", recorded=False),),
+        lambda self: (Shown("load", "robot", [0], "no array"),),
+        lambda self: 2 * (Shown("load", "robot", np.zeros(self.world.rows, int), "twice"),),
+        lambda self: (Shown("load", "robot", self.world.of_row, "", {"far": np.full(self.world.rows, 7.0)}),),
+    ],
+    "drawn": [
+        lambda self: None, lambda self: (Drawn("nowhere", "item"),), lambda self: (Drawn("robot", "unicorn"),),
+        lambda self: (Drawn("robot", "item", {"load": (0, 1)}),),
+    ],
     "goals": [classmethod(lambda cls, *_: 7), classmethod(lambda cls, *_: ())],
     "__init__": [lambda self, world: None],
 }  # fmt: skip
@@ -163,7 +175,7 @@ def lived(cls):
         batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
     task = batch.worlds.task
     task.headline(0), task.target(0, {}), task.totals(), task.cost_so_far(0, task.result())
-    task.cost_words(batch.mission), task.kind_of(batch.mission)
+    task.cost_words(batch.mission), task.kind_of(batch.mission), task.shown(), task.drawn()
 
 
 class Mute(BaseException):
