@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Final, Generic, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, create_model
@@ -26,7 +26,7 @@ from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.documents.errors import validated
 from selector.knowledge import Knowledge
-from selforg.arrays import KEPT, Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.plugins import is_own
 
@@ -98,7 +98,6 @@ class Task(StagedTask, ABC, Generic[S, T]):
 
     settings: S
     state: T
-    _walk: Annotated[Floats, "R 2", KEPT]
 
     def __init_subclass__(cls) -> None:
         """Take the name from the class, settings and state from the brackets of the base class."""

@@ -9,7 +9,6 @@ from collections import Counter, defaultdict
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.tasks.cleaning.task import cleaning_of
 from docs.comparison.manifest import Manifest
 from docs.comparison.missions import family_of
 from selector.documents.fields import JOINT
@@ -54,7 +53,7 @@ def _count(manifest: Manifest, family: str, number: int, found: dict[tuple[str, 
 
 def _case(batch: Batch) -> str:
     """Return the state of the first world: where garbage falls, and whether collisions are harmless."""
-    cleaning = cleaning_of(batch.worlds.task)
+    cleaning = batch.worlds.task
     where = "at spots" if cleaning.comings.at_spots[0] else "anywhere"
     return where + (", harmless" if cleaning.consequences.harmless[0] else "")
 

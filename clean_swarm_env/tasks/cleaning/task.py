@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -335,10 +334,3 @@ class Cleaning(Task[CleaningSettings, TaskState]):
             Drawn(ROBOT, "item", {"cargo": some, "recycled": fresh}),
             Drawn(ROBOT, "leftovers", {"cargo": some, "recycled": left}),
         )
-
-
-def cleaning_of(task: Task[Any, Any]) -> Cleaning:
-    """Return the task as one of cleaning; ValueError for any other."""
-    if not isinstance(task, Cleaning):
-        raise ValueError(f"expected the task Cleaning, got {task.name}")
-    return task
