@@ -20,6 +20,8 @@ from clean_swarm_env.learning.observation.config import usual_terms
 from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError
 from selector.documents.plain import short
+from selector.strategies.problem import Problem
+from selforg.arrays import Ints
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import Decider
 from train.deciders.named import FIXED, NamedDecider, decider_named
@@ -44,7 +46,7 @@ class TrialTask(Job):
         known = {self.condition: self.named.network} if self.named.network else {}
         record = self.record and replace(self.record, about=self.naming, policies=known)
         settings = replace(self.settings, record=record)
-        for place, result in each_trial(self.scenarios, self.named.build, settings):
+        for place, result in each_trial(self.scenarios, self.decider, settings):
             before, began = time.perf_counter(), before
             scenario = self.scenarios[place]
             yield self.finished(scenario, result, before - began)
@@ -67,6 +69,10 @@ class TrialTask(Job):
         seen, action = named.observation(usual_terms(self.first.mission)), ActionConfig(mode=named.mode)
         return TrialSettings(named.decides(self.goal), TASK_SCENARIOS, seen, self.directories, self.record, action)
 
+    def decider(self, problem: Problem, teams: Ints) -> Decider:
+        """Return the decider of the member."""
+        return self.named.build(problem, teams)
+
     def team(self, **settings: Any) -> tuple[Batch, DecidedGoal, Decider]:  # noqa: ANN401  (those of Batch)
         """Return a world, what is decided in it, and the decider; an error of one line if they do not fit."""
         own = self.settings
@@ -78,7 +84,7 @@ class TrialTask(Job):
             **settings,
         )
         decided = DecidedGoal(batch, own.goal)
-        decider = self.named.build(decided.problem, np.zeros(batch.rows, dtype=np.int64))
+        decider = self.decider(decided.problem, np.zeros(batch.rows, dtype=np.int64))
         decided.check(decider)
         return batch, decided, decider
 
