@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from tests.selector.strategies.bandits import Means, constant, linear, regrets, switching
+from tests.selector.strategies.bandits import Means, constant, linear, regrets
 
 STEPS, PERIOD, ROWS = 4000, 400, 100
 ALL = {
@@ -36,6 +36,13 @@ COLOURS = {
     "LinUCB": "#E69F00",
     "LinearThompson": "#8a6d00",
 }
+
+
+def switching(period: int, *means: float) -> Means:
+    """Return means that are handed on to the next option every `period` steps."""
+    return lambda step, context: np.roll(np.array([means]), step // period, axis=1)
+
+
 SCENES: dict[str, tuple[Means, int]] = {
     "rewards that stay as they are": (constant(0.2, 0.8, 0.5, 0.3), 0),
     f"the best of two changes every {PERIOD} decisions": (switching(PERIOD, 0.3, 0.8), 0),
