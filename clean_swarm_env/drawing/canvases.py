@@ -7,11 +7,11 @@ from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AliasChoices, AliasPath, BaseModel, Field, TypeAdapter
+from pydantic import AliasChoices, AliasPath, BaseModel, Field
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import NOTHING, Area, Canvas, SignedThings, Zone, between
-from clean_swarm_env.drawing.look import LOOK, SIGN_OF
+from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.sampled import things_of, walls_shown, zones_shown
@@ -23,7 +23,6 @@ from selforg.arrays import Flags, Floats
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
-from selforg.registry import unknown
 
 ITEM, THING = "item", "thing"
 CHANNELS = dict.fromkeys(("x", "y", "heading", "present", "working", "deposit"), ROBOT)
@@ -108,9 +107,6 @@ class RecordedCourse:
             expected = f"the model of each of {head['robots']} robots, below {len(shown.groups)}"
             raise ConfigurationError(f"{recording.path}: head: models: expected {expected}, got {shown.models}")
         self._options = {goal: names for goal, names in head["options"].items() if f"{HELD}{goal}" in recording}
-        for one in shown.drawn:
-            if one.sign not in SIGN_OF:
-                raise ConfigurationError(f"{recording.path}: head: drawn: {unknown('sign', one.sign, tuple(SIGN_OF))}")
         moving = 1 + max((thing.moves for thing in shown.things), default=-1)
         counts = {ROBOT: head["robots"], ITEM: head["items"], THING: moving}
         kinds = CHANNELS | {f"{HELD}{goal}": ROBOT for goal in self._options} | drawn_channels(shown.drawn)
@@ -194,9 +190,9 @@ def drawn_channels(drawn: Iterable[Drawn]) -> dict[str, str]:
 
 def pictured(head: Mapping[str, Any]) -> tuple[str, ...]:
     """Return how the names of the channels begin that pictures show; the others need not be kept for them."""
-    drawn = drawn_channels(TypeAdapter(tuple[Drawn, ...]).validate_python(head.get("drawn", ())))
-    counted = head.get("counted") or {"name": "x"}
-    return (*CHANNELS, HELD, THING, *drawn, counted["name"])
+    shown = validated(_Shown, head, "head")
+    counted = (shown.counted.name,) if shown.counted else ()
+    return (*CHANNELS, HELD, THING, *drawn_channels(shown.drawn), *counted)
 
 
 def _counts_of(recording: RecordedMission, counted: Counted | None) -> list[str]:
@@ -213,7 +209,7 @@ def _counts_of(recording: RecordedMission, counted: Counted | None) -> list[str]
 def signs_of(drawn: Iterable[Drawn], values: Mapping[str, AnyArray], there: Flags, corner: Floats) -> dict[str, Any]:
     """Return the fields of a canvas with signs: of things, and of what the robots carry that are `there` (N,).
 
-    `values`: arrays (N,) of robots and (M,) of things by name, and places (M, 2) [m] by what the things are called.
+    `values`: name of a shown array -> its values of one world: (N,) of robots, (M,) of things, or places (M, 2) [m].
     """
     signs: list[SignedThings] = []
     loads: list[str] = []

@@ -53,7 +53,14 @@ class GlobalState:
         shown = worlds.task.shown()
         own = (*OWN, *_parts(shown, ROBOT), *holds)
         robots = [f"robot_{k}_{name}" for k in range(worlds.robots) for name in own]
-        self.names = (*robots, *self._things(shown)[0], "time", *_parts(shown, WORLD))
+        called = {one.axis: one.names for one in shown if one.names}
+        things = [
+            f"{thing}_{part}"
+            for axis, parts in self._things(shown).items()
+            for thing in called.get(axis) or [f"{axis}_{k}" for k in range(len(next(iter(parts.values()))[0]))]
+            for part in parts
+        ]
+        self.names = (*robots, *things, "time", *_parts(shown, WORLD))
         self.final = np.zeros((worlds.worlds, len(self.names)), dtype=np.float32)
 
     def now(self) -> NDArray[np.float32]:
@@ -62,26 +69,24 @@ class GlobalState:
         time = np.minimum(worlds.ticks / worlds.world.limits, 1.0)
         course = np.stack([time, *_parts(shown, WORLD).values()], axis=1)
         robots = self._robots(shown).reshape(worlds.worlds, -1)
-        return np.concatenate((robots, *self._things(shown)[1], course), axis=1).astype(np.float32)
+        kinds = self._things(shown).values()
+        things = [np.stack([*parts.values()], axis=2).reshape(worlds.worlds, -1) for parts in kinds]
+        return np.concatenate((robots, *things, course), axis=1).astype(np.float32)
 
-    def _things(self, shown: Sequence[Shown]) -> tuple[list[str], list[Floats]]:
-        """Return the names of the components of things, and the values (W, ...) of each kind of them."""
-        names: list[str] = []
-        values: list[Floats] = []
-        for axis in dict.fromkeys(one.axis for one in shown if one.axis not in (ROBOT, WORLD)):
-            own = [one for one in shown if one.axis == axis]
-            parts = _parts(shown, axis)
-            for one in own:
-                if one.values.ndim == 3:
-                    there = True if one.there is None else one.there[..., None]
-                    parts["x"], parts["y"] = np.moveaxis(np.where(there, self._places(one.values), 0.0), 2, 0)
-            if parts:
-                things = next(
-                    (one.names for one in own if one.names), [f"{axis}_{k}" for k in range(own[0].values.shape[1])]
-                )
-                names += [f"{thing}_{part}" for thing in things for part in parts]
-                values.append(np.stack([*parts.values()], axis=2).reshape(self._worlds.worlds, -1))
-        return names, values
+    def _things(self, shown: Sequence[Shown]) -> dict[str, dict[str, AnyArray]]:
+        """Return what the things are called -> name of a component -> its values (W, M)."""
+        found: dict[str, dict[str, AnyArray]] = {}
+        for one in shown:
+            if one.axis in (ROBOT, WORLD):
+                continue
+            parts = found.setdefault(one.axis, {})
+            parts |= one.parts
+            if one.values.ndim == 3:
+                places = self._places(one.values)
+                if one.there is not None:
+                    places[~one.there] = 0.0
+                parts["x"], parts["y"] = places[..., 0], places[..., 1]
+        return {axis: parts for axis, parts in found.items() if parts}
 
     def keep(self, ended: Ints) -> None:
         """Keep the state of the worlds (K,) whose missions have just ended as the final one."""
@@ -110,5 +115,5 @@ class GlobalState:
 
 
 def _parts(shown: Sequence[Shown], axis: str) -> dict[str, AnyArray]:
-    """Return what the global state has of an axis beside places."""
+    """Return what the global state has of robots or worlds."""
     return {name: values for one in shown if one.axis == axis for name, values in one.parts.items()}

@@ -16,7 +16,7 @@ from clean_swarm_env.recording.channels import MOST_NUMBERS, AnyArray, Channel, 
 from clean_swarm_env.recording.file import HEAD, PART, SUFFIX, Directory, Head, blocks_of
 from clean_swarm_env.recording.stepping import WholeNumbers
 from clean_swarm_env.world.by_hand import Change
-from selector.documents.errors import validated
+from selector.documents.errors import validated, within
 from selector.documents.plain import short
 from selector.documents.reading import json_value
 from selforg.arrays import Floats
@@ -179,7 +179,9 @@ class RecordedMission(RecordedStretch):
     def __init__(self, path: Path, only: Beginnings = ("",), most: float = math.inf) -> None:
         self.path = path
         parts = RecordedParts(blocks_of(path), str(path))
-        only = only(parts.head) if callable(only) else only
+        if callable(only):
+            with within(str(path)):
+                only = only(parts.head)
         channels = {name: channel for name, channel in parts.channels.items() if name.startswith(only)}
         kept: dict[str, list[WholeNumbers]] = {name: [] for name in channels}
         for part in parts:

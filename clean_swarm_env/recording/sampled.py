@@ -58,9 +58,8 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
             raise broken(task, "shown", f"expected the same array all the time, got a new one of {one.name}")
         own += [one] if one.recorded else []
     for one in own:
-        axis = (one.axis, worlds.robots if one.axis == ROBOT else one.values.size // worlds.worlds)
+        axis = (one.axis, one.values.reshape(worlds.worlds, -1, *one.values.shape[2:]).shape[1])
         if one.values.ndim == 3:
-            axis = (one.axis, one.values.shape[1])
             yield from points(one.name, (axis,), one.values, one.about)
         else:
             yield Sampled(whole_channel(one.name, axis, one.about), one.values, None, one.note)

@@ -53,10 +53,10 @@ class Agenda:
     def run(self, number: int, world: TaskView, task: Happening) -> None:
         """Apply the events due in the world of a `number`."""
         tick = int(world.ticks[number])
-        comes = task.come(number, tick)
+        task.come(number, tick)
         while (not self._joining or self._let_join(number, world.team)) and self._next_tick <= tick:
             self._apply(self._calendar.pop(), number, world, task)
-            comes = task.come(number, tick)
+        comes = task.come(number, tick)  # later or sooner than before these events
         self.due = tick + 1 if self._joining else min(self._next_tick, comes)
 
     @property

@@ -76,13 +76,12 @@ class StagedTask(TaskKind, ABC):
 
     @abstractmethod
     def result(self) -> Mapping[str, Floats]:
-        """Return the value (W,) of each measure by its name."""
+        """Return the value (W,) of each measure by its name: finite at any time, at the end the result."""
 
-    @abstractmethod
     def done(self) -> Flags:
-        """Return which worlds (W,) are done before their time."""
+        """Return which worlds (W,) are done before their time; none unless you say so."""
+        return np.zeros(self.world.worlds, dtype=np.bool_)
 
-    @abstractmethod
     def bend(self, commands: Commands) -> None:
         """Change the commands of behaviours, once all are known."""
 

@@ -5,7 +5,7 @@ Why there is one world for all of them: docs/decisions/0223-one-world-any-task.m
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import ABC
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -150,14 +150,6 @@ class Task(StagedTask, ABC, Generic[S, T]):
     def after_moving(self) -> None:
         """Go on by a control period in all worlds at once, once all robots have moved."""
 
-    def done(self) -> Flags:
-        """Return which worlds (W,) are done before their time; none unless you say so."""
-        return np.zeros(self.world.worlds, dtype=np.bool_)
-
-    @abstractmethod
-    def result(self) -> Mapping[str, Floats]:
-        """Return the value (W,) of each measure by its name: finite at any time, at the end the result."""
-
     def observe(self) -> Mapping[str, Floats]:
         """Return what each robot sees of the task beside the usual terms: name -> (R,), within [-1, 1]."""
         return {}
@@ -167,7 +159,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
         return None
 
     def target(self, row: int, read: Mapping[str, float]) -> tuple[str, float] | None:
-        """Return where the robot of a row wants to go by what its sensors have `read`: a word, and the distance [m].
+        """Return the place that a robot is going to: a word for it, and the distance [m]; `read`: sensor -> reading.
 
         The distance is -1 if it is not known.
         """
@@ -210,9 +202,6 @@ class Task(StagedTask, ABC, Generic[S, T]):
     def command(self, commands: Commands) -> None:
         """Write the commands with which a control period begins, before behaviours write theirs; none unless you do."""
         commands.clear()
-
-    def bend(self, commands: Commands) -> None:
-        """Change the commands of behaviours, once all are known."""
 
     def command_baseline(self, commands: Commands) -> None:
         """Write the commands of the baseline in place of those of behaviours: a random walk unless you do."""

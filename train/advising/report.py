@@ -27,7 +27,7 @@ from train.analysis.intervals import TOLD, Ratio, about_number, corrected_ps
 from train.analysis.strategy_comparison import Estimate, cross_fitted
 from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left
 from train.deciders.named import FIXED, MACHINE, decider_named
-from train.deciders.unseen import remarks_of
+from train.deciders.unseen import untrained
 from train.evaluation.base import Done
 from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family
@@ -259,8 +259,8 @@ class Advice:
             told.append(f"{names} cost less in the last round: the best is not known well; --minutes gives more time.")
         own, budget = self.evaluation.directories, self.evaluation.budget
         for name in self.found.choosers:
-            remarks = remarks_of(name, decider_named(name, own), self.runs.missions, own)
-            told += [f"{one.partition(';')[0]}." for one in remarks]  # here it was measured
+            if new := untrained(name, decider_named(name, own), self.runs.missions, own):
+                told.append(f"{new}.")
         spent = sum(map(self.evaluation.price, self.done.values()))
         if spent > OVER * budget:
             unit, word = (1.0, "missions") if self.evaluation.missions else (60.0, "min of processors")

@@ -18,9 +18,17 @@ from train.deciders.named import NamedDecider
 def remarks_of(
     label: str, named: NamedDecider, missions: Sequence[MissionConfig], directories: Sequence[Path] = ()
 ) -> list[str]:
-    """Return what is to be said of a policy on missions."""
+    """Return what is to be said of a policy on missions before they are done."""
+    new = untrained(label, named, missions, directories)
+    return [f"{new}; what it does there was not measured"] if new else []
+
+
+def untrained(
+    label: str, named: NamedDecider, missions: Sequence[MissionConfig], directories: Sequence[Path] = ()
+) -> str:
+    """Return what of missions a policy was never trained with, in words; nothing if all is known to it."""
     new = unseen(named.training, missions, directories)
-    return [f"{label}: was never trained with {', '.join(new)}; what it does there was not measured"] if new else []
+    return f"{label}: was never trained with {', '.join(new)}" if new else ""
 
 
 def decided_and_held(

@@ -52,6 +52,12 @@ def collision_price(priced: float, limit: float) -> float:
     return priced if priced <= limit else limit * (2.0 - limit / priced)
 
 
+def collisions_cost(mission: MissionConfig, events: int, samples: int) -> float:
+    """Return what `events` at the first distance cost, and `samples`: pairs closer than it, at all counts [s]."""
+    terms = cost_terms(mission)
+    return collision_price(terms.event * events + terms.sample * samples, terms.limit)
+
+
 def mission_cost(mission: MissionConfig, duration: float, events: int, samples: int, done: int) -> float:
     """Return what a mission cost [s].
 
@@ -67,8 +73,7 @@ def mission_cost(mission: MissionConfig, duration: float, events: int, samples: 
         done: items dumped.
 
     """
-    terms = cost_terms(mission)
-    cost = duration + collision_price(terms.event * events + terms.sample * samples, terms.limit)
+    terms, cost = cost_terms(mission), duration + collisions_cost(mission, events, samples)
     if mission.items.keep_coming:
         return cost / max(done, NO_ITEM)
     return cost + terms.left * max(terms.items - done, 0.0)

@@ -24,7 +24,7 @@ from clean_swarm_env.tasks.cleaning.cargo import (
 )
 from clean_swarm_env.tasks.cleaning.coming import Comings
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
-from clean_swarm_env.tasks.cleaning.cost import collision_price, cost_terms, mission_cost, unavoidable_cost
+from clean_swarm_env.tasks.cleaning.cost import collisions_cost, cost_terms, mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.learning.around import PHASES
 from clean_swarm_env.tasks.cleaning.learning.counts import ACHIEVEMENTS, CleaningCounts
@@ -94,7 +94,11 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         self.comings, self.movers = Comings(world, self.site), Movers(world, self.site)
         self.rounds = Rounds(world, self.site, self.movers) if world.mission.world.has_walls else None
         self.cargo_memory = CargoMemory(world.memory)
-        self.standing = self.consequences.standing
+        self.standing, stations = self.consequences.standing, self.settings.stations
+        self._station_names = [
+            STATION_CHANNELS[kind] + (f"_{earlier + 1}" if earlier else "")
+            for kind, earlier in zip(stations.kinds, stations.earlier, strict=True)
+        ]
 
     @classmethod
     def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
@@ -255,9 +259,9 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def cost_so_far(self, world: int, values: Mapping[str, Floats]) -> float:
         """Return the time and the price of the collisions [s]."""
-        counts, terms = self.world.floor.collisions, cost_terms(self.world.missions[world])
-        priced = terms.event * int(counts.events[world, 0]) + terms.sample * int(counts.samples[world, 0])
-        return float(self.world.seconds[world]) + collision_price(priced, terms.limit)
+        counts = self.world.floor.collisions
+        events, samples = int(counts.events[world, 0]), int(counts.samples[world, 0])
+        return float(self.world.seconds[world]) + collisions_cost(self.world.missions[world], events, samples)
 
     @classmethod
     def kind_of(cls, mission: MissionConfig) -> str:
@@ -289,13 +293,9 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def shown(self) -> tuple[Shown, ...]:
         """Return cargo, items and stations, and how many items are dumped."""
-        garbage, stage, config = self.garbage, self.garbage.stage, self.settings.stations
+        garbage, stage = self.garbage, self.garbage.stage
         carrying = garbage.cargo != NOTHING
         stages = {name: stage == number for number, name in enumerate(("lying", "carried", "done"))}
-        stations = [
-            STATION_CHANNELS[kind] + (f"_{earlier + 1}" if earlier else "")
-            for kind, earlier in zip(config.kinds, config.earlier, strict=True)
-        ]
         held = {"carrying": carrying}, {"recycled": carrying & (garbage.recycled == 1)}
         lying, share = Bodies(garbage.positions, stage=stage, lies=LYING), garbage.done / np.maximum(garbage.arrived, 1)
         return (
@@ -312,7 +312,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
                 "station",
                 self.stations,
                 "recycling, dump, further recycling, further dumps",
-                names=stations,
+                names=self._station_names,
                 met=Bodies(self.stations),
             ),
             Shown("done", WORLD, garbage.done, "items dumped", {"garbage_done": share}, recorded=False),
@@ -320,15 +320,12 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def drawn(self) -> tuple[Drawn, ...]:
         """Return the signs of stations, of items that lie, and of cargo."""
-        config = self.settings.stations
-        kinds = {
-            name: [number for number, own in enumerate(config.kinds) if own == kind]
-            for kind, name in enumerate(STATION_CHANNELS)
-        }
-        fresh, left, some = (0, 0), (1, 1), (0, NO_END)
-        lies = (LYING, LYING)
+        recycling, dump = (np.flatnonzero(self.site.kinds == kind).tolist() for kind in range(2))
+        fresh, left, some, lies = (0, 0), (1, 1), (0, NO_END), (LYING, LYING)
+        reach = self.settings.stations.reach
         return (
-            *(Drawn("station", name, numbers=own, radius=config.reach) for name, own in kinds.items()),
+            Drawn("station", "recycling", numbers=recycling, radius=reach),
+            Drawn("station", "dump", numbers=dump, radius=reach),
             Drawn("item", "item", {"item_stage": lies, "item_leftover": fresh}),
             Drawn("item", "leftovers", {"item_stage": lies, "item_leftover": left}),
             Drawn(ROBOT, "item", {"cargo": some, "recycled": fresh}),

@@ -6,7 +6,7 @@ Shapes: W worlds of N robots, R = W * N rows (robots), M things of a kind in eac
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,8 @@ from selforg.arrays import Flags
 
 AnyArray = NDArray[Any]
 ROBOT, WORLD = "robot", "world"
-SIGNS: Final = ("item", "leftovers", "recycling", "dump")
+SignName = Literal["item", "leftovers", "recycling", "dump"]
+SIGNS: Final = get_args(SignName)
 """Names of the signs that tasks may draw; `drawing.look` says how they look."""
 NO_END: Final = 1 << 30
 """Most that a range of `Drawn.where` has where it has no end."""
@@ -54,8 +55,7 @@ class Drawn(NamedTuple):
 
     at: str
     """`Shown.axis` of things, whose places have the same name, or `robot` for a sign that is carried."""
-    sign: str
-    """One of SIGNS."""
+    sign: SignName
     where: Mapping[str, tuple[int, int]] = {}
     """Name of a shown array -> least and largest value with which the sign is drawn."""
     numbers: Sequence[int] | None = None

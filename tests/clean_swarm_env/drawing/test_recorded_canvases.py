@@ -8,7 +8,7 @@ import pytest
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
+from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of, pictured
 from clean_swarm_env.drawing.picture import TITLE, pixels_of
 from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.recording.reader import RecordedMission
@@ -68,6 +68,14 @@ def test_a_recording_without_robots_or_items_is_refused_by_name(seen):
     del lacking.channels["cargo"]
     with pytest.raises(ConfigurationError, match="expected channel cargo with a number for each robot, got shape None"):
         RecordedCourse(lacking)
+
+
+@pytest.mark.parametrize("drawn", [7, [["item", "unicorn"]], [{"at": "item"}]])
+def test_a_head_with_signs_that_do_not_exist_is_one_line(seen, drawn):
+    head = {**seen[1].head, "drawn": drawn}
+    with pytest.raises(ConfigurationError, match=r"^head: drawn") as refused:
+        pictured(head)
+    assert "\n" not in str(refused.value)
 
 
 STANDING = {
