@@ -99,16 +99,17 @@ def play_command(
     with LiveServer(port) as server:
         conductor = Conductor(sessions, speed, playing=not paused)
         server.start(conductor, live_page())
-        typer.echo(f"{server.address}\nopen this address in a browser; Ctrl-C ends it")
-        with _redirect(server.address, recorded[0].parent) as page:
-            if browser and _has_screen():
-                webbrowser.open(page.as_uri())
-            try:
+        try:  # who has read the address may end it at once
+            typer.echo(f"{server.address}\nopen this address in a browser; Ctrl-C ends it")
+            with _redirect(server.address, recorded[0].parent) as page:
+                if browser and _has_screen():
+                    webbrowser.open(page.as_uri())
                 conductor.run()
-            finally:
-                steps, again = conductor.session.ticks, " or ".join(map(str, recorded))
-                read = "".join(f" --import {shown(Path(one)) if os.sep in one else one}" for one in named_plugins())
-                typer.echo(f"{steps} steps in {recorded[-1]}; the same again: clean-swarm play {again}{read}")
+        finally:
+            steps, again = conductor.session.ticks, " or ".join(map(str, recorded))
+            read = "".join(f" --import {shown(Path(one)) if os.sep in one else one}" for one in named_plugins())
+            typer.echo(f"{steps} steps in {recorded[-1]}; the same again: clean-swarm play {again}{read}")
+            conductor.session.close()  # an interruption may come before `run`
 
 
 @contextmanager
