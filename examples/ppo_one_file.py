@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt '.[train]'
 python examples/ppo_one_file.py --updates 40
-clean-swarm evaluate --family table1 --strategy fixed --strategy policy:ppo_one_file.pt --scenarios 10
+clean-swarm evaluate table1 --strategy fixed --strategy policy:ppo_one_file.pt --scenarios 10
 """
 
 import argparse

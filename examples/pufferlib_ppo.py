@@ -3,7 +3,7 @@
 pip install -c constraints.txt gym==0.26.2 psutil==7.2.2 pyro-ppl==1.9.2 rich-argparse==1.8.0 torch setuptools .
 NO_OCEAN=1 pip install --no-deps --no-build-isolation pufferlib==3.0.0  # docs/environment.md#pufferlib
 python examples/pufferlib_ppo.py --updates 40
-clean-swarm evaluate --family table1 --strategy fixed --strategy policy:pufferlib_ppo.pt --scenarios 10
+clean-swarm evaluate table1 --strategy fixed --strategy policy:pufferlib_ppo.pt --scenarios 10
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt stable-baselines3==2.9.2 sb3-contrib==2.9.2 '.[train]'
 python examples/sb3_maskable_ppo.py --steps 200000
-clean-swarm evaluate --family table1 --strategy fixed --strategy policy:sb3_maskable_ppo.zip --scenarios 10
+clean-swarm evaluate table1 --strategy fixed --strategy policy:sb3_maskable_ppo.zip --scenarios 10
 """
 
 import argparse

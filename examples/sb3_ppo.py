@@ -2,9 +2,9 @@
 
 pip install -c constraints.txt stable-baselines3==2.9.2 '.[train]'
 python examples/sb3_ppo.py --steps 200000
-clean-swarm evaluate --family table1 --strategy fixed --strategy policy:sb3_ppo.zip --scenarios 10
+clean-swarm evaluate table1 --strategy fixed --strategy policy:sb3_ppo.zip --scenarios 10
 python examples/sb3_ppo.py --velocity --family crowded
-clean-swarm evaluate --family crowded --strategy fixed:ORCA --strategy policy:sb3_ppo.zip --scenarios 10
+clean-swarm evaluate crowded --strategy fixed:ORCA --strategy policy:sb3_ppo.zip --scenarios 10
 
 Episodes are cut after `--limit` seconds: until the first one ends, `ep_rew_mean` is nan.
 """

@@ -77,7 +77,7 @@ OF_EXTRAS = (
 )
 """What `pip install .` does not bring."""
 MAIN_JOBS = (
-    *("evaluation.pipeline", "evaluation.task_run", "evaluation.repeat", "evaluation.experiment"),
+    *("evaluation.pipeline", "evaluation.family", "evaluation.repeat", "evaluation.experiment"),
     *("live.session", "replay.page_file"),
 )
 

@@ -18,6 +18,8 @@ TASK: Final = "task"
 """What the registry of tasks calls one."""
 TASKS_HOME: Final = "clean_swarm_env.tasks"
 """The package whose import registers our tasks."""
+KIND_WORDS: Final = {"missions": "mission", "families": "family", "experiments": "experiment"}
+"""Kind -> what one is called; a name of one kind means something wherever one of a later kind is expected."""
 OWN_TASK: Final = "; a task of your own: --import MODULE or FILE.py"
 """What follows the error of an unknown name."""
 
@@ -54,7 +56,7 @@ def task_names() -> tuple[str, ...]:
 
 
 def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> Path | None:
-    """Return the file of a mission or a family; None where only a task has the name, or a mission that of a family.
+    """Return the file of a kind of `KIND_WORDS`; None where a task has the name, or a file of a kind before it.
 
     Raises:
         DocumentError: nothing has the name; `where` starts the line, which lists the known names.
@@ -68,9 +70,9 @@ def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), w
     found = files_of(kind, directories)
     if name_or_path in found or is_path(kind, name_or_path):
         return find_file(kind, name_or_path, directories, where)
-    missions = files_of("missions", directories)
-    if name_or_path in missions or name_or_path in task_names():
+    kinds = [*KIND_WORDS][: [*KIND_WORDS].index(kind) + 1]
+    known = dict.fromkeys((*(name for each in kinds for name in files_of(each, directories)), *task_names()))
+    if name_or_path in known:
         return None
-    known = dict.fromkeys((*found, *missions, *task_names()))
-    called = "mission or task" if kind == "missions" else "mission, family or task"
-    raise DocumentError(where + unknown(called, name_or_path, tuple(known)) + OWN_TASK)
+    called = ", ".join(KIND_WORDS[each] for each in kinds)
+    raise DocumentError(where + unknown(f"{called} or task", name_or_path, tuple(known)) + OWN_TASK)

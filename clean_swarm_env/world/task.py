@@ -49,7 +49,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
     need to loop over robots, and will not need the rest: robots start anywhere, nothing else is there, and the mission
     ends with its time.
 
-    A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
+    A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `play`,
     recordings, states and training then take it as they take cleaning.
 
     Attributes:

@@ -60,7 +60,7 @@ def make_loop(manifest: LoopManifest, label: str, folder: Path) -> LoopedRuns:
     own_seeds = manifest.seeds[:1] if asked.reordered else manifest.seeds
     for seed in own_seeds:
         count = ("--scenarios", manifest.missions, "--seed", seed)
-        run("evaluate", "--family", file, *words, *count, *kept, folder / f"{label}-{seed}")
+        run("evaluate", file, *words, *count, *kept, folder / f"{label}-{seed}")
     found = read_loop(asked, file, drill, [folder / f"{label}-{seed}" for seed in own_seeds])
     return found.in_orders(manifest.seeds) if asked.reordered else found
 

@@ -14,11 +14,12 @@ from matplotlib.patches import Circle
 from PIL.Image import Image
 from PIL.Image import open as open_picture
 
+from clean_swarm_env.config.task_names import task_names
+from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import Task, TaskView
 from clean_swarm_env.tasks.measures.agreement import in_earshot
 from selforg.arrays import Floats
-from train.evaluation.task_run import tasks_to_run
 
 FILE, SEED, COLUMNS = Path(__file__).parents[1] / "pictures" / "goals.png", 0, 5
 INK, PAPER = "#2b2b2b", "#fbfaf7"
@@ -33,6 +34,11 @@ LAST = 60
 """Control periods at the end that are shown of a group on land where nothing lies around."""
 AROUND = 1.5
 """Space around the tracks on open land [m]."""
+
+
+def tasks_to_run() -> list[str]:
+    """Return the names of all tasks that have a baseline."""
+    return [name for name in task_names() if find_task(name).baseline]
 
 
 def draw_task(axes: Axes, name: str) -> None:

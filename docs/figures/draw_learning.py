@@ -1,6 +1,6 @@
 """Draws how strategies come to the best fixed option: `python -m docs.figures.draw_learning RUN [DIR]`.
 
-RUN is the directory of `clean-swarm evaluate --family random --strategy fixed`. A strategy chooses one option for a
+RUN is the directory of `clean-swarm evaluate random --strategy fixed`. A strategy chooses one option for a
 whole mission and is rewarded by what that mission cost, so that the runs hold every answer it can get. The best fixed
 option is chosen on one half of the scenarios and judged on the other, both ways round.
 """

@@ -29,8 +29,8 @@ FILE, GOAL = Path(__file__).parents[1] / "pictures" / "scores.png", "AvoidCollis
 MISSIONS, JOINS = 30, 15  # missions of the first process, and after which of them the second one begins
 COSTS = [60, 100, 200, 400, 600]  # [s] marked on the axis
 COLOURS = ("#c44e52", "#4c72b0", "#55a868")
-LEARN = "evaluate --family rooms --configs my --store s.sqlite --learn --strategy UCB1:exploration=0.05,prior=0"
-ALONE = "evaluate --family rooms --configs my --strategy fixed --output alone --scenarios"
+LEARN = "evaluate rooms --configs my --store s.sqlite --learn --strategy UCB1:exploration=0.05,prior=0"
+ALONE = "evaluate rooms --configs my --strategy fixed --output alone --scenarios"
 
 
 def command(directory: Path, words: str) -> None:

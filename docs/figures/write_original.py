@@ -7,10 +7,14 @@ minute.
 import sys
 from pathlib import Path
 
+from docs.figures.draw_goals import tasks_to_run
 from docs.figures.stored import take
+from train.analysis.family_report import family_report_of
 from train.analysis.statistics import Summary
 from train.analysis.task_report import MeasuredStrategy
-from train.evaluation.task_run import TaskOutcome, TaskRun, run_task, tasks_to_run
+from train.evaluation.family import FamilyEvaluation
+from train.request import Request
+from train.running.engine import in_turn
 
 FILE = Path(__file__).parents[1] / "original.md"
 KNOWLEDGE, RUNS = "original", 20
@@ -46,16 +50,28 @@ Where the original's options miss targets:
   apart.
 - *FormationControl*: flocking by unnormalised terms (Q30) keeps robots together without a common direction.
 
-Written by `python -m docs.figures.write_original`. One goal: `clean-swarm run ReachGoal --knowledge original`, and
-`--option NAME` for another option of the file.
+Written by `python -m docs.figures.write_original`. One goal: `clean-swarm evaluate ReachGoal --knowledge
+original`, with each option of the file.
 """
+BY_SCORE = "MaxScore"
+Outcome = tuple[str, list[MeasuredStrategy]]
+"""An option, and the measures of the task that it serves."""
 
 
-def rows(goal: str, ours: TaskOutcome, theirs: TaskOutcome) -> list[str]:
+def measured(task: str, knowledge: str | None, runs: int) -> Outcome:
+    """Return the option of the highest score for a task by some knowledge, and its measures."""
+    evaluation = FamilyEvaluation(Request(task, (BY_SCORE,), scenarios=runs, knowledge=knowledge))
+    records = list(in_turn(evaluation.tasks({})))
+    report = family_report_of(evaluation.runs(records, {BY_SCORE: (BY_SCORE,)}))
+    best = int(evaluation.batch.choices.default[0])
+    return evaluation.options[best], [one for one in report.measured if one.strategy == BY_SCORE]
+
+
+def rows(goal: str, ours: Outcome, theirs: Outcome) -> list[str]:
     """Return the lines of the table for a goal, one for each measure."""
     lines = []
-    for index, (mine, other) in enumerate(zip(ours.measured, theirs.measured, strict=True)):
-        first = (goal, theirs.option, ours.option) if index == 0 else ("", "", "")
+    for index, (mine, other) in enumerate(zip(ours[1], theirs[1], strict=True)):
+        first = (goal, theirs[0], ours[0]) if index == 0 else ("", "", "")
         unit = "" if mine.measure.unit == "-" else f" [{mine.measure.unit}]"
         sign = "≤" if mine.measure.better == "lower" else "≥"
         cells = (*first, mine.measure.name + unit, f"{sign} {mine.measure.target:g}", reached(other), reached(mine))
@@ -82,11 +98,10 @@ def page(runs: int) -> str:
     tasks = tasks_to_run()
     for name in tasks:
         print(name, flush=True)
-        ours = run_task(TaskRun(name, scenarios=runs))
-        theirs = run_task(TaskRun(name, scenarios=runs, knowledge=KNOWLEDGE))
+        ours, theirs = measured(name, None, runs), measured(name, KNOWLEDGE, runs)
         table += rows(name, ours, theirs)
         for source, outcome in (("original", theirs), ("library", ours)):
-            met[source] += all(one.met for one in outcome.measured)
+            met[source] += all(one.met for one in outcome[1])
     summary = (
         f"Of the {len(tasks)} goals the original's options meet all targets of {met['original']}, "
         f"the library's of {met['library']}."

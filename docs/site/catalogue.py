@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
 
-from docs.figures.draw_goals import cut_out
+from docs.figures.draw_goals import cut_out, tasks_to_run
 from docs.site.measured import anchor, rows_about
 from docs.site.spaces import started, worlds
 from docs.site.stage import ORPHAN, ROOT, Stage
@@ -13,7 +13,6 @@ from docs.site.texts import cell, code, described, table
 from selector.documents.find import KINDS, files_of
 from selector.knowledge import Option, load_knowledge
 from train.cli.listing import LINES, names_of
-from train.evaluation.task_run import tasks_to_run
 
 CALLED = {
     "tasks": ("Tasks", "task"),
@@ -46,12 +45,12 @@ PICTURES = {
 """Mission -> its picture in docs/pictures."""
 COMMANDS = {
     "experiments": "clean-swarm evaluate {name} --scenarios 2",
-    "knowledge": "clean-swarm evaluate --family table1 --knowledge {name} --strategy MaxScore --scenarios 2",
-    "machines": "clean-swarm evaluate --family clustered --strategy fsm:{name} --scenarios 2",
+    "knowledge": "clean-swarm evaluate table1 --knowledge {name} --strategy MaxScore --scenarios 2",
+    "machines": "clean-swarm evaluate clustered --strategy fsm:{name} --scenarios 2",
     "mechanisms": "clean-swarm look draw {name}",
     "policies": "clean-swarm play crowded-exploring --strategy policy:{name}",
     "robots": "clean-swarm look draw {name}",
-    "strategy-classes": "clean-swarm evaluate --family table1 --strategy {name} --scenarios 2",
+    "strategy-classes": "clean-swarm evaluate table1 --strategy {name} --scenarios 2",
 }
 """Kind -> the line that starts or shows a name of it."""
 KINDS_SHOWN = tuple(kind for kind in CALLED if kind in LINES)

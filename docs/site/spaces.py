@@ -30,9 +30,9 @@ def environment(kind: str, name: str) -> CleanSwarm:
 def started(kind: str, name: str) -> Iterator[str]:
     """Yield the lines that start it, its id and its version."""
     lines = {
-        "tasks": f"clean-swarm run {name} --runs 5\nclean-swarm play {name}",
+        "tasks": f"clean-swarm evaluate {name} --scenarios 5\nclean-swarm play {name}",
         "missions": f"clean-swarm play {name}",
-        "families": f"clean-swarm evaluate --family {name} --strategy fixed --strategy Random --scenarios 2\n"
+        "families": f"clean-swarm evaluate {name} --strategy fixed --strategy Random --scenarios 2\n"
         f"clean-swarm play {name}",
     }
     yield "## Start it"

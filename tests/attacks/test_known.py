@@ -23,7 +23,7 @@ def words_for(path):
         return ("knowledge", "import", path, "--store", "store.sqlite")
     if path.name == "starts.json":
         return ("evaluate", "--starts", path)
-    return ("evaluate", *(("--family",) if path.name.startswith("fam") else ()), path, *CONFIGS)
+    return ("evaluate", path, *CONFIGS)
 
 
 FILES = sorted(path for pattern in ("*.yaml", "*.json") for path in ATTACKS.glob(pattern) if path.name not in RUN)
@@ -34,12 +34,10 @@ COMMANDS |= {
 }
 COMMANDS |= {f"draw {name}": ("look", "draw", ATTACKS / name) for name in ("e2.yaml", "k1.yaml", "m1.yaml", "e5.yaml")}
 COMMANDS |= {
-    f"run {name}": ("run", "MaxValue", "--knowledge", name, *CONFIGS) for name in ("bomb", "selfref", "../x", "none")
+    f"run {name}": ("evaluate", "MaxValue", "--knowledge", name, *CONFIGS)
+    for name in ("bomb", "selfref", "../x", "none")
 }
 COMMANDS |= {
-    "runs": ("run", "MaxValue", "--runs", 10**9),
-    "robots": ("run", "MaxValue", "--robots", 10**9),
-    "seconds": ("run", "MaxValue", "--seconds", "1e300"),
     "scenarios": ("evaluate", "--scenarios", 10**8),
     "workers": ("evaluate", "--workers", 10**9),
     "seed": ("evaluate", "--seed", 10**30),
@@ -49,7 +47,7 @@ COMMANDS |= {
 @pytest.fixture(scope="module")
 def imported():
     """What these commands import takes memory and time, which are not measured."""
-    for words in (("list",), ("evaluate", "--condition", "nothing"), ("run", "MaxValue", "--runs", 0)):
+    for words in (("list",), ("evaluate", "--condition", "nothing"), ("evaluate", "MaxValue", "--scenarios", 0)):
         run(*words)
 
 

@@ -10,7 +10,7 @@ from tests.attacks.strangers import hostile_files
 from tests.train.commands import command, run
 from train.cli.app import app
 
-DOCUMENTS = ("--family", "--config", "--starts", "--knowledge", "--store", "--configs")
+DOCUMENTS = ("--config", "--starts", "--knowledge", "--store", "--configs")
 """Options that take a file."""
 GIVEN = {
     "--robot": 0,
@@ -33,7 +33,7 @@ def leaves(command, words=()):
         yield from leaves(below, (*words, name))
 
 
-OPENING = ("evaluate", "explain", "play", "record", "replay", "run", "train bandit")
+OPENING = ("evaluate", "explain", "play", "record", "replay", "train bandit")
 """Commands that the gate tries: those that run what a document, results or a recording name."""
 COMMANDS = {" ".join(words): command for words, command in leaves(typer.main.get_command(app))}
 

@@ -246,9 +246,9 @@ def test_dask_knows_the_settings():
 
 
 COMMANDS = [page for page in PAGES if blocks(page, "sh")]
-NAMED = {"--family": ("families", "tasks", "missions"), "--config": ("training",)}
-"""Option -> the kinds of names that it takes."""
-OF_EXAMPLES = {"Shepherding", "parting"}
+NAMED = {"evaluate": ("experiments", "families", "tasks", "missions"), "--config": ("training",)}
+"""Command or option -> the kinds of names that it takes."""
+OF_EXAMPLES = {"Shepherding", "KeepApart", "parting"}
 """Names that the files in `examples` bring."""
 
 
@@ -285,7 +285,7 @@ def test_commands_are_such_as_the_program_takes(page):
             parse(words)
             for option, value in pairwise(words):
                 known = [name for kind in NAMED.get(option, ()) for name in names_of(kind, (), told=False)]
-                assert not known or value in {*known, *own} or value.endswith(".yaml") or value[0] == "$", value
+                assert not known or value in {*known, *own} or value.endswith(".yaml") or value[0] in "$-", value
         elif words[0] == "-m":
             assert words[1] == "twine" or find_spec(words[1]) is not None, words
         elif program.startswith("python"):
@@ -295,9 +295,8 @@ def test_commands_are_such_as_the_program_takes(page):
 QUICK = {
     "list families": (),
     "look draw cleaning": (),
-    "run ReachGoal --option": (),
-    "run Foraging --runs 1": (),
-    "run Shepherding": ("--runs", "1"),
+    "evaluate ReachGoal": ("--scenarios", "1"),
+    "evaluate Shepherding": ("--scenarios", "1"),
     "play crowded": (),
 }
 """Beginnings of the lines that take a second or two -> words behind them that make them short."""

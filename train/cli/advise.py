@@ -94,9 +94,7 @@ def use_of(mission: str, folder: Path, directories: Sequence[Path], seed: int, *
     used = str(folder) if os.sep in str(folder) else f".{os.sep}{folder}"  # a path, and no name
     more = [word for path in directories for word in ("--configs", str(path))]
     more += [word for name in named_plugins() for word in ("--import", name)]
-    command = shlex.join(
-        ["clean-swarm", "evaluate", "--family", mission, "--knowledge", used, "--seed", str(seed), *more]
-    )
+    command = shlex.join(["clean-swarm", "evaluate", mission, "--knowledge", used, "--seed", str(seed), *more])
     given = f"family={mission!r}" if family else repr(mission)
     return [
         f"use it:  {command} --strategy MaxScore",

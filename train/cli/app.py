@@ -69,8 +69,7 @@ app = typer.Typer(cls=_Grouped, no_args_is_help=True, pretty_exceptions_enable=F
 COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     "run": {
         "advise": (advise.advise_command, "which coordination a mission needs, and whether a selector pays (10 min)"),
-        "run": (evaluate.run_command, "a task beside its baseline, by its measures (seconds)"),
-        "evaluate": (evaluate.evaluate_command, "an experiment, or strategies on a family (1 to 60 min)"),
+        "evaluate": (evaluate.evaluate_command, "an experiment, or strategies on a mission (1 to 60 min)"),
         "list": (listing.list_command, "what there is: kinds, and the names of one kind (seconds)"),
         "play": (play.play_command, "a mission in the browser, changed by hand (starts in seconds)"),
         "warm": (warm.warm_command, "compile everything, once (1 min)"),

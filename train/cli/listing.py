@@ -61,7 +61,7 @@ LINES = {
     "action-classes": "actions in code: `type:` of an action of a behaviour",
     "activator-classes": "activators in code: `type:` of an activator of a condition",
     "experiments": "one mission under several conditions: evaluate NAME",
-    "families": "scenarios drawn at random, to compare strategies on: evaluate --family NAME",
+    "families": "scenarios drawn at random, to compare strategies on: evaluate NAME",
     "knowledge": "options of each goal, with the scores of experts: --knowledge NAME",
     "machines": "finite state machines that choose options: --strategy fsm:NAME",
     "mechanism-classes": "mechanisms in code: `type:` of a configuration",
@@ -75,7 +75,7 @@ LINES = {
     "starts": "start configurations of experiments",
     "strategies": "strategies that have learned: --strategy learned:NAME",
     "strategy-classes": "ways to choose and to learn: --strategy NAME",
-    "tasks": "what robots do, also a mission and a family each: run NAME",
+    "tasks": "what robots do, also a mission and a family each: evaluate NAME",
     "terms": "what robots can observe: terms of an observation",
     "training": "trainings: train ppo|bandit|es|design --config NAME",
 }

@@ -40,9 +40,7 @@ def play_command(
     ] = "crowded",
     strategy: Annotated[
         str | None,
-        typer.Option(
-            help="Strategy of the robots, as for `evaluate --family`; MaxScore, or the best option, unless given."
-        ),
+        typer.Option(help="Strategy of the robots, as for `evaluate`; MaxScore, or the best option, unless given."),
     ] = None,
     scenario: Annotated[int, typer.Option(help="Number of the start configuration or the scenario, from 1 on.")] = 1,
     seed: Seed = 0,

@@ -1,5 +1,6 @@
 """`clean-swarm warm`: compile everything before missions need it."""
 
+from itertools import chain
 from time import process_time
 
 import typer
@@ -28,14 +29,15 @@ def warm_command() -> None:
 
 def _compile_everything() -> None:
     """Run the beginnings of missions under every option, and of all tasks: whatever they call is compiled and kept."""
+    from clean_swarm_env.config.task_names import task_names
     from train.evaluation.experiment import ExperimentEvaluation
     from train.evaluation.family import FamilyEvaluation
-    from train.evaluation.task_run import TaskRun, run_task, tasks_to_run
     from train.request import Request
 
     batches = FamilyEvaluation(Request(FAMILY, ("fixed", "fsm:rule"), scenarios=1)).tasks({})
     single = ExperimentEvaluation(Request(EXPERIMENT, scenarios=1)).tasks({})
+    tasks = [FamilyEvaluation(Request(name, ("MaxScore",), scenarios=2)).tasks({}) for name in task_names()]
     for mission in (*batches, *single):
         mission.beginning().run()
-    for task in tasks_to_run():
-        run_task(TaskRun(task, scenarios=2, seconds=TASK_SECONDS))
+    for mission in chain(*tasks):
+        mission.beginning(TASK_SECONDS).run()

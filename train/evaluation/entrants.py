@@ -22,7 +22,7 @@ from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FILED, FIXED, decider_named
 from train.deciders.unseen import decided_and_held, remarks_of, undecided
 
-UNTAUGHT = "has learned nothing and learns nothing; --learn with --family, or `clean-swarm train bandit`, teaches it"
+UNTAUGHT = "has learned nothing and learns nothing; --learn, or `clean-swarm train bandit`, teaches it"
 """What is said of a strategy that could learn."""
 
 

@@ -55,7 +55,7 @@ class ExperimentEvaluation(Evaluation):
         self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}{self.starts.stem}"
         check_mission(self.experiment, directories, request.name)
         if request.store.learn:
-            raise ConfigurationError("--learn: expected --family, whose strategies choose once in a mission")
+            raise ConfigurationError("--learn: expected strategies, which choose once in a mission, and no experiment")
         store = replace(request.store, path=request.store.path or self.experiment.mission.store or None)
         self.mission = self.experiment.mission.model_copy(update={"store": ""})
         self.scenarios = [start.id for start in self.experiment.starts]

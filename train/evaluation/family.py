@@ -13,7 +13,8 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, Scenario, place_of, scenario_name
 from clean_swarm_env.config.known import knowledge_of, mission_context
-from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.load import load_family, own_mission
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
@@ -170,7 +171,9 @@ class FamilyEvaluation(Evaluation):
             return Publication(*named, found.verdict(ranking), tables, found.content, draw_robustness(found))
         report = family_report_of(runs)
         first, *others = family_tables(report)
-        first = replace(first, notes=(*first.notes, *self.decided))
+        own, here = setting_of(own_mission(self.mission.task.name)), setting_of(self.mission)
+        stated = [f"targets are stated for {own}, not for {here}"] if report.measured and own != here else []
+        first = replace(first, notes=(*first.notes, *self.decided, *stated))
         return Publication(*named, report.verdict, [first, *others], report.content, draw_family(report))
 
     def runs(self, records: Sequence[RunRecord], conditions: Mapping[str, tuple[str, ...]]) -> FamilyRuns:
@@ -187,7 +190,6 @@ class FamilyEvaluation(Evaluation):
         )
 
 
-class AloneEvaluation(FamilyEvaluation):
-    """The evaluation of strategies alone, without `Off` and `Random` beside them."""
-
-    beside_baselines = False
+def setting_of(mission: MissionConfig) -> str:
+    """Return what users choose of a mission, in words."""
+    return f"{mission.robots.count} robots, {mission.time_limit:g} s, {mission.world.ground}"

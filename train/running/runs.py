@@ -183,9 +183,9 @@ class Job(ABC):
         left = tuple(scenario for scenario in self.scenarios if (scenario.id, self.condition) not in done)
         return replace(self, scenarios=left)
 
-    def beginning(self) -> Self:
+    def beginning(self, seconds: float = WARM_UP_LIMIT) -> Self:
         """Return the beginning of the first run, which compiles the kernels that all runs call."""
-        limit = min(self.first.mission.time_limit, WARM_UP_LIMIT)
+        limit = min(self.first.mission.time_limit, seconds)
         short = self.first.mission.model_copy(update={"time_limit": limit})
         return replace(self, scenarios=(replace(self.first, mission=short),), record=None)
 

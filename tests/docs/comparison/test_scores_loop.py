@@ -68,7 +68,7 @@ def test_strategies_learn_from_runs_of_single_options_as_the_command_does(tmp_pa
                                 own.missions.knowledge, own.missions, (3, 4))  # fmt: skip
         for row, seed in enumerate((3, 4)):
             output = tmp_path / f"{text[:3]}-{seed}"
-            done("evaluate", "--family", file, "--store", f"{output}.sqlite", "--learn", "--strategy", text,
+            done("evaluate", file, "--store", f"{output}.sqlite", "--learn", "--strategy", text,
                  "--scenarios", 4, "--seed", seed, "--output", output)  # fmt: skip
             assert taken(output) == [names[option] for option in found[row]]
             (strategy,) = {record.condition for record in runs_of(output / JOURNAL)}

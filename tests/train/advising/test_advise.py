@@ -83,7 +83,7 @@ def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatc
     assert next(line for line in again.splitlines() if line.startswith("yard: ")) in out
     assert "| strategy |" in (tmp_path / "advice/yard/table.md").read_text().partition("## search, ")[2]
     (tmp_path / "advice").rename(tmp_path / "moved")
-    done("evaluate", "--family", "moved/yard", "--strategy", "MaxScore", "--scenarios", 2)
+    done("evaluate", "moved/yard", "--strategy", "MaxScore", "--scenarios", 2)
 
 
 def test_what_is_best_for_each_kind_of_start_is_judged_on_the_last_round(tmp_path, monkeypatch):

@@ -118,7 +118,7 @@ def _experiment(path: Path, **changes: object) -> Path:
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["tabel1"], "unknown experiment 'tabel1' (known: disturbed-crowd, patrol, robustness, scout-options, scouts"),
+        (["tabel1"], "unknown mission, family, experiment or task 'tabel1' (known: bumpers, cleaning-patrol"),
         (["none.yaml"], "none.yaml: no such file"),
         (
             ["--condition", "Gradient"],

@@ -3,7 +3,6 @@
 Each command runs in a fork of this process.
 """
 
-import json
 import shutil
 import subprocess
 import sys
@@ -25,6 +24,8 @@ READ = "return np.hypot(*self.source.vectors[rows].T) > self.speed"
 """What the sensor of the template does."""
 FORMULA = "class KeepDistance(FormulaMechanism):"
 TASK = "    fewest = 2\n"
+ONE = ("--strategy", "MaxScore", "--scenarios", "1", "--workers", "1", "--output", "r")
+"""A mission under one strategy, in this process."""
 """A line of the template's task, after which tests add methods."""
 PLAIN = (
     "class KeepDistance(__import__('selforg.mechanisms').mechanisms.MovementMechanism):\n"
@@ -88,7 +89,7 @@ def test_a_wheel_of_the_template_has_its_entry_point_and_its_files(tmp_path):
     install = [sys.executable, "-m", "pip", "install", *options, str(tmp_path / "plugin")]
     subprocess.run(install, check=True, capture_output=True)
     assert "(from my-swarm 0.1.0)" in done(tmp_path / "site", "list", "families")
-    assert json.loads(done(tmp_path / "site", "run", "KeepApart", "--json"))["option"] == "KeepDistance"
+    assert "nearest" in done(tmp_path / "site", "evaluate", "KeepApart", *ONE)
 
 
 @pytest.mark.parametrize(
@@ -97,7 +98,7 @@ def test_a_wheel_of_the_template_has_its_entry_point_and_its_files(tmp_path):
 def test_an_installed_plugin_is_known_to_commands_and_their_workers(installed, mechanism, workers):
     rewrite(installed, (FORMULA, mechanism))
     words = ("--strategy", "fixed:KeepDistance", "--strategy", "Second", "--scenarios", "2", "--workers", workers)
-    done(installed, "evaluate", "--family", "parting", *words, "--output", "r")
+    done(installed, "evaluate", "parting", *words, "--output", "r")
     table = (installed.parent / "r" / "table.md").read_text()
     assert "Second" in table
     assert "KeepDistance" in table
@@ -126,8 +127,8 @@ def test_names_say_where_they_come_from(installed):
 def test_a_plugin_that_is_only_named_is_known_as_well_and_not_without(site):
     """By the command line; a file may name it only if the command line does."""
     rewrite(site, (FORMULA, PLAIN))
-    assert "unknown task 'KeepApart'" in refused(site, "run", "KeepApart")
-    family = ("evaluate", "--family", "my_swarm:KeepApart", "--strategy")
+    assert "experiment or task 'KeepApart'" in refused(site, "evaluate", "KeepApart")
+    family = ("evaluate", "my_swarm:KeepApart", "--strategy")
     assert "unknown strategy 'Nothing'" in refused(site, *family, "Nothing")
     words = (*family, "my_swarm:Second", "--scenarios", "1", "--workers", "1", "--output", "r")
     done(site, *words)
@@ -136,7 +137,7 @@ def test_a_plugin_that_is_only_named_is_known_as_well_and_not_without(site):
     (site.parent / "own.yaml").write_text(
         f"name: own\ndescription: Few.\nmission: {mission}\nrobots: [3, 3]\nitems: [0, 0]\n"
     )
-    words = ("evaluate", "--family", "own.yaml", "--strategy", "fixed", "--scenarios", "1", "--workers", "1")
+    words = ("evaluate", "own.yaml", "--strategy", "fixed", "--scenarios", "1", "--workers", "1")
     line = refused(site, *words)
     assert "own.yaml: mission: task: " in line
     assert "only a file asks to import my_swarm:KeepApart; --import my_swarm (imports= in Python) allows it" in line
@@ -215,7 +216,7 @@ def kinds(tmp_path):
 
 
 def test_every_kind_comes_from_a_file_that_a_command_names(site, kinds):
-    words = ("evaluate", "--family", "kinds", "--configs", ".", "--strategy", "fixed", "--strategy", "MaxScore")
+    words = ("evaluate", "kinds", "--configs", ".", "--strategy", "fixed", "--strategy", "MaxScore")
     words = (*words, "--scenarios", "2", "--workers", "1")
     assert "unknown activator 'Low' (known: Boolean, " in refused(site, *words)
     done(site, *words, "--import", "kinds.py")
@@ -260,15 +261,15 @@ def test_ppo_learns_on_the_family_and_with_the_terms_of_plugins(installed, kinds
 def test_entry_points_that_lead_nowhere_are_one_line_and_two_to_one_module_are_one_plugin(installed, entries, said):
     described(installed, "my-swarm", "0.1.0", entries)
     if said:
-        assert said in refused(installed, "run", "KeepApart")
+        assert said in refused(installed, "evaluate", "KeepApart", *ONE)
     else:
         assert "parting" in done(installed, "list", "families")
 
 
 def test_a_package_that_brings_names_of_another_is_one_line(installed):
     described(installed, "other-swarm", "1", "other = other_swarm")
-    shutil.copytree(installed / "my_swarm", installed / "other_swarm")
-    line = refused(installed, "run", "KeepApart")
+    shutil.copytree(installed / "my_swarm", installed / "other_swarm", ignore=shutil.ignore_patterns("*.yaml"))
+    line = refused(installed, "evaluate", "KeepApart", *ONE)
     assert "other_swarm/__init__.py:" in line
     assert "mechanism 'KeepDistance' is registered already, by my_swarm" in line
 
@@ -303,13 +304,13 @@ def test_a_package_that_brings_names_of_another_is_one_line(installed):
 def test_a_plugin_that_cannot_be_imported_is_one_line_once_it_is_needed(installed, code, said):
     (installed / "my_swarm" / "__init__.py").write_text(code)
     done(installed, "--help")
-    assert said in refused(installed, "run", "KeepApart")
-    assert said in refused(installed, "run", "Foraging", "--import", "my_swarm")
+    assert said in refused(installed, "evaluate", "KeepApart", *ONE)
+    assert said in refused(installed, "evaluate", "Foraging", *ONE, "--import", "my_swarm")
 
 
 def test_a_file_of_a_plugin_has_a_name_of_its_own(installed):
     (installed / "my_swarm" / "families" / "crowded.yaml").write_text("name: crowded\n")
-    line = refused(installed, "evaluate", "--family", "parting", "--strategy", "fixed")
+    line = refused(installed, "evaluate", "parting", "--strategy", "fixed")
     assert "my-swarm 0.1.0: " in line
     assert "families/crowded.yaml: the family 'crowded' exists already: " in line
 
@@ -364,7 +365,9 @@ def test_a_file_of_a_plugin_has_a_name_of_its_own(installed):
 )
 def test_a_plugin_that_breaks_its_contract_is_one_line(installed, old, new, said):
     rewrite(installed, (FORMULA, PLAIN), (old, f"{TASK}    {new}\n" if old == TASK else new))
-    assert said in refused(installed, "run", "KeepApart", "--runs", "4")
+    code, _, err = run(commands.command, installed, "evaluate", "KeepApart", *ONE, "--scenarios", "4")
+    assert (code, "Traceback" in err) == (2, False)
+    assert said in err.splitlines()[-1]
 
 
 @pytest.mark.parametrize(
@@ -382,7 +385,7 @@ def test_a_plugin_that_breaks_its_contract_is_one_line(installed, old, new, said
 def test_a_strategy_that_breaks_its_contract_is_one_line_from_a_worker_too(installed, new, said, workers):
     rewrite(installed, ("        others =", f"        {new}\n        others ="))
     words = ("--strategy", "Second", "--scenarios", "2", "--workers", workers)
-    code, _, err = run(commands.command, installed, "evaluate", "--family", "table1", *words)
+    code, _, err = run(commands.command, installed, "evaluate", "table1", *words)
     assert code == 2
     assert said in err.splitlines()[-1]
     assert "Traceback" not in err
@@ -392,7 +395,7 @@ def test_a_plugin_that_only_a_worker_cannot_import_is_one_line(installed):
     head = "if __import__('multiprocessing').current_process().name.startswith('Spawn'):\n    raise SystemExit(0)\n"
     rewrite(installed, (FORMULA, PLAIN), ("\nNEAREST = ", f"\n{head}\nNEAREST = "))
     words = ("--strategy", "fixed", "--strategy", "Second", "--scenarios", "2", "--workers", "2")
-    code, _, err = run(commands.command, installed, "evaluate", "--family", "parting", *words)
+    code, _, err = run(commands.command, installed, "evaluate", "parting", *words)
     assert (code, "Traceback" in err) == (2, False)
     assert "__init__.py:20: SystemExit: 0" in err.splitlines()[-1]
 

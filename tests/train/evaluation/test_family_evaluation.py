@@ -36,7 +36,7 @@ def family(tmp_path):
 @pytest.fixture
 def words(family):
     """The beginning of the commands."""
-    return "evaluate", "--family", family, "--workers", 1
+    return "evaluate", family, "--workers", 1
 
 
 def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(words, tmp_path):
@@ -105,7 +105,7 @@ def test_what_strategies_learned_is_taken_from_their_files(words, undrawn, tmp_p
         (("--strategy", "learned:none"), "unknown learned strategy 'none'"),
         (("--strategy", "fixed:Nothing"), "unknown option 'Nothing'"),
         (("--strategy", "fsm:rule", "--knowledge", "cleaning"), "machine: options: knows RepulsionGradient-from0.25, "),
-        (("--starts", "x.json"), "--starts: expected without --family only"),
+        (("--starts", "x.json"), "--starts: expected with an experiment"),
     ],
 )
 def test_mistakes_are_one_line_and_nothing_is_written(words, tmp_path, more, line):

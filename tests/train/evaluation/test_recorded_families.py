@@ -27,7 +27,7 @@ def results(tmp_path_factory):
     (directory / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     words = [word for name in STRATEGIES for word in ("--strategy", name)]
     words += ["--scenarios", 2, "--workers", 1, "--minds", "--configs", TRAINED, "--output", directory / "run"]
-    done("evaluate", "--family", directory / "small.yaml", *words)
+    done("evaluate", directory / "small.yaml", *words)
     return directory / "run"
 
 

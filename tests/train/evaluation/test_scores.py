@@ -59,7 +59,7 @@ def here(monkeypatch, tmp_path):
         (tmp_path / "my" / kind / f"{name}.yaml").write_text(yaml.safe_dump(content))
 
 
-LEARN = ("evaluate", "--family", "rooms", *OWN, "--learn")
+LEARN = ("evaluate", "rooms", *OWN, "--learn")
 
 
 def learn(*words, store="s.sqlite", strategy=UCB):
@@ -100,7 +100,7 @@ def test_wrong_scores_are_put_right_by_missions_and_a_later_process_profits_at_o
     assert first[:3] == [FAR, GRADIENT, NEAR]  # as the expert ranks them
     assert first[-5:].count(NEAR) >= 4
     assert {name: count for name, (count, _) in held().items()} == {name: first.count(name) for name in set(first)}
-    words = ("evaluate", "--family", "rooms", *OWN, *ONE, "--strategy", "MaxScore", "--scenarios", 2, "--seed", 5)
+    words = ("evaluate", "rooms", *OWN, *ONE, "--strategy", "MaxScore", "--scenarios", 2, "--seed", 5)
     others = ("--strategy", f"fixed:{NEAR}", "--strategy", f"fixed:{FAR}")
     done(*words, *others, "--store", "s.sqlite", "--output", "later")
     rows = figures(tmp_path / "later")
@@ -158,7 +158,7 @@ def test_the_same_missions_are_not_learned_again_and_results_that_learned_go_on_
     assert refused(*LEARN, *UCB, "--scenarios", 1, "--store", "s.sqlite").startswith(
         "error: s.sqlite: holds what 'family rooms, AvoidCollision, seed 0' learned already; take another --seed"
     )
-    words = ("evaluate", "--family", "rooms", *OWN, *UCB, "--scenarios", 2, "--output", "a", "--resume")
+    words = ("evaluate", "rooms", *OWN, *UCB, "--scenarios", 2, "--output", "a", "--resume")
     code, _, err = command(*words)
     assert code == 2
     assert "has other results: learns: expected None, got True" in err
@@ -188,7 +188,7 @@ def test_mistakes_are_one_line_and_nothing_is_written(tmp_path, words, line):
     other = KnowledgeStore("other.sqlite")
     far = Option(name=GRADIENT, configuration="RepulsionGradient", score=1.0, parameters={"view_distance": 9.0})
     other.introduce(Knowledge({"AvoidCollision": (far,)}))
-    given = words.replace("ROOMS", "--family rooms --knowledge wrong").split()
+    given = words.replace("ROOMS", "rooms --knowledge wrong").split()
     assert line in refused(*given, *OWN, "--output", "none")
     assert not (tmp_path / "none").exists()
 
@@ -199,7 +199,7 @@ def test_an_experiment_begins_with_the_store_but_for_the_scores_of_its_condition
     out = done(*words, "--condition", "by score", "--output", "only", "--all")
     assert "known at the beginning in the context 'mission hall'" in out
     assert "0.9000 [0.9000, 0.9000]" in (tmp_path / "only/table.md").read_text()
-    assert "--learn: expected --family" in refused(*words, "--learn", "--output", "none")
+    assert "--learn: expected strategies" in refused(*words, "--learn", "--output", "none")
     assert not (tmp_path / "none").exists()
 
 
@@ -216,8 +216,8 @@ def test_scores_of_a_family_are_those_of_its_fixed_options(tmp_path):
 
 def test_scores_of_a_goal_decide_what_serves_it(tmp_path):
     scored = ("--strategy", "fixed", "--store", "s.sqlite", "--learn", "--scenarios", ENOUGH)
-    done("evaluate", "--family", "ReachGoal", *scored)
-    words = ("evaluate", "--family", "ReachGoal", "--strategy", "MaxScore", *ONE, "--scenarios", 1, "--all")
+    done("evaluate", "ReachGoal", *scored)
+    words = ("evaluate", "ReachGoal", "--strategy", "MaxScore", *ONE, "--scenarios", 1, "--all")
     out = done(*words, "--store", "s.sqlite", "--output", "after")
     (taken,) = [line for line in out.splitlines() if line.split()[-1:] == ["taken"]]
     assert taken.split()[:3] == ["ReachGoal", "-", "ChemotaxisGe"]
@@ -251,7 +251,7 @@ def test_a_mission_names_its_store(tmp_path):
     shutil.copy("my/families/rooms.yaml", "my/families/hut.yaml")
     family = ROOMS | {"name": "hut", "mission": {"base": "hut", "time_limit": 400.0}}
     (tmp_path / "my/families/hut.yaml").write_text(yaml.safe_dump(family))
-    words = ("evaluate", "--family", "hut", "--strategy", "MaxScore", "--strategy", f"fixed:{NEAR}", "--scenarios", 1)
+    words = ("evaluate", "hut", "--strategy", "MaxScore", "--strategy", f"fixed:{NEAR}", "--scenarios", 1)
     done(*words, *OWN, *ONE, "--output", "r")
     by_score, _, near = figures(tmp_path / "r")
     assert by_score == near

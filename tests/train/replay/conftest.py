@@ -29,7 +29,7 @@ def results(tmp_path_factory) -> Path:
     (directory / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     settings = ("--scenarios", 1, "--workers", 1, "--minds", "--configs", TRAINED, "--output", directory / "run")
     strategies = (word for name in CONDITIONS for word in ("--strategy", name))
-    done("evaluate", "--family", directory / "small.yaml", *strategies, *settings)
+    done("evaluate", directory / "small.yaml", *strategies, *settings)
     conditions = (word for name in CONDITIONS for word in ("--condition", name))
     done("replay", directory / "run", *conditions, "--html", directory / "both.html")
     return directory

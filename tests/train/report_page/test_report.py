@@ -47,7 +47,7 @@ def results(tmp_path_factory) -> Path:
     (folder / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     words = [word for name in CONDITIONS for word in ("--strategy", name)]
     words += ["--scenarios", "3", "--workers", "1", "--record", "--output", str(folder / "run")]
-    done("evaluate", "--family", folder / "small.yaml", *words)
+    done("evaluate", folder / "small.yaml", *words)
     return folder / "run"
 
 

@@ -185,7 +185,7 @@ def test_workers_that_die_between_rounds_are_replaced():
 def started(folder: Path, output: str) -> subprocess.Popen[str]:
     """Start an evaluation of the family by two workers."""
     (folder / "uneven.yaml").write_text(yaml.safe_dump(FAMILY))
-    words = ["evaluate", "--family", "uneven.yaml", "--scenarios", str(SCENARIOS), "--workers", "2"]
+    words = ["evaluate", "uneven.yaml", "--scenarios", str(SCENARIOS), "--workers", "2"]
     words += ["--strategy", "fixed:RepulsionGradient-view0.5", "--strategy", "Random", "--output", output]
     given = {"cwd": folder, "env": {**os.environ, "PYTHONPATH": str(ROOT)}, "stdout": subprocess.DEVNULL}
     command = [sys.executable, "-m", "clean_swarm_env", *words]

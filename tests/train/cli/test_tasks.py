@@ -1,4 +1,4 @@
-"""`clean-swarm run`: a task by an option and by its baseline; tasks of files of the user's own."""
+"""Tasks by `clean-swarm evaluate`: their measures beside targets and baselines; tasks of files of the user's own."""
 
 import json
 import re
@@ -6,53 +6,39 @@ import re
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.load import own_mission
 from clean_swarm_env.config.tasks import find_task
+from docs.figures.draw_goals import tasks_to_run
+from docs.figures.write_original import measured
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
 from tests.train.commands import apart, done, refused
 from train.analysis.task_report import measured_strategies
-from train.evaluation.task_run import TaskOutcome, TaskRun, tasks_to_run
 
 ORIGINAL = load_knowledge("original")
+WORDS = ("--strategy", "MaxScore", "--workers", 1, "--output", "r", "--all")
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
 
 
 def test_a_task_prints_its_measures_with_target_and_baseline():
-    out = done("run", "MaxValue", "--runs", "3")
-    assert "MaxValue by GossipMax: 20 robots, 12 s, open, 3 runs of seed 0" in out
-    row = next(line for line in out.splitlines() if "rounds to agreement" in line)
-    assert re.search(r"≤ 6 .* yes +- ", row), row
-    assert "target of rounds to agreement: 13 m across" in out
+    out = done("evaluate", "MaxValue", *WORDS, "--scenarios", 3)
+    assert "MaxValue: rounds to agreement" in out
+    assert "target ≤ 6: 13 m across" in " ".join(out.split())
+    assert [re.split(r"\s{2,}", line.strip())[0] for line in out.splitlines() if " - " in line and "yes" in line]
 
 
-def test_json_holds_the_same_figures_for_equal_seeds():
-    first, again = (done("run", "FindBarycenter", "--runs", "2", "--seed", "4", "--json") for _ in range(2))
-    assert first == again
-    given = json.loads(first)
-    assert (given["option"], given["seed"], given["runs"]) == ("Barycenter", 4, 2)
-    assert given["targets_are_for_this_setting"]
-    assert [measure["unit"] for measure in given["measures"]] == ["m", "-"]
-
-
-def test_options_of_the_command_reach_the_mission():
-    options = (
-        "--robots",
-        "4",
-        "--seconds",
-        "2",
-        "--arena",
-        "open",
-        "--option",
-        "RepulsionGradient-view1.5",
-        "--runs",
-        "1",
+def test_targets_are_for_the_tasks_own_setting(tmp_path):
+    (tmp_path / "few.yaml").write_text(
+        "{name: few, task: AgentCollisionAvoidance, robots: {count: 4}, time_limit: 2.0, world: {ground: open}}"
     )
-    out = done("run", "AgentCollisionAvoidance", *options)
-    assert "by RepulsionGradient-view1.5: 4 robots, 2 s, open, 1 run of seed 0" in out
-    assert "targets are stated for 10 robots, 120 s, torus" in out
-    given = json.loads(done("run", "AgentCollisionAvoidance", *options, "--json"))
-    assert given["measures"][0]["beats_baseline"] is None  # one run has no interval
-    assert not given["targets_are_for_this_setting"]
+    done("evaluate", "few.yaml", *WORDS, "--scenarios", 1)
+    table = (tmp_path / "r" / "table.md").read_text()
+    assert "targets are stated for 10 robots, 120 s, torus, not for 4 robots, 2 s, open" in table
 
 
 def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
@@ -65,26 +51,25 @@ def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
         "behaviours: {Tell: {action: {type: Decide, mechanism: gossip}}}\n"
     )
     (tmp_path / "mechanisms" / "Mine.yaml").write_text(mine)
-    given = json.loads(done("run", "MaxValue", "--configs", tmp_path, "--runs", "2", "--json"))
-    assert given["option"] == "Mine"
-    assert given["measures"][0]["own"]["mean"] == 1.0  # everybody hears everybody
+    given = ("--configs", tmp_path, "--strategy", "fixed:Mine", "--scenarios", 2, *WORDS[2:])
+    done("evaluate", "MaxValue", *given)
+    rows = [json.loads(line) for line in (tmp_path / "r" / "runs.jsonl").read_text().splitlines()]
+    rounds = [row["measures"]["rounds to agreement"] for row in rows if row["condition"] == "fixed:Mine"]
+    assert rounds == [1.0, 1.0]  # everybody hears everybody
 
 
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (("MaxValue", "--runs", "0"), "--runs: expected a whole number of at least 1, got 0"),
-        (("MaxValue", "--seconds", "nan"), "--seconds: expected a positive number up to 1e+07, got nan"),
-        (("MaxValue", "--arena", "cave"), "--arena: expected torus or open, got 'cave'"),
-        (("MaxValeu",), "unknown task 'MaxValeu'"),
-        (("Cleaning",), "unknown task with a baseline 'Cleaning'"),
-        (("MaxValue", "--option", "Shout"), "goal MaxValue: unknown option 'Shout'"),
+        (("MaxValue", "--scenarios", "0"), "--scenarios: expected a whole number of at least 1, got 0"),
+        (("MaxValeu",), "experiment or task 'MaxValeu'"),
+        (("MaxValue", "--strategy", "fixed:Shout"), "unknown option 'Shout'"),
         (("MaxValue", "--configs", "/nowhere"), "/nowhere: no such directory"),
         (("CircleFormation", "--knowledge", "cleaning"), "cleaning.yaml: unknown goal 'CircleFormation'"),
     ],
 )
 def test_what_cannot_be_meant_is_one_line(arguments, expected):
-    assert expected in refused("run", *arguments)
+    assert expected in refused("evaluate", *arguments)
 
 
 def compared(measure, own, baseline, times=3):
@@ -103,29 +88,19 @@ def test_a_baseline_is_beaten_by_sign_flips_only():
     assert compared(higher, [9.0, 9.0, 12.0], [3.0, 4.0, 5.0]).beats
 
 
-def test_a_task_is_reached_by_all_of_its_measures():
-    measures, asked = find_task("MaxValue").measures, TaskRun("MaxValue")
-    good = [compared(measure, [1.0, 1.0, 0.5], [9.0, 8.0, 9.0]) for measure in measures]
-    bad = compared(measures[1], [5.0, 6.0, 5.0], [9.0, 8.0, 9.0])
-    assert TaskOutcome(asked, "GossipMax", good).reached
-    assert not TaskOutcome(asked, "GossipMax", (good[0], bad)).reached
-
-
 def test_the_page_in_the_docs_is_about_the_tasks_as_they_are():
     text = (ROOT / "docs" / "goal_results.md").read_text(encoding="utf-8")
     assert "14 of 14 tasks meet all their targets" in " ".join(text.split())
     for name in tasks_to_run():
-        task, ground = find_task(name), TaskRun(name).mission.world.ground
+        task, ground = find_task(name), own_mission(name).world.ground
         assert f"| {name} | {task.story} ({ground}) | {task.baseline} |" in text
         for measure in task.measures:
             assert re.search(rf"\| {re.escape(measure.name)}.*\| [≤≥] {measure.target:g} \|", text), measure.name
 
 
-def test_a_task_runs_by_another_expert_knowledge_beside_its_own_baseline():
-    words = ("--knowledge", "original", "--runs", "1", "--seconds", "2")
-    out = done("run", "AgentCollisionAvoidance", *words)
-    assert "AgentCollisionAvoidance by RepulsionGradient-view1.5" in out  # of equal scores the first is taken
-    done("run", "Foraging", *words)
+def test_a_task_runs_by_another_expert_knowledge():
+    option, (first, *_) = measured("AgentCollisionAvoidance", "original", 1)
+    assert (option, first.strategy) == ("RepulsionGradient-view1.5", "MaxScore")  # of equal scores the first is taken
 
 
 def test_every_option_of_the_original_can_be_built_and_serves_a_goal_with_a_task():
@@ -141,11 +116,8 @@ def own(*words):
     return apart(lambda: done(*words))
 
 
-def test_a_task_of_a_users_own_runs_and_is_evaluated_recorded_and_replayed(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (measure,) = json.loads(own("run", "Shepherding", "--import", EXAMPLE, "--runs", "5", "--json"))["measures"]
-    assert measure["own"]["mean"] > measure["baseline"]["mean"]
-    words = ("evaluate", "--family", "Shepherding", "--scenarios", "3", "--workers", "1", "--output", "r", "--record")
+def test_a_task_of_a_users_own_is_evaluated_recorded_and_replayed(tmp_path):
+    words = ("evaluate", "Shepherding", "--scenarios", "3", "--workers", "1", "--output", "r", "--record")
     own(f"--import={EXAMPLE}", *words)
     assert "sheep in the ring" in (tmp_path / "r" / "table.md").read_text()
     assert (tmp_path / "r" / "runs.csv").read_text().splitlines()[0].endswith("wall_s,sheep in the ring")
@@ -158,20 +130,19 @@ def test_a_task_of_a_users_own_runs_and_is_evaluated_recorded_and_replayed(tmp_p
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("evaluate --family own.yaml", f"only a file asks to import {EXAMPLE}:Shepherding"),
-        ("evaluate --family Shepherding", "unknown mission, family or task 'Shepherding'"),
-        ("evaluate --family Shepherding", "a task of your own: --import MODULE or FILE.py"),
+        ("evaluate own.yaml", f"only a file asks to import {EXAMPLE}:Shepherding"),
+        ("evaluate Shepherding", "experiment or task 'Shepherding'"),
+        ("evaluate Shepherding", "a task of your own: --import MODULE or FILE.py"),
         ("list --import=no_swarm", "no_swarm: No module named 'no_swarm'"),
         ("list --import", "--import: expected a module, or a file of Python code"),
         ("list --import no.py", "no.py: expected a module, or a file of Python code"),
-        ("run Foraging --import broken.py", "broken.py:1: SyntaxError"),
-        ("run Foraging --import raises.py", "raises.py:2: ValueError: two lines"),
-        ("run Foraging --import ends.py", "ends.py:2: SystemExit: 3"),
-        ("run Foraging --import taken.py", "'Foraging' is registered already"),
+        ("evaluate Foraging --import broken.py", "broken.py:1: SyntaxError"),
+        ("evaluate Foraging --import raises.py", "raises.py:2: ValueError: two lines"),
+        ("evaluate Foraging --import ends.py", "ends.py:2: SystemExit: 3"),
+        ("evaluate Foraging --import taken.py", "'Foraging' is registered already"),
     ],
 )
-def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_path, monkeypatch, words, said):
-    monkeypatch.chdir(tmp_path)
+def test_a_file_of_strangers_runs_no_code_and_an_unknown_task_is_one_line(tmp_path, words, said):
     mission = f"{{task: '{EXAMPLE}:Shepherding', time_limit: 10.0}}"
     (tmp_path / "own.yaml").write_text(f"{{name: own, description: Few., mission: {mission}, robots: [3, 3]}}")
     example = (ROOT / "examples" / "own_task.py").read_text()
