@@ -24,7 +24,7 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.world.mission import Course, MissionRun
 from selector.strategies.registry import StrategySpec
-from train.evaluation.trial_task import TrialTask
+from train.running.trial_task import TrialTask
 
 OPTION = "RepulsionGradient-from0.25"
 MANY = 1000

@@ -22,7 +22,7 @@ from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from docs.figures.draw_replay import chromium, opened
 from docs.figures.draw_replay import record as record_pair
-from train.evaluation.trial_task import experiment_tasks
+from train.evaluation.scenarios import experiment_tasks
 from train.replay.page_file import write_page
 
 MANY = 1000

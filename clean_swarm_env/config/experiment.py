@@ -1,11 +1,12 @@
 """Typed configuration of an experiment: a mission, the conditions to compare on it, and where it starts."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.mission import MissionConfig, OptionScores, StartConfiguration
 from clean_swarm_env.config.types import Scenarios
 from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import impossible
@@ -13,19 +14,19 @@ from selector.documents.fields import Closed, Label, Name, Number
 from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS, check_trust
 from selector.strategies.registry import StrategySpec, spec_from_text
 
-ConditionScores = dict[str, dict[str, Number]]
 
-
-def _strategy_of(given: object) -> object:
-    """Return the strategy that a text describes; a text that names another kind of decider stays a text."""
-    if not isinstance(given, str):
+def _text_of(given: object) -> object:
+    """Return the text of a strategy, which may be given by its keys; a mistake in it is an error of one line."""
+    if isinstance(given, Mapping):
+        spec = StrategySpec.model_validate(given)
+        values = spec.parameters | ({"sharing": spec.sharing} if "sharing" in spec.model_fields_set else {})
+        given = ":".join(filter(None, (spec.name, ",".join(f"{key}={value}" for key, value in values.items()))))
+    if not isinstance(given, str) or given == BASELINE:
         return given
     kind, _, name = given.partition(":")
-    if given == BASELINE:
-        return given
     if kind not in FILED_KINDS:
-        return spec_from_text(given)
-    if kind == "velocity" or Path(name).suffix in FOREIGN_ENDINGS:
+        spec_from_text(given)
+    elif kind == "velocity" or Path(name).suffix in FOREIGN_ENDINGS:
         check_trust(name, f"load {name}, a model of another library")
     return given
 
@@ -35,24 +36,13 @@ class ConditionConfig(Closed):
 
     name: Name
     """Name of the condition in all results."""
-    scores: ConditionScores = Field(default={})
+    scores: OptionScores = Field(default={})
     """Goal -> option -> score, in place of those of the expert knowledge (so a mechanism can be forced)."""
-    strategy: Annotated[StrategySpec | str, BeforeValidator(_strategy_of)] = BY_SCORE
-    """Strategy that decides in every decision period, by its name and parameters or as `--strategy` takes it; a machine
-    or a policy decides for its own goal, and options of the highest score serve the others."""
+    strategy: Annotated[str, BeforeValidator(_text_of)] = BY_SCORE.name
+    """What decides in every decision period, as `--strategy` takes it: for the goal that it was made for, else for
+    AvoidCollision or the first one; options of the highest score serve the others."""
     measured: Label | None = None
     """Name under which a file of start configurations holds the figures measured for this condition."""
-
-    @model_validator(mode="after")
-    def _one_way(self) -> Self:
-        if self.scores and (own := self.deciders[1]):
-            raise impossible("scores", f"none beside {own}", "some")
-        return self
-
-    @property
-    def deciders(self) -> tuple[StrategySpec, str]:
-        """The strategy that decides for all goals, and the machine or policy that decides for its own goal, or ""."""
-        return (BY_SCORE, self.strategy) if isinstance(self.strategy, str) else (self.strategy, "")
 
 
 class PublishedFigures(Closed):
@@ -81,6 +71,10 @@ class ExperimentConfig(Closed):
     """Number of random start configurations when there are no given ones."""
     reference: PublishedFigures | None = None
     """Figures to print beside ours."""
+
+    def under(self, condition: ConditionConfig) -> MissionConfig:
+        """Return the mission with the scores of a condition."""
+        return self.mission.model_copy(update={"scores": {**self.mission.scores, **condition.scores}})
 
     @model_validator(mode="after")
     def _unique_names(self) -> Self:

@@ -11,7 +11,7 @@ from selector.store import KnowledgeStore
 
 
 def knowledge_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> Knowledge:
-    """Return the expert knowledge that a mission names, with its learned rewards, and with those of its store.
+    """Return the expert knowledge that a mission names, with its learned rewards, those of its store, and its scores.
 
     Raises:
         DocumentError: there is no such knowledge or store, or they do not fit.
@@ -19,10 +19,11 @@ def knowledge_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> Kn
     """
     with within("mission.knowledge"):
         known = load_knowledge(mission.knowledge, directories).with_learned(mission.learned)
-    if not mission.store:
-        return known
-    held = KnowledgeStore(mission.store, create=False).contents()
-    return known.with_learned(held.scores(known, mission_context(mission.name)))
+    if mission.store:
+        held = KnowledgeStore(mission.store, create=False).contents()
+        known = known.with_learned(held.scores(known, mission_context(mission.name)))
+    with within("mission.scores"):
+        return known.with_scores(mission.scores)
 
 
 def knowing(mission: MissionConfig, name: str | None, directories: Sequence[Path] = ()) -> MissionConfig:

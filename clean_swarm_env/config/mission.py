@@ -28,7 +28,7 @@ from clean_swarm_env.config.tasks import (
 from clean_swarm_env.config.types import Length, Point, Pose, Seconds
 from clean_swarm_env.config.world import MOST_STEPS, WorldConfig
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Number, Positive
 from selector.knowledge import LearnedScores, learned_from
 from selector.vocabulary.settings import SettingsSpec
 from selforg.arrays import Floats, Ints
@@ -68,6 +68,9 @@ class NetworkConfig(SettingsSpec):
     """Planner whose plans add activation: "built-in", "off", or an engine of unified-planning."""
     transport_full_range: Positive = 1.0
     """Distance to a station from which its linear condition is fully satisfied [m]."""
+
+
+OptionScores = dict[str, dict[str, Number]]
 
 
 class MissionConfig(Closed):
@@ -111,6 +114,8 @@ class MissionConfig(Closed):
     """File of a knowledge store, whose scores of missions of this name the mission begins with; empty: none."""
     learned: LearnedScores = Field(default={})
     """Rewards of options with which the mission begins, besides those in the file and the store."""
+    scores: OptionScores = Field(default={})
+    """Goal -> option -> score, in place of those of the expert knowledge and of what was learned."""
 
     @model_validator(mode="before")
     @classmethod

@@ -12,8 +12,9 @@ from clean_swarm_env.learning.batch import Batch
 from docs.comparison.manifest import Manifest
 from docs.comparison.missions import family_of
 from selector.documents.fields import JOINT
-from train.evaluation.trial_task import TrialTask, scenario_named
+from train.evaluation.scenarios import scenario_named
 from train.reports.text_table import markdown_table
+from train.running.trial_task import TrialTask
 
 MISSIONS, SHOWN = 4, 3
 """Test missions of each family, and options of a goal that are named."""

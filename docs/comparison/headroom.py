@@ -44,11 +44,11 @@ from train.deciders.named import FIXED
 from train.evaluation.base import Done
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.pipeline import evaluate
-from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
 from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
 from train.request import Request
 from train.running.needs import Machine
 from train.running.runs import RunRecord
+from train.running.trial_task import TASK_SCENARIOS, TrialTask
 from train.running.trials import TrialSettings
 
 SINGLE, RULE_FOUND = "best single choice", "best choice for each case"

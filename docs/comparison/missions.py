@@ -19,8 +19,9 @@ from docs.figures.stored import ROOT
 from selector.documents.find import load_file
 from selector.documents.writing import write_whole
 from train.deciders.named import FIXED, MACHINE, POLICY
-from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named
+from train.evaluation.scenarios import scenario_named
 from train.learning.config import TrainingConfig
+from train.running.trial_task import TASK_SCENARIOS, TrialTask
 
 SEASON = "true_season"
 """Term that tells a team the season, which no robot can know."""

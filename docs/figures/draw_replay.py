@@ -25,7 +25,6 @@ from clean_swarm_env.recording.recorder import RecordSettings
 from train.cli.options import wide_console
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.pipeline import evaluate
-from train.evaluation.trial_task import TrialTask
 from train.live.chosen import chosen, playable
 from train.live.conductor import Conductor
 from train.live.server import LiveServer
@@ -35,6 +34,7 @@ from train.report_page.page import report_of_results
 from train.report_page.results import results_in
 from train.request import Request
 from train.running.run_folder import RECORDINGS
+from train.running.trial_task import TrialTask
 
 DOCS = Path(__file__).parents[1]
 FAMILY, GOAL = "crowded-exploring", "ExplorationPatrol"

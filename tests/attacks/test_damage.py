@@ -24,7 +24,7 @@ from tests.attacks.targets import Target, attack, damaged, put, read_or_refused,
 from tests.train.live.sessions import SMALL, play_of
 from train.deciders.models import ModelDecider
 from train.evaluation.repeat import record_run
-from train.evaluation.trial_task import experiment_tasks
+from train.evaluation.scenarios import experiment_tasks
 from train.live.session import Session
 
 

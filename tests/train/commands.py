@@ -22,7 +22,7 @@ from tests.paths import ROOT
 from tests.train import fake_mission
 from tests.train.waiting import until
 from train import cli
-from train.evaluation import pipeline, trial_task
+from train.evaluation import pipeline, scenarios
 
 T = TypeVar("T")
 
@@ -90,10 +90,10 @@ def apart(work: Callable[[], T], *places: Path) -> T:
 
 
 @contextmanager
-def faked_missions(run_mission: Callable[..., object] = fake_mission.run_mission) -> Iterator[None]:
+def faked_missions(trials: Callable[..., object] = fake_mission.trials) -> Iterator[None]:
     """Let missions of experiments take no time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(trial_task, "run_mission", run_mission)
+        patch.setattr(scenarios, "each_trial", trials)
         patch.setattr(pipeline, "compiled_before", lambda: True)  # a warm-up would be one more fake mission
         yield
 

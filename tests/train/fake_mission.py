@@ -11,15 +11,22 @@ import numpy as np
 from clean_swarm_env.world.mission import MissionResult
 
 
-def run_mission(mission, start, seed, scores, *_):
+def trials(scenarios, *_):
+    """Do fake missions; see `each_trial`."""
+    for place, scenario in enumerate(scenarios):
+        yield place, result_of(scenario)
+
+
+def result_of(scenario):
     """Draw a result from seed and scores; FAKE_SECONDS is its wall time, FAKE_LOG a file that gets a line per run."""
+    mission, start = scenario.mission, scenario.start
     time.sleep(float(os.environ.get("FAKE_SECONDS", "0")))
     if "FAKE_LOG" in os.environ:
         with Path(os.environ["FAKE_LOG"]).open("a") as log:
             log.write(f"{start.id}\n")
-    options = scores.get("AvoidCollision", {})
+    options = mission.scores.get("AvoidCollision", {})
     best = max(options, key=options.__getitem__, default="")
-    rng = np.random.default_rng([seed, zlib.crc32(best.encode())])
+    rng = np.random.default_rng([scenario.seed, zlib.crc32(best.encode())])
     duration = float(rng.lognormal(6.0 if best == "RepulsionFernandez-view2.0" else 5.3, 0.4))
     completed = duration < mission.time_limit
     rates = tuple(float(d * rng.gamma(4.0, 0.5)) for d in mission.collision_distances)
@@ -37,25 +44,27 @@ def run_mission(mission, start, seed, scores, *_):
     )
 
 
-def run_mission_but_not_2(mission, start, seed, scores, *_):
+def trials_but_not_2(scenarios, *_):
     """Fail on scenario 2."""
-    if start.id == "2":
-        raise ZeroDivisionError("scenario 2")
-    return run_mission(mission, start, seed, scores)
+    for place, scenario in enumerate(scenarios):
+        if scenario.id == "2":
+            raise ZeroDivisionError("scenario 2")
+        yield place, result_of(scenario)
 
 
-def run_mission_but_die_on_2(mission, start, seed, scores, *_):
+def trials_but_die_on_2(scenarios, *_):
     """End the process by a signal on scenario 2."""
-    if start.id == "2":
-        os.kill(os.getpid(), signal.SIGKILL)
-    return run_mission(mission, start, seed, scores)
+    for place, scenario in enumerate(scenarios):
+        if scenario.id == "2":
+            os.kill(os.getpid(), signal.SIGKILL)
+        yield place, result_of(scenario)
 
 
 if __name__ == "__main__":
     # spawned workers find the function by this module's name, not by __main__
     from tests.train import fake_mission
     from train.cli import main
-    from train.evaluation import trial_task
+    from train.evaluation import scenarios
 
-    trial_task.run_mission = fake_mission.run_mission
+    scenarios.each_trial = fake_mission.trials
     main()

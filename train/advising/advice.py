@@ -32,10 +32,11 @@ from train.deciders.named import FIXED, MACHINE, POLICY, decider_named
 from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import Entrant, check_fit
 from train.evaluation.pipeline import mission_score
-from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named
+from train.evaluation.scenarios import scenario_named
 from train.request import Request
 from train.running.needs import check_needs, needs_of
 from train.running.runs import RunRecord
+from train.running.trial_task import TASK_SCENARIOS, TrialTask
 
 CPU = "cpu_ms"
 """Count of a mission: the time of its processor [ms]."""

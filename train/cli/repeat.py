@@ -14,7 +14,7 @@ from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.options import MAY_NAME_CODE, check_there, error_console
 
 if TYPE_CHECKING:
-    from train.evaluation.repeat import Repeated
+    from train.running.trial_task import TrialTask
 
 RunDirectory = Annotated[
     Path, typer.Argument(help=f"Directory of an evaluation's results; {MAY_NAME_CODE}.", metavar="RUN")
@@ -29,9 +29,7 @@ def explain_command(
     time: Annotated[float, typer.Option(help="Time in the mission [s]; the decision that held then is explained.")],
     scenario: ScenarioOption = None,
     condition: ConditionOption = None,
-    what_if: Annotated[
-        bool, typer.Option("--what-if", help="Show the robot's next 5 s under each option, of a run of a family.")
-    ] = False,
+    what_if: Annotated[bool, typer.Option("--what-if", help="Show the robot's next 5 s under each option.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Repeat a run up to a time and explain what a robot decided then, what it planned, and why."""
@@ -96,7 +94,7 @@ def replay_command(
 
 
 @contextmanager
-def repeating(run: Path, scenario: str | None, condition: str | None, until: float = math.inf) -> Iterator["Repeated"]:
+def repeating(run: Path, scenario: str | None, condition: str | None, until: float = math.inf) -> Iterator["TrialTask"]:
     """Give the task of a run, and show the progress while it is repeated up to a time [s].
 
     The standard error says which versions have changed since the run.

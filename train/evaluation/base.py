@@ -17,12 +17,13 @@ from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import validated
 from train.evaluation.entrants import Entrant
-from train.evaluation.trial_task import variants_of
+from train.evaluation.scenarios import variants_of
 from train.memory import Memory, as_plain
 from train.reports.text_table import Publication
 from train.request import Request
 from train.running.run_folder import LEARNED_BEFORE, MANIFEST, Json, fingerprints, versions
-from train.running.runs import Job, RunKey, RunRecord, under
+from train.running.runs import RunKey, RunRecord, under
+from train.running.trial_task import TrialTask
 
 DIGEST = " sha256:"
 """What follows a member that names a file in the manifest."""
@@ -138,7 +139,7 @@ class Evaluation(ABC):
         return []
 
     @abstractmethod
-    def tasks(self, done: Done) -> Sequence[Job]:
+    def tasks(self, done: Done) -> Sequence[TrialTask]:
         """Return the tasks for all runs except those that are `done`.
 
         A search whose runs depend on the results of others returns those that can be done now, and is asked again.

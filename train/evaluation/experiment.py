@@ -10,23 +10,24 @@ from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
 from clean_swarm_env.world.task import coordinators_of, task_class
 from selector.configurations.library import library_of
+from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import shown, within
 from selector.knowledge import load_knowledge
-from selector.strategies.registry import StrategySpec, named
 from selforg.network.planning.planner import check_planner
 from selforg.registry import unknown
 from train.analysis.report import report_of, summary_of, verdict_of
 from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT
-from train.evaluation.trial_task import TrialTask, experiment_tasks
+from train.evaluation.scenarios import experiment_tasks
 from train.reports.experiment_tables import all_tables
 from train.reports.text_table import Publication
 from train.request import Request
 from train.running.needs import check_needs, needs_of
-from train.running.runs import RunRecord, RunTask
+from train.running.runs import RunRecord
+from train.running.trial_task import TASK_SCENARIOS, TrialTask
 
 OWN_STARTS = "own starts"
 
@@ -53,7 +54,7 @@ class ExperimentEvaluation(Evaluation):
         chosen = with_conditions(load_experiment(request.name, directories), request.conditions)
         self.experiment, self.starts = with_starts(chosen, request)
         self.seed, self.stem = request.seed, f"{chosen.name}-seed{request.seed}{self.starts.stem}"
-        check_mission(self.experiment, directories, request.name)
+        self.goal = check_mission(self.experiment, directories, request.name)
         if request.store.learn:
             raise ConfigurationError("--learn: expected strategies, which choose once in a mission, and no experiment")
         store = replace(request.store, path=request.store.path or self.experiment.mission.store or None)
@@ -62,37 +63,36 @@ class ExperimentEvaluation(Evaluation):
         self.context = mission_context(chosen.mission.name)
         self.memory = store.memory(knowledge_of(self.mission, directories), self.context, "")
         with within(shown(request.starts) if request.starts is not None else request.name):
-            tasks = self._tasks()
-            for task in {task.condition: task for task in tasks if isinstance(task, TrialTask)}.values():
+            tasks = self.tasks({})
+            for task in {task.condition: task for task in tasks}.values():
                 with within(f"condition {task.condition!r}"):
                     task.team()
-            largest = max((task.first.mission for task in tasks), key=lambda mission: needs_of(mission).memory)
-            check_needs(largest, len(tasks), request.machine)
-        self._missions = {task.keys[0]: task.first.mission for task in tasks}
-        deciders = {task.condition: task.named.identity for task in tasks if isinstance(task, TrialTask)}
+            self._missions = {
+                key: one.mission for task in tasks for key, one in zip(task.keys, task.scenarios, strict=True)
+            }
+            largest = max(self._missions.values(), key=lambda mission: needs_of(mission).memory)
+            check_needs(largest, len(self._missions), request.machine, min(TASK_SCENARIOS, len(self._missions)))
+        named = {task.condition: task.named for task in tasks if task.member != BY_SCORE.name}
+        deciders = {condition: one.identity for condition, one in named.items()}
+        self._untaught = [condition for condition, one in named.items() if one.learns]
         identity = {
             "experiment": self.experiment.name,
             "seed": self.seed,
             "configuration": self.experiment.model_dump(mode="json"),
             "directories": [str(directory) for directory in directories],
+            "goal": self.goal,
             **({"deciders": deciders} if deciders else {}),
         }
         self.identify(identity, platform=platform.platform())
 
     def remarks(self) -> list[str]:
         """Return that a strategy which could learn has learned nothing."""
-        specs = {each.name: each.strategy for each in self.experiment.conditions}
-        able = [name for name, spec in specs.items() if isinstance(spec, StrategySpec) and named(spec.name).can_learn()]
-        return [] if self.request.store.path else [f"{name}: {UNTAUGHT}" for name in able]
+        return [] if self.request.store.path else [f"{name}: {UNTAUGHT}" for name in self._untaught]
 
-    def tasks(self, done: Done) -> list[RunTask | TrialTask]:
-        """Return one task for each run that is missing."""
-        return [task for task in self._tasks() if task.keys[0] not in done]
-
-    def _tasks(self) -> list[RunTask | TrialTask]:
-        return experiment_tasks(
-            self.experiment.model_copy(update={"mission": self.mission}), self.seed, self.directories
-        )
+    def tasks(self, done: Done) -> list[TrialTask]:
+        """Return the tasks for all missing runs."""
+        beginning = self.experiment.model_copy(update={"mission": self.mission})
+        return experiment_tasks(beginning, self.seed, self.directories, self.goal, done)
 
     def mistake(self, record: RunRecord) -> str:
         """Return why a run is not one of this experiment's."""
@@ -143,11 +143,11 @@ def with_starts(experiment: ExperimentConfig, request: Request) -> tuple[Experim
     return experiment.model_copy(update=changes), Starts(told, "random starts", f"-{count}-scenarios")
 
 
-def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> None:
-    """Raise an error of one line if something that the mission names does not exist or cannot be built.
+def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> str:
+    """Return the goal that is decided unless a decider was made for others.
 
-    Checked are the planner, the robot's document, the expert knowledge, its configurations and the scores. Strategies
-    are checked when they are read.
+    Raise an error of one line if something that the mission names does not exist or cannot be built: the planner, the
+    robot's document, the expert knowledge, its configurations or the scores. Strategies are checked when they are read.
     """
     network = experiment.mission.network
     try:
@@ -164,3 +164,5 @@ def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], w
     for condition in experiment.conditions:
         with within(f"{where}: condition {condition.name!r}: scores"):
             knowledge.with_scores(condition.scores)
+    goals = [model.goal for model in models]
+    return AVOIDANCE if AVOIDANCE in goals else goals[0]

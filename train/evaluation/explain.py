@@ -20,9 +20,9 @@ from selforg.network.explanation import Explanation, condition_tree, header, tab
 from selforg.space import Torus
 from train.deciders.strategies import PolicyDecider
 from train.deciders.what_if import WhatIf
-from train.evaluation.repeat import Deciding, Repeated, steps_until
-from train.evaluation.trial_task import TrialTask
+from train.evaluation.repeat import Deciding, steps_until
 from train.evaluation.why import facts_of, sentence
+from train.running.trial_task import TrialTask
 
 STATES: Final = {"failed": "it has failed: its body stays", "taken away": "it has been taken away"}
 """What is said of a robot that is not at work."""
@@ -34,7 +34,7 @@ Inside = Coordinated | Nested
 
 
 def explained(
-    task: Repeated, robot: int, time: float, *, ahead: bool = False
+    task: TrialTask, robot: int, time: float, *, ahead: bool = False
 ) -> tuple[dict[str, Any], RobotStep, dict[str, Any]]:
     """Repeat a run up to `time` [s]; return what run it is, what the robot decided then, and what led to it.
 
@@ -71,9 +71,6 @@ def explained(
     for one in latest:
         told["policy"] = one.decider.moves(robot) if isinstance(one.decider, PolicyDecider) else {}
     if ahead:
-        if not latest or not isinstance(task, TrialTask):
-            expected = "expected a run of a family, or of a decider that decides in each period"
-            raise ConfigurationError(f"--what-if: {expected}")
         (one,) = latest
         what_if = WhatIf(one.batch, one.decided, task.settings.observation, task.directories)
         told["what_if"] = what_if.options(robot, one.decider, one.observations, np.full(count, -1))

@@ -26,12 +26,13 @@ from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import decider_named
 from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, check_goals, entrants_of, remarks_on, with_baselines
-from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask, scenario_named, variants_of
+from train.evaluation.scenarios import scenario_named, variants_of
 from train.reports.family_tables import family_tables, robustness_tables
 from train.reports.text_table import Publication
 from train.request import Request
 from train.running.needs import check_needs
 from train.running.runs import RunRecord, under
+from train.running.trial_task import TASK_SCENARIOS, TrialTask
 
 
 class FamilyEvaluation(Evaluation):
@@ -118,10 +119,8 @@ class FamilyEvaluation(Evaluation):
             drawn = cache(partial(self.scenario, family))
             for condition, member in self._members():
                 name = under(variant, condition)
-                missing = [scenario for scenario in self.scenarios if (scenario, name) not in done]
-                for first in range(0, len(missing), TASK_SCENARIOS):
-                    part = [drawn(scenario) for scenario in missing[first : first + TASK_SCENARIOS]]
-                    tasks.append(self.task(part, name, member))
+                missing = [drawn(scenario) for scenario in self.scenarios if (scenario, name) not in done]
+                tasks += self.task(missing, name, member).parts()
         return tasks
 
     def task(self, scenarios: Sequence[Scenario], condition: str, member: str) -> TrialTask:

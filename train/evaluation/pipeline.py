@@ -26,7 +26,8 @@ from train.running.commands import FINISHED, progress
 from train.running.engine import WorkerLost, compile_first
 from train.running.finished_runs import Results
 from train.running.run_folder import CHOSEN_OPTIONS, default_directory
-from train.running.runs import Job, RunRecord
+from train.running.runs import RunRecord
+from train.running.trial_task import TrialTask
 
 NO_CONTEXT = np.zeros((1, 0))
 """Context of the one row of a strategy that chooses for a whole mission."""
@@ -106,7 +107,7 @@ def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
             left = _count(tasks)
 
 
-def _count(tasks: Sequence[Job]) -> int:
+def _count(tasks: Sequence[TrialTask]) -> int:
     """Return the number of runs of tasks."""
     return sum(len(task.keys) for task in tasks)
 

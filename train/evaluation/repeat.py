@@ -12,9 +12,10 @@ from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.recording.file import SUFFIX, blocks_of
 from clean_swarm_env.recording.reader import NoFrames, RecordedMission, RecordedParts
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.world.mission import Course, MissionRun, period_of, result_of
+from clean_swarm_env.world.mission import period_of, result_of
 from clean_swarm_env.world.mission_end import RUNNING
 from clean_swarm_env.world.worlds import Worlds
+from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import shown, validated, within
 from selector.documents.fields import Closed, Number
 from selector.documents.plain import short
@@ -24,7 +25,7 @@ from selforg.registry import unknown
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import Decider
 from train.evaluation.base import DIGEST, Identity
-from train.evaluation.trial_task import TrialTask, experiment_tasks, scenario_named
+from train.evaluation.scenarios import experiment_tasks, scenario_named
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import ALONE, check_needs
 from train.running.pulse import tell
@@ -37,7 +38,8 @@ from train.running.run_folder import (
     read_manifest,
     versions,
 )
-from train.running.runs import RunKey, RunTask
+from train.running.runs import RunKey
+from train.running.trial_task import TrialTask
 
 
 class Deciding(NamedTuple):
@@ -49,8 +51,6 @@ class Deciding(NamedTuple):
     observations: Observations
 
 
-Repeated = RunTask | TrialTask
-"""One run that can be repeated; a task of trials has one scenario then."""
 NOT_REPEATED = {
     "learner": "a training: replay files below its recordings/, or evaluate its result",
     "headroom": "a search for headroom: evaluate its result",
@@ -70,7 +70,7 @@ class _Choice(Closed):
     score: Number
 
 
-def task_of(directory: Path, scenario: str | None = None, condition: str | None = None) -> Repeated:
+def task_of(directory: Path, scenario: str | None = None, condition: str | None = None) -> TrialTask:
     """Return one run of an evaluation; without names the first scenario and the first condition.
 
     The runs of an experiment are those of its configuration, the runs of a family those that were finished.
@@ -88,12 +88,12 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     _check_same_files(identity, path)
     task, member = (_experiment_task if identity.on is None else _family_task)(identity, directory, scenario, condition)
     task = task.knowing(manifest.get(LEARNED_BEFORE, {}))
-    if isinstance(task, TrialTask) and task.named.identity != member:
+    if task.named.identity != member:
         told = f"condition {task.condition!r} has changed since the evaluation; its runs cannot be repeated"
         raise ConfigurationError(f"{path}: {told}")
     options = chosen_options(directory).get(task.keys[0])
     with within(f"{directory / CHOSEN_OPTIONS}"):
-        return task.serving(options) if options and isinstance(task, TrialTask) else task
+        return task.serving(options) if options else task
 
 
 def _family_task(
@@ -117,7 +117,7 @@ def _family_task(
 
 def _experiment_task(
     identity: Identity, directory: Path, scenario: str | None, condition: str | None
-) -> tuple[Repeated, str]:
+) -> tuple[TrialTask, str]:
     """Return the task of a run of an experiment, and its decider with the digest of its file.
 
     Its condition is the first unless given: what only others name is neither read nor refused.
@@ -130,9 +130,12 @@ def _experiment_task(
         content = content | {"conditions": [named[condition or next(iter(named))]] if named else []}
     experiment = validated(ExperimentConfig, content, where)
     with within(where):
-        tasks = {task.keys[0]: task for task in experiment_tasks(experiment, identity.seed, identity.directories)}
-    key = _chosen(list(tasks), scenario, condition, directory)
-    return tasks[key], identity.deciders.get(key[1], "")
+        tasks = experiment_tasks(experiment, identity.seed, identity.directories, identity.goal)
+    keys = [key for task in tasks for key in task.keys]
+    key = _chosen(keys, scenario, condition, directory)
+    others = set(keys) - {key}
+    task = next(task for task in tasks if key in task.keys).without(others)
+    return task, identity.deciders.get(key[1], BY_SCORE.name)
 
 
 def _chosen(keys: Sequence[RunKey], scenario: str | None, condition: str | None, directory: Path) -> RunKey:
@@ -168,25 +171,11 @@ def changed_versions(directory: Path) -> list[str]:
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 
-def steps_of(task: Repeated, latest: list[Deciding] | None = None) -> Iterator[Worlds]:
+def steps_of(task: TrialTask, latest: list[Deciding] | None = None) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period.
 
-    `latest` gets who has decided last, and on what, as its one entry, if there is a decider.
+    `latest` gets who has decided last, and on what, as its one entry.
     """
-    if isinstance(task, TrialTask):
-        yield from _trial_steps(task, latest)
-        return
-    one = task.first
-    run = MissionRun(one.mission, one.start, one.seed, task.scores, task.strategy, task.directories)
-    course = Course(run, explained=True)
-    while course.in_progress:
-        course.tick()
-        tell(course.worlds.period)
-        yield course.worlds
-
-
-def _trial_steps(task: TrialTask, latest: list[Deciding] | None) -> Iterator[Worlds]:
-    """Repeat a run with networks that note their reasons; yield the world after each control period."""
     scenarios = iter(task.scenarios)
     batch, decided, decider = task.team(source=lambda _: next(scenarios, None), explained=True)
     observations = batch.reset()
@@ -201,7 +190,7 @@ def _trial_steps(task: TrialTask, latest: list[Deciding] | None) -> Iterator[Wor
             observations = batch.end_period().observations
 
 
-def steps_until(task: Repeated, time: float, latest: list[Deciding] | None = None) -> Iterator[Worlds]:
+def steps_until(task: TrialTask, time: float, latest: list[Deciding] | None = None) -> Iterator[Worlds]:
     """Repeat a run as `steps_of` does, up to the control period in which `time` [s] lies.
 
     Raises:
@@ -231,7 +220,7 @@ def _check_same_files(identity: Identity, path: Path) -> None:
             raise ConfigurationError(f"{path}: {name} {told}")
 
 
-def record_run(task: Repeated, output: Path, *, minds: bool = True) -> Path:
+def record_run(task: TrialTask, output: Path, *, minds: bool = True) -> Path:
     """Repeat a whole run and write it to a new file; return the file.
 
     Raises:

@@ -5,7 +5,8 @@ from contextlib import AbstractContextManager
 from typing import Protocol
 
 from clean_swarm_env.learning.warm_up import compile_listed, one_process
-from train.running.runs import Job, RunRecord, Work
+from train.running.runs import RunRecord, Work
+from train.running.trial_task import TrialTask
 
 Round = Callable[[Sequence[Work]], Generator[RunRecord, None, None]]
 """A function that does tasks, and yields each run when it is done, in any order."""
@@ -39,7 +40,7 @@ def in_turn(tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:
     return (record for task in tasks for record in task.each())
 
 
-def compile_first(task: Job) -> None:
+def compile_first(task: TrialTask) -> None:
     """Do the beginning of one run in this process: else all workers would compile the same kernels at the same time."""
     with one_process():
         compile_listed()

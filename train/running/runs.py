@@ -1,34 +1,20 @@
-"""Runs, which are missions under one condition: their tasks for worker processes, and their records."""
+"""Runs, which are missions under one condition: their records, and what does them."""
 
 from __future__ import annotations
 
 import json
-import time
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
-from pathlib import Path
-from typing import Annotated, Any, Protocol, Self
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from typing import Annotated, Any, Protocol
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from clean_swarm_env.config.families import Scenario
-from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionResult, MissionRun
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
-from selector.strategies.registry import StrategySpec
-
-WARM_UP_LIMIT = 300.0
-"""Time limit of a mission that runs only to compile kernels [s]: by then robots have met and stores have grown."""
 
 RunKey = tuple[str, str]
 """Scenario and condition."""
-MissionRunner = Callable[
-    [MissionConfig, StartConfiguration, int, Mapping[str, Mapping[str, float]], StrategySpec, tuple[Path, ...]],
-    MissionResult,
-]
-"""A function that runs a mission, with the arguments of `run_mission`."""
 
 
 @dataclass(frozen=True)
@@ -138,91 +124,3 @@ class Work(Protocol):
 
     def each(self) -> Iterator[RunRecord]:
         """Do the runs, and yield each when it is done."""
-
-
-@dataclass(frozen=True)
-class Job(ABC):
-    """Runs of an evaluation that one process does; plain data, which can be sent to a worker process."""
-
-    experiment: str
-    """Name of the experiment or of the family."""
-    seed: int
-    """Seed of the evaluation."""
-    scenarios: tuple[Scenario, ...]
-    condition: str
-    directories: tuple[Path, ...] = field(default=(), kw_only=True)
-    """The user's own directories of configurations."""
-    record: RecordSettings | None = field(default=None, kw_only=True)
-    """Where the missions are recorded; none is unless given."""
-
-    @abstractmethod
-    def each(self) -> Iterator[RunRecord]:
-        """Do the runs, and yield each when it is done."""
-
-    @property
-    def keys(self) -> tuple[RunKey, ...]:
-        """Scenario and condition of each run."""
-        return tuple((scenario.id, self.condition) for scenario in self.scenarios)
-
-    @property
-    def first(self) -> Scenario:
-        """The first scenario."""
-        return self.scenarios[0]
-
-    @property
-    def naming(self) -> dict[str, str]:
-        """Plain data about the runs for the heads of their recordings."""
-        return {"experiment": self.experiment, "condition": self.condition}
-
-    def run(self) -> list[RunRecord]:
-        """Do the runs, and return them in the order of the scenarios."""
-        return sorted(self.each(), key=lambda record: self.keys.index(record.key))
-
-    def without(self, done: Collection[RunKey]) -> Self:
-        """Return the runs that are not `done`."""
-        left = tuple(scenario for scenario in self.scenarios if (scenario.id, self.condition) not in done)
-        return replace(self, scenarios=left)
-
-    def beginning(self, seconds: float = WARM_UP_LIMIT) -> Self:
-        """Return the beginning of the first run, which compiles the kernels that all runs call."""
-        limit = min(self.first.mission.time_limit, seconds)
-        short = self.first.mission.model_copy(update={"time_limit": limit})
-        return replace(self, scenarios=(replace(self.first, mission=short),), record=None)
-
-    def knowing(self, learned: Mapping[str, Any]) -> Self:
-        """Return the runs with the learned rewards of a manifest at their beginning."""
-        known = [replace(each, mission=each.mission.beginning_with(learned)) for each in self.scenarios]
-        return replace(self, scenarios=tuple(known))
-
-    def recorded(self, settings: RecordSettings) -> Self:
-        """Return the runs with recordings."""
-        return replace(self, record=settings)
-
-    def finished(self, scenario: Scenario, result: MissionResult, seconds: float, **more: Any) -> RunRecord:  # noqa: ANN401
-        """Return the record of a run; `seconds` is the time that it took."""
-        wall = round(seconds, 3)
-        return RunRecord(self.experiment, scenario.id, self.seed, self.condition, result, wall, **more)
-
-
-@dataclass(frozen=True)
-class RunTask(Job):
-    """Runs of an experiment whose strategy chooses the options of all goals."""
-
-    scores: Mapping[str, Mapping[str, float]]
-    """Goal -> option -> score, in place of scores of the expert knowledge."""
-    strategy: StrategySpec
-    """Strategy that chooses the options."""
-    run_mission: MissionRunner
-    """Function that runs the mission."""
-
-    def each(self) -> Iterator[RunRecord]:
-        """Run the missions."""
-        for scenario in self.scenarios:
-            began = time.perf_counter()
-            mission, start, seed = scenario.mission, scenario.start, scenario.seed
-            run = MissionRun(mission, start, seed, self.scores, self.strategy, self.directories)
-            if self.record is not None:
-                result = record_mission(run, self.record, self.naming)
-            else:
-                result = self.run_mission(mission, start, seed, self.scores, self.strategy, self.directories)
-            yield self.finished(scenario, result, time.perf_counter() - began)

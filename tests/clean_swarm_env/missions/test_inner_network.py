@@ -9,13 +9,12 @@ import yaml
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.world.mission import Course, MissionRun, run_mission
-from selector.coordination.selection import BY_SCORE
+from clean_swarm_env.world.mission import Course, MissionRun
 from selector.documents.find import SHIPPED
 from tests.clean_swarm_env.courses import mission, ticked
 from train.evaluation.explain import as_json, explained
 from train.evaluation.repeat import record_run
-from train.running.runs import RunTask
+from train.running.trial_task import TrialTask
 
 PATROL = {"channels": ["pheromone"], "pheromone": {"channel": "pheromone", "attraction": -1}, "min_speed": 0.5}
 SEARCH = {
@@ -98,7 +97,7 @@ def test_a_robot_that_begins_anew_begins_anew_inside(robot):
 def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
     start = random_start(MISSION, 5, 0)
     one = Scenario(start.id, run_seed(3, start.id), MISSION, start)
-    task = RunTask("mine", 3, (one,), "c", {}, BY_SCORE, run_mission, directories=(robot(nested=True),))
+    task = TrialTask("mine", 3, (one,), "c", "MaxScore", directories=(robot(nested=True),))
     shown = json.loads(as_json(*explained(task, 0, 4.0)))
     assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
     (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]

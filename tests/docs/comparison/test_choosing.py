@@ -16,8 +16,8 @@ from docs.comparison.tables import Tables, share_of_way
 from docs.figures.stored import parts
 from selector.documents.find import load_file
 from selector.documents.reading import as_yaml, read_mapping
-from train.evaluation.trial_task import TrialTask
 from train.learning.config import TrainingConfig
+from train.running.trial_task import TrialTask
 
 SIZES = {"scenarios": 2, "fixed": ("ORCA", "PredictiveSteering"), "off": "Off"}
 TOLD_OF = {"spots 0 stations 2": "ORCA"}

@@ -19,10 +19,10 @@ from selector.strategies.problem import Problem
 from selforg.plugins import PluginError
 from tests.train.commands import command, done, refused
 from train.advising import advice, opening, search
-from train.evaluation.trial_task import TrialTask
 from train.live.chosen import chosen
 from train.request import Request
 from train.running.finished_runs import runs_of
+from train.running.trial_task import TrialTask
 
 YARD = {
     "name": "yard",

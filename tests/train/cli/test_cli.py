@@ -161,13 +161,13 @@ def test_resuming_does_only_what_is_missing(four, tmp_path, monkeypatch):
     cut(four, tmp_path / "r", slice(5))
     monkeypatch.setenv("FAKE_LOG", str(tmp_path / "log"))
     done(*WORDS, "--output", "r", "--resume")
-    assert (tmp_path / "log").read_text().split() == ["3", "4", "4"]
+    assert (tmp_path / "log").read_text().split() == ["4", "3", "4"]  # one condition after the other
     assert rows(tmp_path / "r") == rows(four)
 
 
 def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(four, tmp_path):
     words = (*WORDS, "--output", "r")
-    with faked_missions(fake_mission.run_mission_but_not_2), pytest.raises(ZeroDivisionError, match="scenario 2"):
+    with faked_missions(fake_mission.trials_but_not_2), pytest.raises(ZeroDivisionError, match="scenario 2"):
         run(*words)
     assert {r["scenario"] for r in runs(tmp_path / "r")} == {"1"}
     done(*words, "--resume")
@@ -177,7 +177,7 @@ def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(four, tmp_p
 @pytest.mark.long
 def test_a_mission_that_kills_three_workers_is_named_and_keeps_the_finished_runs(four, tmp_path):
     words = (*WORDS[:3], "--output", "r", "--workers")
-    with faked_missions(fake_mission.run_mission_but_die_on_2):
+    with faked_missions(fake_mission.trials_but_die_on_2):
         code, _, err = command(*words, 2)
     assert code == 1
     assert "scenario 2, condition Repulsion" in err

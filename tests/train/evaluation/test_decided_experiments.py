@@ -12,7 +12,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
 from tests.train.commands import changed, command, done, refused, run
 from train.evaluation.experiment import ExperimentEvaluation
-from train.evaluation.trial_task import experiment_tasks
+from train.evaluation.scenarios import experiment_tasks
 from train.request import Request
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -59,7 +59,7 @@ def test_an_option_and_a_machine_of_one_state_have_the_bits_of_the_highest_score
 
 def test_a_policy_decides_for_its_own_goal(folder):
     experiment = load_experiment(str(written(folder, {"name": "policy", "strategy": "policy:exploring-ppo"})))
-    (task, _) = experiment_tasks(experiment.model_copy(update={"starts": starts(experiment)}), 0)
+    (task,) = experiment_tasks(experiment.model_copy(update={"starts": starts(experiment)}), 0)
     assert task.settings.goal == ["ExplorationPatrol"]
     with pytest.raises(DocumentError, match="unknown goal 'ExplorationPatrol'"):
         task.team()
@@ -86,7 +86,6 @@ def test_a_strategy_by_its_text_is_that_strategy(folder):
         ({"strategy": "MaxScor"}, "did you mean 'MaxScore'"),
         ({"strategy": "policy:theirs.zip"}, "only a file asks to load theirs.zip"),
         ({"strategy": "velocity:theirs.pt"}, "only a file asks to load theirs.pt"),
-        ({"strategy": "fixed:Off", "scores": FORCED["scores"]}, "scores: expected none beside fixed:Off"),
     ],
 )
 def test_what_does_not_fit_is_one_line(folder, condition, message):

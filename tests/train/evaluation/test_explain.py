@@ -62,7 +62,7 @@ def narrow(monkeypatch):
 def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
     for condition in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5"):
         task = task_of(evaluated, "2", condition)
-        plain = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "2"), task.scores))
+        plain = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "2"), {}))
         for explained in steps_of(task):
             assert plain.in_progress
             plain.tick()
@@ -73,7 +73,7 @@ def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
 @pytest.mark.parametrize("time", [0.0, 0.2, 7.0, 30.0])
 def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, time):
     task, step = task_of(evaluated), round(time / 0.2)
-    course = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "1"), task.scores))
+    course = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "1"), {}))
     places, runs = [np.array(task.first.start.robots)[:, :2]], []
     while len(runs) <= step:
         course.tick()

@@ -6,12 +6,10 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.world.mission import run_mission
-from selector.coordination.selection import BY_SCORE
 from train.evaluation.repeat import record_run
 from train.running import needs
 from train.running.needs import Machine, check_needs, needs_of
-from train.running.runs import RunTask
+from train.running.trial_task import TrialTask
 
 LARGE = {"world": {"width": 1000.0, "height": 1000.0}, "robots": {"count": 2000}}
 
@@ -60,7 +58,7 @@ def test_a_container_has_its_own_memory(tmp_path, monkeypatch):
 
 def test_a_run_that_this_machine_is_too_small_for_is_not_repeated(tmp_path, monkeypatch):
     one = Scenario("1", 1, mission(), random_start(mission(), 1, 0))
-    task = RunTask("mine", 1, (one,), "c", {}, BY_SCORE, run_mission)
+    task = TrialTask("mine", 1, (one,), "c", "MaxScore")
     monkeypatch.setattr(needs, "memory_of_machine", lambda: 1e6)
     with pytest.raises(ConfigurationError, match=r"1 missions, 1 at a time, .* the run cannot be repeated here"):
         record_run(task, tmp_path / "run.swarm")

@@ -13,15 +13,13 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning import warm_up
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.world.mission import run_mission
-from selector.coordination.selection import BY_SCORE
 from selforg.compiler import cache
 from selforg.compiler.decorators import KERNELS
 from selforg.gradients.store import tables
 from tests.train import fake_mission
 from tests.train.commands import command, done, faked_missions
 from train.evaluation import pipeline
-from train.running.runs import RunTask
+from train.running.trial_task import TrialTask
 
 
 @pytest.fixture(autouse=True)
@@ -37,16 +35,16 @@ def task():
     """A mission of the world."""
     mission = MissionConfig()
     one = Scenario("1", 0, mission, random_start(mission, 0, 0))
-    return RunTask("table1", 0, (one,), "RepulsionGradient-view1.5", {}, BY_SCORE, run_mission)
+    return TrialTask("table1", 0, (one,), "RepulsionGradient-view1.5", "MaxScore")
 
 
 @pytest.mark.parametrize(("compiled", "expected"), [(False, [300.0, 3000.0]), (True, [3000.0])])
 def test_an_evaluation_compiles_in_one_process_before_the_workers_start(compiled, expected, monkeypatch, tmp_path):
     limits = []
 
-    def run(mission, *given):
-        limits.append(mission.time_limit)
-        return fake_mission.run_mission(mission, *given)
+    def run(scenarios, *given):
+        limits.extend(scenario.mission.time_limit for scenario in scenarios)
+        return fake_mission.trials(scenarios, *given)
 
     words = (
         "evaluate",
