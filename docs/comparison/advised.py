@@ -24,9 +24,8 @@ from train.advising.evaluation import AdviceEvaluation
 from train.advising.opening import OpenedMission, document_of, open_mission
 from train.deciders.named import FIXED
 from train.evaluation import pipeline
-from train.evaluation.scenarios import scenario_named
+from train.evaluation.trial_task import TrialTask, scenario_named
 from train.request import Request
-from train.running.trial_task import TrialTask
 
 COMMAND = "python -m docs.comparison.advised"
 RESULTS = Path(__file__).with_name("advised.json")
@@ -61,9 +60,9 @@ def exhaustive(mission: str) -> dict[str, Any]:
 
 
 def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return what advice said with each seed; where all pairs are known, what it costs on their starts, too."""
-    found = []
-    for seed in seeds:
+    """Return what advice said with each seed, the kept ones too; where all pairs are known, what it costs on them."""
+    found: list[dict[str, Any]] = known.get("advice", []) if known.get("minutes") == minutes else []
+    for seed in seeds[len(found) :]:
         with TemporaryDirectory() as place:
             folder = Path(place) / "advice"
             evaluation = AdviceEvaluation(Request(mission, seed=seed, output=folder), minutes)

@@ -65,7 +65,13 @@ class _Grouped(TyperGroup):
                     formatter.write(f"  {name:<{width}}  {command.short_help}\n")
 
 
-app = typer.Typer(cls=_Grouped, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+app = typer.Typer(
+    cls=_Grouped,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"max_content_width": 120},
+)
 COMMANDS: dict[str, dict[str, tuple[Any, str]]] = {
     "run": {
         "advise": (advise.advise_command, "which coordination a mission needs, and whether a selector pays (10 min)"),

@@ -23,7 +23,7 @@ def evaluate_command(
     name: Annotated[
         str,
         typer.Argument(
-            help="Name of an experiment, a mission, a family or a task, or path to its YAML file.",
+            help="A name, or path to a YAML file.",
             metavar="[EXPERIMENT|MISSION|FAMILY|TASK]",
         ),
     ] = "table1",
@@ -36,11 +36,9 @@ def evaluate_command(
     strategy: Annotated[
         list[str] | None,
         typer.Option(
-            help="fixed (every option; the default without an experiment), fixed:OPTION, fsm:NAME, policy:NAME, "
-            "policy:FILE (a directory, .zip of Stable-Baselines3, .pt of TorchScript or .onnx), velocity:FILE (a model "
-            "that drives), learned:NAME, learned:FILE, STRATEGY, STRATEGY:parameter=value or module:Class of your own; "
-            "+ joins what several training seeds gave, LABEL=... names it; can be repeated; Off and Random, or the "
-            "baseline of the task, come beside.",
+            help="fixed (every option; usual without an experiment), fixed:OPTION, fsm:NAME, policy:NAME|FILE, "
+            "learned:NAME, velocity:FILE, NAME[:parameter=value] (docs/strategies.md); LABEL=... names it, + joins "
+            "seeds; can be repeated.",
         ),
     ] = None,
     world_seeds: Annotated[

@@ -32,9 +32,7 @@ MAY_NAME_CODE = "only with --trust may files name code, models that are code, or
 Configs = Annotated[
     list[Path] | None,
     typer.Option(
-        help="Directory of your own files, with experiments/, families/, knowledge/, machines/, mechanisms/, "
-        "missions/, options/, policies/, robots/, starts/, strategies/, training/; searched before the shipped ones; "
-        f"can be repeated; {MAY_NAME_CODE}.",
+        help=f"Directory of your own files, in folders as configs/ has them; can be repeated; {MAY_NAME_CODE}.",
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
@@ -43,34 +41,32 @@ PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
 
 SHARED: dict[str, tuple[Any, Any]] = {
     "scenarios": (
-        Annotated[int | None, typer.Option(help="Number of scenarios; the family's own unless given.")],
+        Annotated[int | None, typer.Option(help="Number of scenarios; usually the document's.")],
         None,
     ),
     "seed": (Seed, 0),
-    "knowledge": (Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")], None),
+    "knowledge": (Annotated[str | None, typer.Option(help="Expert knowledge in place of the mission's.")], None),
     "goal": (
         Annotated[
             str | None,
-            typer.Option(
-                help="Goal to decide on, or several joined by +; AvoidCollision or the only one unless given."
-            ),
+            typer.Option(help="Goals to decide, joined by +; usually AvoidCollision."),
         ],
         None,
     ),
     "workers": (
-        Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")],
+        Annotated[int | None, typer.Option(help="Processes to run in; usually all CPUs.")],
         None,
     ),
     "threads": (Annotated[int, typer.Option(help="Threads that step the worlds; the same bits with any number.")], 1),
     "output": (
-        Annotated[Path | None, typer.Option(help="Directory for the results; a new one unless given.")],
+        Annotated[Path | None, typer.Option(help="Directory for the results; usually a new one.")],
         None,
     ),
     "resume": (Annotated[bool, typer.Option("--resume", help="Do only what the directory lacks.")], False),
     "store": (
         Annotated[
             str | None,
-            typer.Option(help="Begin with what this knowledge store knows; see `knowledge`.", metavar="FILE"),
+            typer.Option(help="Begin with what this knowledge store knows.", metavar="FILE"),
         ],
         None,
     ),
@@ -87,8 +83,7 @@ SHARED: dict[str, tuple[Any, Any]] = {
         Annotated[
             str | None,
             typer.Option(
-                help="Run missions on the workers of a Dask scheduler, or in JOBS jobs of slurm, pbs, lsf or sge "
-                "(extra `cluster`).",
+                help="Run on a Dask scheduler, or in JOBS jobs of slurm, pbs, lsf or sge (docs/clusters.md).",
                 metavar="tcp://HOST:PORT|SCHEDULER:JOBS",
             ),
         ],
@@ -97,9 +92,7 @@ SHARED: dict[str, tuple[Any, Any]] = {
     "force": (
         Annotated[
             bool,
-            typer.Option(
-                "--force", help="Start even if the estimate is more memory than there is, or more than a week."
-            ),
+            typer.Option("--force", help="Start even if it may be too large for this machine."),
         ],
         False,
     ),
@@ -108,9 +101,7 @@ SHARED: dict[str, tuple[Any, Any]] = {
         False,
     ),
     "figure": (
-        Annotated[
-            Path | None, typer.Option(help="Write the figure to this file, too, .svg, .png or .pdf.", metavar="FILE")
-        ],
+        Annotated[Path | None, typer.Option(help="Write the figure here, too: .svg, .png or .pdf.", metavar="FILE")],
         None,
     ),
     "configs": (Configs, None),
