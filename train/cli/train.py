@@ -87,5 +87,5 @@ def _conclude(training: "Training", request: "Request", console: Console) -> Non
 
     for line in verdict_of(training.validation) if training.validation is not None else ():
         console.print(line, soft_wrap=True)
-    curves = Trained(training.config.name, training.history.entries, training.validation)
+    curves = Trained(training.config.name, training.history, training.validation)
     write_figure(draw_curves([curves]) if request.figure is not None else None, request.figure, console)

@@ -28,7 +28,7 @@ from selforg.elementary import logarithms
 from train.deciders.decider import DeciderMaker, TeamsDecider
 from train.deciders.machines import FixedDecider
 from train.learning.config import MembersConfig
-from train.learning.training import Checkpoint, Training, TrainingJob, judged
+from train.learning.training import Checkpoint, Training, judged
 from train.running.runs import RunKey, RunRecord
 from train.running.trials import TrialSettings, each_trial
 
@@ -95,9 +95,6 @@ class MembersCheckpoint(Checkpoint):
 class MembersTraining(Training):
     """One training by missions of members.
 
-    Args:
-        job: the work, and its directory.
-
     Attributes:
         settings: those of the learner.
         problem: goal and options; its features are the observation.
@@ -110,24 +107,12 @@ class MembersTraining(Training):
     State: ClassVar[type[Closed]]
     """Model of the state."""
 
-    def __init__(self, job: TrainingJob) -> None:
-        super().__init__(job)
-        self.settings: MembersConfig = getattr(job.config, job.config.learner)
+    def _begin(self) -> None:
+        self.settings: MembersConfig = getattr(self.config, self.config.learner)
         self.problem = self.goal.problem
-        self._missions = 0
-        self._costs: list[float] = []
-        worlds = max(task.worlds for task in job.config.tasks)
-        self._settings = replace(self.trials, worlds=worlds)
+        self._settings = replace(self.trials, worlds=max(task.worlds for task in self.config.tasks))
         self.scale: ObservationScale
         self.state: Closed
-        self._best: Closed
-        if self.checkpoint_file.is_file():
-            self._load()
-
-    @property
-    def decisions(self) -> int:
-        """Missions of training so far."""
-        return self._missions
 
     @abstractmethod
     def _first(self, order: Ints) -> Closed:
@@ -144,7 +129,6 @@ class MembersTraining(Training):
     def _learn(self) -> dict[str, Any]:
         series = self.curriculum.scenarios(self.checkpoint)
         random = np.random.default_rng([self.job.seed, self.checkpoint, 5])
-        before, self._costs = self._missions, []
 
         def draw(count: int) -> list[Scenario]:
             drawn = [list(islice(following, count)) for following in series]
@@ -157,18 +141,16 @@ class MembersTraining(Training):
             variance = np.maximum(seen[2] / seen[0] - mean**2, 0.0)
             self.scale = ObservationScale(mean=tuple(mean.tolist()), variance=tuple(variance.tolist()))
             self.state = self._best = self._first(logarithms(costs).mean(axis=0).argsort(kind="stable"))
-        while self._missions < (self.checkpoint + 1) * self.config.decisions:
+        while self.decisions < (self.checkpoint + 1) * self.config.decisions:
             self.state = self._next(draw, random)
-        cost = float(np.mean(self._costs)) if self._costs else None
-        return {"missions": self._missions - before, "training_excess_s": cost}
+        return {"missions": len(self._costs)}
 
     def costs(self, members: Sequence[DeciderMaker], scenarios: Sequence[Scenario]) -> tuple[Floats, Floats]:
         """Let all members do all scenarios.
 
         Return their excess costs (N, M) [s], and number, sum and sum of squares (3, F) of all observations.
         """
-        pairs = enumerate(product(scenarios, members))
-        missions = [(place, scenario, member) for place, (scenario, member) in pairs]
+        missions = [(place, *pair) for place, pair in enumerate(product(scenarios, members))]
         count, parts = len(missions), self.job.parts
         tasks = [MemberTask(tuple(missions[first::parts]), self._settings) for first in range(min(parts, count))]
         costs, seen = np.zeros(count), np.zeros((count, 3, len(self.problem.features)))
@@ -176,28 +158,29 @@ class MembersTraining(Training):
             assert isinstance(run, MemberRun)
             place = int(run.condition)
             costs[place], seen[place] = judged(run.result), run.seen
-            self._missions += 1
-            self.job.update(completed=self._missions)
+            self.decisions += 1
+            self.job.update(completed=self.decisions)
         self._costs += costs.tolist()
         return costs.reshape(len(scenarios), len(members)), seen.sum(axis=0)
 
-    def _keep_best(self) -> None:
-        self._best = self.state
+    def _learned(self) -> Closed:
+        return self.state
 
-    def _save(self, figures: dict[str, Any]) -> None:
+    def _save(self) -> None:
         kept = {"scale": self.scale, "now": self.state, "kept": self._best}
         parts = {name: part.model_dump(mode="json") for name, part in kept.items()}
-        self.job.folder.write(self.CHECKPOINT, json.dumps({"history": self.history.entries, **parts}) + "\n")
+        self.job.folder.write(self.CHECKPOINT, json.dumps({"history": self.history, **parts}) + "\n")
 
-    def _load(self) -> None:
-        where = shown(self.checkpoint_file)
-        found = validated(MembersCheckpoint, read_json(self.checkpoint_file), where)
+    def _loaded(self) -> Sequence[dict[str, Any]]:
+        where, content = shown(self.checkpoint_file), read_json(self.checkpoint_file)
+        found = validated(MembersCheckpoint, content, where)
         self.state, self._best = (validated(self.State, part, where) for part in (found.now, found.kept))
-        self.scale, self._missions = found.scale, found.decisions
+        self.scale = found.scale
         check_lengths(len(self.problem.features), (self.scale.mean, self.scale.variance), where)
         for state in (self.state, self._best):
             self._check(state, where)
-        self._go_on(found)
+        history: Sequence[dict[str, Any]] = content["history"]
+        return history
 
 
 def check_lengths(length: int, parts: Sequence[Sequence[float]], where: str) -> None:

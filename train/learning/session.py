@@ -82,7 +82,7 @@ def run_training(
                 update(completed=training.decisions, begun=training.decisions)
                 while not training.finished:
                     training.advance()
-                    line = checkpoint_line(training.history.entries[-1])
+                    line = checkpoint_line(training.history[-1])
                     console.print(line, soft_wrap=True, highlight=False, markup=False)
                     update(more=beside_yardstick(training.validation) if training.validation else "")
             exported = training.export(shlex.join(folder.words))

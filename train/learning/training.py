@@ -14,21 +14,23 @@ from __future__ import annotations
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.mission import MissionResult
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Number
 from selector.knowledge import Knowledge, load_knowledge
+from selector.store import RewardSums
 from train.deciders.decided_goal import AskedGoal, DecidedGoal
 from train.deciders.decider import DeciderMaker
 from train.learning.config import TrainingConfig
+from train.learning.credit import Paid
 from train.learning.curriculum import Curriculum
 from train.learning.yardstick import (
     VALIDATION_FILE,
@@ -65,28 +67,10 @@ def figures_of(results: Results) -> dict[str, float]:
     return figures
 
 
-@dataclass
-class CheckpointHistory:
-    """Figures of all checkpoints so far."""
-
-    entries: list[dict[str, Any]] = field(default_factory=list)
-    """One entry for each checkpoint."""
-
-    @property
-    def scores(self) -> list[float]:
-        """The scores of all measurements so far."""
-        return [entry["score"] for entry in self.entries if entry["score"] is not None]
-
-    def note(self, entry: dict[str, Any], figures: Mapping[str, float]) -> bool:
-        """Add a checkpoint's entry and its figures; return whether it is the best so far.
-
-        The score is the mean over families of the logarithm of the excess: families of high costs count no more.
-        """
-        costs = [value for name, value in figures.items() if name.endswith("/excess_s")]
-        score = float(np.mean(np.log(costs))) if costs else None
-        better = score is not None and score < min(self.scores, default=float("inf"))
-        self.entries.append({**entry, **figures, "score": score, "best": better})
-        return better
+def score_of(figures: Mapping[str, float]) -> float | None:
+    """Return the mean over families of the logarithm of the excess: families of high costs count no more."""
+    costs = [value for name, value in figures.items() if name.endswith("/excess_s")]
+    return float(np.mean(np.log(costs))) if costs else None
 
 
 class CheckpointEntry(BaseModel):
@@ -100,21 +84,11 @@ class CheckpointEntry(BaseModel):
     """Mean logarithm of the excess; None: not measured."""
 
 
-def _checked(entry: dict[str, Any]) -> dict[str, Any]:
-    CheckpointEntry.model_validate(entry)
-    return entry  # whose keys keep their order
-
-
 class Checkpoint(Closed):
     """The entries of a checkpoint beside the learned state."""
 
-    history: Annotated[tuple[Annotated[dict[str, Any], AfterValidator(_checked)], ...], Field(min_length=1)]
+    history: Annotated[tuple[CheckpointEntry, ...], Field(min_length=1)]
     """Figures of the checkpoints so far."""
-
-    @property
-    def decisions(self) -> int:
-        """Decisions made so far."""
-        return int(self.history[-1]["decisions"])
 
 
 HISTORY_FILE = "history.jsonl"
@@ -151,10 +125,15 @@ def expert_knowledge(mission: MissionConfig, directories: Sequence[Path]) -> Kno
 class Training(ABC):
     """One training, checkpoint by checkpoint.
 
+    Args:
+        job: the work, and its directory.
+
     Attributes:
         curriculum: the worlds to train in.
         goal: the goal whose options are learned.
-        history: figures of the checkpoints.
+        decisions: number of decisions so far, which a learner counts.
+        history: an entry of figures for each checkpoint.
+        validation: what the best checkpoint loses on validation; None before the first.
 
     """
 
@@ -162,6 +141,7 @@ class Training(ABC):
     """Name of the file with the last checkpoint."""
     alike: ClassVar[bool] = True
     """Whether all families must have the same options."""
+    _best: Any
 
     def __init__(self, job: TrainingJob) -> None:
         self.job, self.config = job, job.config
@@ -178,9 +158,16 @@ class Training(ABC):
             directories=job.directories,
             action=job.config.action,
         )
-        self.history = CheckpointHistory()
+        self.decisions, self.history = 0, list[dict[str, Any]]()
         self.validation = validation_in(job.folder.path)
-        self._validated: Excesses = {}
+        self._costs: list[float] = []  # excess [s] of missions since the last checkpoint
+        self._sums: dict[str, RewardSums] = {}
+        self.checkpoint_file = job.folder.path / self.CHECKPOINT
+        self._begin()
+        if self.checkpoint_file.is_file():
+            self.history = list(self._loaded())
+            self.decisions = int(self.history[-1]["decisions"])
+            self._write_history()
 
     @property
     def decides(self) -> AskedGoal:
@@ -195,28 +182,28 @@ class Training(ABC):
     @property
     def checkpoint(self) -> int:
         """Number of checkpoints done."""
-        return len(self.history.entries)
-
-    @property
-    def checkpoint_file(self) -> Path:
-        """The file with the last checkpoint."""
-        return self.job.folder.path / self.CHECKPOINT
+        return len(self.history)
 
     def advance(self) -> None:
         """Learn up to the next checkpoint, validate, and save everything."""
-        learned = self._learn()
         number = self.checkpoint + 1
-        figures = self._measured(number)
-        entry = {"checkpoint": number, "decisions": self.decisions, **learned}
-        if self.history.note(entry, figures):
-            self._keep_best()
-            self._keep_validation()
-        self._save({**entry, **figures})
-        self.write_history()
-
-    def write_history(self) -> None:
-        """Write one line for each checkpoint to the directory."""
-        self.job.folder.write(HISTORY_FILE, "".join(json.dumps(entry) + "\n" for entry in self.history.entries))
+        self._costs.clear()
+        further = self._learn()
+        excess = float(np.mean(self._costs)) if self._costs else None
+        results = self._validate(number)
+        figures = figures_of(results)
+        score, scores = score_of(figures), [entry["score"] for entry in self.history if entry["score"] is not None]
+        best = score is not None and score < min(scores, default=np.inf)
+        entry = {"checkpoint": number, "decisions": self.decisions, **further, "training_excess_s": excess}
+        self.history.append({**entry, **figures, "score": score, "best": best})
+        if best:
+            self._best = self._learned()
+            self._keep_validation(excesses(results))
+        self._save()
+        if self._sums and self.job.memory is not None:
+            self.job.memory.give_sums(*self._sums.values())
+            self._sums = {}
+        self._write_history()
 
     def about(self, command: str) -> dict[str, Any]:
         """Return how the best result was trained, for its file."""
@@ -224,55 +211,61 @@ class Training(ABC):
         configuration["observation"] = first.observer.config.model_dump(mode="json")
         if not isinstance(self.config.reward, str):
             configuration["reward"] = first.rewards.weights
-        figures = min(self.history.entries, key=lambda entry: entry["score"] or np.inf, default={})
+        figures = min(self.history, key=lambda entry: entry["score"] or np.inf, default={})
         return {"command": command, "seed": self.job.seed, "configuration": configuration, "figures": figures}
-
-    @property
-    @abstractmethod
-    def decisions(self) -> int:
-        """Decisions made so far."""
 
     @abstractmethod
     def export(self, command: str) -> Path:
         """Write the best result so far and return its path; `command` is that of the training."""
 
     @abstractmethod
+    def _begin(self) -> None:
+        """Make what learns, and `_best`, what is exported if nothing was measured."""
+
+    @abstractmethod
     def _learn(self) -> dict[str, Any]:
-        """Learn up to the next checkpoint and return figures for the history."""
+        """Learn up to the next checkpoint, note `decisions` and `_costs`; return further figures for the history."""
 
     @abstractmethod
     def _decider_maker(self) -> DeciderMaker:
         """Return a maker of deciders with the present learned state."""
 
     @abstractmethod
-    def _keep_best(self) -> None:
-        """Keep the present state, the best so far, for the export."""
+    def _learned(self) -> Any:  # noqa: ANN401  (each learner has a state of its own)
+        """Return a copy of the present learned state, which is kept if it is the best so far."""
 
     @abstractmethod
-    def _save(self, figures: dict[str, Any]) -> None:
-        """Write the checkpoint; `figures` are its entry in the history."""
+    def _save(self) -> None:
+        """Write the checkpoint."""
 
-    def _go_on(self, done: Checkpoint) -> None:
-        """Continue after a checkpoint."""
-        self.history = CheckpointHistory(list(done.history))
-        self.write_history()
+    @abstractmethod
+    def _loaded(self) -> Sequence[dict[str, Any]]:
+        """Continue after the checkpoint, and return its history."""
 
-    def _measured(self, checkpoint: int) -> dict[str, float]:
-        """Return the figures of a checkpoint; none where it is not measured."""
+    def _record(self, goal: str, options: Sequence[str], paid: Paid) -> None:
+        """Keep what options brought for the knowledge store, which gets it once a checkpoint is saved."""
+        if self.job.memory is not None and self.job.memory.learns:
+            self._sums.setdefault(goal, RewardSums(goal, options)).record(paid.options, paid.rewards)
+
+    def _write_history(self) -> None:
+        """Write one line for each checkpoint to the directory."""
+        self.job.folder.write(HISTORY_FILE, "".join(json.dumps(entry) + "\n" for entry in self.history))
+
+    def _validate(self, checkpoint: int) -> Results:
+        """Return the results of the validation missions of each family; none where a checkpoint is not measured."""
         if checkpoint % self.config.validation.every and checkpoint < self.config.checkpoints:
             return {}
         self.job.update(more="validating")
-        results = results_on(self.curriculum.validation, self._decider_maker(), self.trials)
-        self._validated = excesses(results)
-        return figures_of(results)
+        return results_on(self.curriculum.validation, self._decider_maker(), self.trials)
 
-    def _keep_validation(self) -> None:
+    def _keep_validation(self, learned: Excesses) -> None:
         """Write what the best checkpoint loses on validation beside the best fixed options."""
-        if self.validation is None:
-            start = self.config.ppo.start.values() if self.config.ppo is not None else ()
-            settings = TrialSettings(self.trials.goal, directories=self.job.directories)
-            held, yardstick = best_fixed(self.curriculum.validation, self.goal.problem, tuple(start), settings)
-        else:
-            held, yardstick = self.validation.held, self.validation.yardstick
-        self.validation = Validation(learned=self._validated, yardstick=yardstick, held=held)
+        start = self.config.ppo.start.values() if self.config.ppo is not None else ()
+        settings, known = TrialSettings(self.trials.goal, directories=self.job.directories), self.validation
+        held, yardstick = (
+            (known.held, known.yardstick)
+            if known is not None
+            else best_fixed(self.curriculum.validation, self.goal.problem, tuple(start), settings)
+        )
+        self.validation = Validation(learned=learned, yardstick=yardstick, held=held)
         self.job.folder.write(VALIDATION_FILE, self.validation.model_dump_json(indent=2) + "\n")

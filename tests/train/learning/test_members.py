@@ -84,7 +84,7 @@ def fake(monkeypatch, cost_of):
     noise = np.random.default_rng(0)
 
     def done(training, members, scenarios):
-        training._missions += len(members) * len(scenarios)
+        training.decisions += len(members) * len(scenarios)
         hardness = np.exp(noise.normal(scale=2.0, size=(len(scenarios), 1)))
         costs = hardness * np.array([cost_of(member, training.problem) for member in members])
         training._costs += costs.ravel().tolist()
@@ -150,7 +150,7 @@ def test_a_training_begins_with_the_best_option_also_where_most_fail(tmp_path, m
     costs = [3000.0, 2000.0, 4000.0, 3000.0, 2500.0, 2600.0, 300.0, 90.0, 60.0, 150.0]  # four are far below the median
     fake(monkeypatch, lambda member, _: costs[member.args[0]] if member.func is FixedDecider else 100.0)
     es = EsTraining(job(load_training(str(written(tmp_path, "es")), "es"), tmp_path / "es"))
-    monkeypatch.setattr(EsTraining, "_next", lambda training, *_: setattr(training, "_missions", 99) or training.state)
+    monkeypatch.setattr(EsTraining, "_next", lambda training, *_: setattr(training, "decisions", 99) or training.state)
     es.advance()
     matrix = np.array(es.state.parameters).reshape(10, 8)
     assert np.argwhere(matrix).tolist() == [[8, 7]]

@@ -15,9 +15,9 @@ from tests.train.learning.trainings import job, written
 from tests.train.waiting import until
 from train.learning import session
 from train.learning.bandit import BanditTraining
-from train.learning.config import LEARNERS, load_training
+from train.learning.config import LEARNERS, CreditConfig, load_training
+from train.learning.credit import Credit
 from train.learning.curriculum import VALIDATION_SEED, Curriculum
-from train.learning.lessons import Credit
 from train.request import Request
 
 POLICY, BANDIT = ("ppo", "policy/policy.safetensors"), ("bandit", "strategy.safetensors")
@@ -87,11 +87,11 @@ def test_nothing_is_measured_that_was_trained_on(tmp_path):
 
 
 def test_rewards_are_credited_up_to_the_horizon_and_not_beyond_the_mission():
-    credit = Credit(rows=2, periods=3, features=1, discount=0.5)
+    credit = Credit(CreditConfig(horizon=3.0, discount=0.5), period=1.0, rows=2, features=1)
     over = np.zeros(2, dtype=bool)
     credit.decide(np.array([0, 1]), np.array([2, 1]), np.array([[0.1], [0.2]]), np.ones(2))
     assert not len(credit.pay(np.array([1.0, 1.0]), over).rows)
-    credit.decide(np.array([0]), np.array([0]), np.array([[0.3]]), np.ones(1))
+    credit.decide(np.array([0]), np.array([0]), np.array([[0.3]]))
     paid = credit.pay(np.array([2.0, 4.0]), np.array([False, True]))
     assert (paid.rows.tolist(), paid.options.tolist(), paid.rewards.tolist()) == ([1], [1], [3.0])
     paid = credit.pay(np.array([4.0, 9.0]), over)

@@ -32,11 +32,12 @@ from selforg.registry import unknown
 from train.deciders.decided_goal import named_goal
 from train.deciders.decider import DeciderMaker
 from train.deciders.strategies import PolicyDecider
-from train.learning.lessons import Ledger
+from train.learning.config import CreditConfig
+from train.learning.credit import Credit
 from train.learning.ppo.networks import RobotPolicy, exported
 from train.learning.ppo.rollouts import MomentsOfRobots, RobotPPO, RobotRollouts
 from train.learning.ppo.worlds import SelectorEnv, TeamEnv
-from train.learning.training import Checkpoint, Training, TrainingJob
+from train.learning.training import Checkpoint, Training
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
 DAMAGE = (
@@ -56,43 +57,32 @@ LAST_RATE = 0.1
 
 
 class PpoTraining(Training):
-    """One training of a policy; checkpoints have everything that Stable-Baselines3 needs to continue.
-
-    Args:
-        job: the work, and its directory.
-
-    """
+    """One training of a policy; checkpoints have everything that Stable-Baselines3 needs to continue."""
 
     CHECKPOINT, alike = "checkpoint.pt", False
 
-    def __init__(self, job: TrainingJob) -> None:
+    def _begin(self) -> None:
         torch.set_num_threads(1)
-        super().__init__(job)
-        assert job.config.ppo is not None
-        self.settings = job.config.ppo
-        self._costs: list[float] = []
-        robots = RobotVecEnv(batches=self.curriculum.batches, threads=job.threads)
-        goals = [named_goal(tuple(robots.options), name) for name in self.decides]
+        assert self.config.ppo is not None
+        self.settings = settings = self.config.ppo
+        self.robots = RobotVecEnv(batches=self.curriculum.batches, threads=self.job.threads)
         self.normal = VecNormalize(
-            TeamEnv(robots) if self.settings.critic == "team" else robots, gamma=self.settings.discount
+            TeamEnv(self.robots) if settings.critic == "team" else self.robots, gamma=settings.discount
         )
         self.normal.obs_rms = MomentsOfRobots(self._working, self.normal.observation_space.shape or ())
         self.normal.ret_rms = MomentsOfRobots(lambda: self.model.rollout_buffer.deciding)
-        holds = {goal: self.settings.holds.get(goal, 1) for goal in goals}
-        self.envs = SelectorEnv(self.normal, robots, holds, self.settings.action)
+        goals = [named_goal(tuple(self.robots.options), name) for name in self.decides]
+        holds = {goal: settings.holds.get(goal, 1) for goal in goals}
+        self.envs = SelectorEnv(self.normal, self.robots, holds, settings.action)
         with warnings.catch_warnings():  # the last part of the rows is smaller, as teams differ
             warnings.filterwarnings("ignore", "You have specified a mini-batch size")
             self.model = self._model()
-        self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
+        self.model.set_logger(configure(str(self.job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
-        memory, period = job.memory, self.curriculum.batches[0].decision_period
+        memory, period = self.job.memory, self.curriculum.batches[0].decision_period
         learns = memory is not None and memory.learns
-        self._ledger = Ledger(self.envs.options, robots.num_envs, period) if learns else None
-        if self.checkpoint_file.is_file():
-            try:
-                self._load(torch.load(self.checkpoint_file, weights_only=True))
-            except DAMAGE as error:
-                raise DocumentError(f"{shown(self.checkpoint_file)}: cannot be continued ({error})") from error
+        rows = self.robots.num_envs
+        self._credits = {goal: Credit(CreditConfig(), period, rows) for goal in self.envs.options if learns}
 
     @property
     def decides(self) -> Sequence[str]:
@@ -100,11 +90,6 @@ class PpoTraining(Training):
         if self.config.goal is None:
             return [named_goal(tuple(self.curriculum.batches[0].options), None)]
         return self.config.goal.split(JOINT)
-
-    @property
-    def decisions(self) -> int:
-        """Decisions made so far."""
-        return int(self.model.num_timesteps)
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
@@ -125,12 +110,10 @@ class PpoTraining(Training):
 
     def export(self, command: str) -> Path:
         """Write the best policy so far and return its directory."""
-        last = self._weights()
-        self._set_weights(self._best or last)
-        policy = self.policy(**self.about(command))
-        self._set_weights(last)
-        path = self.job.folder.path / POLICY_FOLDER
-        save_policy(path, policy)
+        last, path = self._learned(), self.job.folder.path / POLICY_FOLDER
+        self._take(self._best or last)
+        save_policy(path, self.policy(**self.about(command)))
+        self._take(last)
         return path
 
     def _learn(self) -> dict[str, Any]:
@@ -141,27 +124,22 @@ class PpoTraining(Training):
         model.learning_rate, model.lr_schedule = rate, lambda _: rate
         model._last_obs = None  # makes PPO reset all worlds
         self.curriculum.set_scenarios(self.checkpoint)
-        self._costs.clear()
         model.learn(config.decisions, callback=lambda *_: self._note(), reset_num_timesteps=model.num_timesteps == 0)
-        return {"training_excess_s": float(np.mean(self._costs)) if self._costs else None}
+        return {}
 
     def _note(self) -> bool:
         """Note the excess of missions that have ended; PPO calls this after each step and continues if it is True."""
-        self.model.num_timesteps -= int((~self.model.rollout_buffer.deciding).sum())
-        if self._ledger is not None:
-            working = self.model.rollout_buffer.deciding[:, None]
-            rewards = self.normal.get_original_reward().astype(np.float64)
-            self._ledger.note(self.envs.taken, self.envs.anew & working, rewards, self._over())
-        self._costs += [end.result.excess_s for batch in self.curriculum.batches for end in batch.finished]
-        self.job.update(completed=self.model.num_timesteps)
+        deciding = self.model.rollout_buffer.deciding
+        self.model.num_timesteps -= int((~deciding).sum())
+        self.decisions = self.model.num_timesteps
+        rewards = self.normal.get_original_reward().astype(np.float64)
+        for column, (goal, credit) in enumerate(self._credits.items()):
+            rows = np.flatnonzero(self.envs.anew[:, column] & deciding)
+            credit.decide(rows, self.envs.taken[rows, column])
+            self._record(goal, self.envs.options[goal], credit.pay(rewards, self.envs.over))
+        self._costs += [end.result.excess_s for end in self.robots.finished]
+        self.job.update(completed=self.decisions)
         return True
-
-    def _over(self) -> Flags:
-        """Return the rows (R,) of worlds whose missions ended in the last period."""
-        found = [np.zeros((batch.count, batch.robots), dtype=np.bool_) for batch in self.curriculum.batches]
-        for batch, over in zip(self.curriculum.batches, found, strict=True):
-            over[[end.world for end in batch.finished]] = True
-        return np.concatenate([over.ravel() for over in found])
 
     def _working(self) -> Flags:
         """Return which rows (R,) have a robot at work."""
@@ -221,50 +199,49 @@ class PpoTraining(Training):
     def _decider_maker(self) -> DeciderMaker:
         return partial(PolicyDecider, self.policy())
 
-    def _weights(self) -> dict[str, Any]:
+    def _learned(self) -> dict[str, Any]:
         """Return copies of everything that the exported policy consists of."""
-        statistics = self.normal.obs_rms
-        assert isinstance(statistics, RunningMeanStd)
         state = {name: tensor.clone() for name, tensor in self.model.policy.state_dict().items()}
-        return {"policy": state, "observations": _moments(statistics)}
+        return {"policy": state, "observations": _moments(self.normal.obs_rms)}
 
-    def _set_weights(self, weights: dict[str, Any]) -> None:
-        self.model.policy.load_state_dict(weights["policy"])
-        _put(weights["observations"], self.normal.obs_rms)
+    def _take(self, learned: dict[str, Any]) -> None:
+        self.model.policy.load_state_dict(learned["policy"])
+        _put(learned["observations"], self.normal.obs_rms)
 
-    def _keep_best(self) -> None:
-        self._best = self._weights()
-
-    def _save(self, figures: dict[str, Any]) -> None:
-        for name, value in figures.items():
-            if value is not None:
+    def _save(self) -> None:
+        for name, value in self.history[-1].items():
+            if value is not None and name not in ("score", "best"):
                 self.model.logger.record(f"validation/{name}", value)
         self.model.logger.dump(self.model.num_timesteps)
         content = {
-            **self._weights(),
+            **self._learned(),
             "optimizer": self.model.policy.optimizer.state_dict(),
             "returns": _moments(self.normal.ret_rms),
             "updates": self.model._n_updates,
             "best": self._best,
-            "history": self.history.entries,
+            "history": self.history,
         }
         stream = io.BytesIO()
         torch.save(content, stream)
         self.job.folder.write(self.CHECKPOINT, stream.getvalue())
-        if self._ledger is not None and self.job.memory is not None:
-            self.job.memory.give_sums(*self._ledger.taken())
 
-    def _load(self, content: dict[str, Any]) -> None:
-        for name, weights in content["policy"].items():
-            if not torch.isfinite(weights).all():
-                raise ValueError(f"{name}: expected finite numbers")
-        found = validated(Checkpoint, {"history": content["history"]}, shown(self.checkpoint_file))
-        self._set_weights(content)
-        self.model.policy.optimizer.load_state_dict(content["optimizer"])
-        _put(content["returns"], self.normal.ret_rms)
-        self.model.num_timesteps = found.decisions
-        self.model._n_updates, self._best = int(content["updates"]), content["best"]
-        self._go_on(found)
+    def _loaded(self) -> Sequence[dict[str, Any]]:
+        where = shown(self.checkpoint_file)
+        try:
+            content = torch.load(self.checkpoint_file, weights_only=True)
+            for name, weights in content["policy"].items():
+                if not torch.isfinite(weights).all():
+                    raise ValueError(f"{name}: expected finite numbers")
+            history: list[dict[str, Any]] = content["history"]
+            found = validated(Checkpoint, {"history": history}, where)
+            self._take(content)
+            self.model.policy.optimizer.load_state_dict(content["optimizer"])
+            _put(content["returns"], self.normal.ret_rms)
+            self.model.num_timesteps = found.history[-1].decisions
+            self.model._n_updates, self._best = int(content["updates"]), content["best"]
+        except DAMAGE as error:
+            raise DocumentError(f"{where}: cannot be continued ({error})") from error
+        return history
 
 
 def _derived(seed: int, checkpoint: int) -> int:
@@ -272,7 +249,8 @@ def _derived(seed: int, checkpoint: int) -> int:
     return int(np.random.SeedSequence([seed, checkpoint + 1, 2]).generate_state(1, np.uint32)[0])
 
 
-def _moments(statistics: RunningMeanStd) -> dict[str, Any]:
+def _moments(statistics: RunningMeanStd | dict[str, RunningMeanStd]) -> dict[str, Any]:
+    assert isinstance(statistics, RunningMeanStd)
     mean, variance = torch.tensor(statistics.mean), torch.tensor(statistics.var)
     return {"mean": mean, "variance": variance, "count": statistics.count}
 

@@ -40,6 +40,7 @@ class SelectorEnv(VecEnvWrapper):
         options: decided goal -> names of its options.
         chosen: (R, G) where an option was chosen in the last period among several.
         taken, anew: (R, G) the options of the last period, and where they were not kept from the one before.
+        over: (R,) whether the mission ended in the last period.
 
     """
 
@@ -88,7 +89,7 @@ class SelectorEnv(VecEnvWrapper):
     def step_wait(self) -> VecEnvStepReturn:
         """Return the results of the step."""
         seen, rewards, over, infos = self.venv.step_wait()
-        assert isinstance(seen, np.ndarray)
+        self.over = over
         several = [part.sum(axis=1) > 1 for part in np.split(self._masks, np.cumsum(self.counts)[:-1], axis=1)]
         self.chosen = np.stack(several, axis=1) if self.counts else self.chosen
         self._left[over] = 0
