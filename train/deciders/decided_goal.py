@@ -46,6 +46,7 @@ class DecidedGoal:
         problem: goal, options and scores; the features are all components of the observation. The score of a
             combination is the sum of its options' scores.
         parts: (G,) for each of the goals that are decided, its options.
+        names: (G,) the goals that are decided.
         goals: C.
         columns: (G,) the goals that are decided among those that the mission coordinates.
         worlds: the worlds of the batch.
@@ -63,7 +64,7 @@ class DecidedGoal:
             names = [name for name in goal if name in models] or [named_goal(tuple(models), goal[0])]
         if len(set(names)) < len(names):
             raise DocumentError(f"goal: expected each goal once, got {goal}")
-        self._goals, self.columns = names, [list(models).index(name) for name in names]
+        self.names, self.columns = tuple(names), [list(models).index(name) for name in names]
         self.parts = tuple(tuple(models[name].options) for name in names)
         self._default, self._recorder, self._mode = batch.choices.default, batch.recorder, batch.action.mode
         self.goals, self.worlds = len(self._default), batch.worlds
@@ -96,18 +97,13 @@ class DecidedGoal:
         name = self.worlds.task.baseline_option
         return self.problem.options.index(option_named(self.problem, name)) if name else 0
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the goals that are decided."""
-        return tuple(self._goals)
-
     def number_of(self, option: str) -> int:
         """Return the combination that is best by score of those with an option; DocumentError if there is none."""
         return self.problem.options.index(option_named(self.problem, option))
 
     def hold(self, rows: Ints, option: int) -> None:
         """Give a combination to rows (K,) at once, before the next decision."""
-        for goal, own in zip(self._goals, self.combined(np.array([option]))[0], strict=True):
+        for goal, own in zip(self.names, self.combined(np.array([option]))[0], strict=True):
             self.worlds.minds.coordinator_of(goal).hold(rows, np.full(len(rows), own))
 
     def check(self, decider: Decider) -> None:
@@ -131,8 +127,8 @@ class DecidedGoal:
         """Record the opinions (R, O) of the options; of an option of one goal, the best of its combinations."""
         assert self._recorder is not None
         table = opinions.reshape(-1, *(len(part) for part in self.parts))
-        for k, goal in enumerate(self._goals):
-            others = tuple(1 + other for other in range(len(self._goals)) if other != k)
+        for k, goal in enumerate(self.names):
+            others = tuple(1 + other for other in range(len(self.names)) if other != k)
             self._recorder.think(goal, table.max(axis=others))
 
 

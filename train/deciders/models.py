@@ -49,13 +49,8 @@ class TrainedOn:
     """Names of the components of an observation; none if the file does not know."""
     options: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Goal -> names of its options; none if the file does not know, or without options."""
-    vector: bool = False
-    """Whether it gives a movement vector, alone or behind the options."""
-
-    @property
-    def mode(self) -> Mode:
-        """What an action of the model is."""
-        return mode_of(options=bool(self.options), vector=self.vector)
+    mode: Mode = "option"
+    """What an action of the model is."""
 
     @property
     def goal(self) -> str:
@@ -73,8 +68,8 @@ def remembered(path: Path) -> TrainedOn:
             content = json.loads(path.with_suffix(".json").read_bytes())
         seen, actions = content["observation_space"], content["action_space"]
         options = {str(goal): tuple(map(str, names)) for goal, names in actions.get(NAMES, {}).items()}
-        vector = actions[SPACE_TYPE].endswith(("Box", "Box'>"))
-        return TrainedOn(tuple(map(str, seen.get(NAMES, ()))), options, vector)
+        mode = mode_of(options=bool(options), vector=actions[SPACE_TYPE].endswith(("Box", "Box'>")))
+        return TrainedOn(tuple(map(str, seen.get(NAMES, ()))), options, mode)
     except (OSError, BadZipFile, zlib_error, RuntimeError, EOFError, ValueError, KeyError, TypeError, AttributeError):
         return TrainedOn()
 
@@ -174,14 +169,10 @@ def stable_baselines3(path: Path) -> Model:
     policy = data["policy_class"](*spaces, lambda _: 0.0, **data["policy_kwargs"])
     policy.load_state_dict(parameters["policy"])
     scales = path.with_suffix(".pkl")
-    normal = pickle.loads(scales.read_bytes()) if scales.is_file() else None
-
-    def model(observations: Observations) -> NDArray[Any]:
-        seen = observations if normal is None else normal.normalize_obs(observations)
-        options: NDArray[Any] = policy.predict(seen, deterministic=True)[0]
-        return options
-
-    return model
+    if not scales.is_file():
+        return lambda observations: policy.predict(observations, deterministic=True)[0]
+    normal = pickle.loads(scales.read_bytes())
+    return lambda observations: policy.predict(normal.normalize_obs(observations), deterministic=True)[0]
 
 
 def torch_script(path: Path) -> Model:
@@ -189,12 +180,7 @@ def torch_script(path: Path) -> Model:
     import torch
 
     module = torch.jit.load(str(path), map_location="cpu").eval()
-
-    def model(observations: Observations) -> NDArray[Any]:
-        with torch.no_grad():
-            outputs: NDArray[Any] = module(torch.from_numpy(observations)).numpy()
-        return outputs
-
+    model: Model = torch.no_grad()(lambda observations: module(torch.from_numpy(observations)).numpy())
     return model
 
 
@@ -204,12 +190,7 @@ def onnx(path: Path) -> Model:
 
     session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
     name = session.get_inputs()[0].name
-
-    def model(observations: Observations) -> NDArray[Any]:
-        outputs: NDArray[Any] = session.run(None, {name: observations})[0]
-        return outputs
-
-    return model
+    return lambda observations: session.run(None, {name: observations})[0]
 
 
 LOADERS: dict[str, Callable[[Path], Model]] = {".zip": stable_baselines3, ".pt": torch_script, ".onnx": onnx}

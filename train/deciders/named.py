@@ -114,15 +114,7 @@ def decider_named(text: str, directories: Sequence[Path] = ()) -> NamedDecider:
 
     """
     kind, _, name = text.partition(":")
-    if kind == BY_MODEL:
-        return _by_model(text, name, directories)
-    if kind == VELOCITY or (kind == POLICY and Path(name).suffix in LOADERS):
-        return _model(text, Path(name))
-    if kind in SEARCHED:
-        return SEARCHED[kind](text, name, directories)
-    if kind == BASELINE:
-        return NamedDecider(text, BaselineDecider)
-    return _option(text, name) if kind == FIXED else _strategy(text)
+    return KINDS.get(kind, _strategy)(text, name, directories)
 
 
 def _by_model(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
@@ -147,9 +139,14 @@ def _by_model(text: str, name: str, directories: Sequence[Path]) -> NamedDecider
     )
 
 
-def _strategy(text: str) -> NamedDecider:
+def _baseline(text: str, *_: object) -> NamedDecider:
+    """Return what lets the baseline of the task command."""
+    return NamedDecider(text, BaselineDecider)
+
+
+def _strategy(text: str, *_: object) -> NamedDecider:
     """Return a registered strategy, or one of the user's own, with parameters."""
-    own, _ = named_in(text)
+    own = named_in(text)[0]
 
     def build(problem: Problem, teams: Ints) -> Decider:
         return StrategyDecider(spec_from_text(text), problem, teams)
@@ -158,7 +155,7 @@ def _strategy(text: str) -> NamedDecider:
     return NamedDecider(text, build, digest, partial(spec_from_text, text))
 
 
-def _option(text: str, name: str) -> NamedDecider:
+def _option(text: str, name: str, _: Sequence[Path]) -> NamedDecider:
     """Return what always takes the same option; of options joined for several goals, the best that has those named."""
 
     def fixed(option: str = name) -> StrategySpec:
@@ -191,7 +188,9 @@ def _machine(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
 
 
 def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
-    """Return an exported network."""
+    """Return an exported network, or a model of another library."""
+    if Path(name).suffix in LOADERS:
+        return _model(text, name)
     policy = load_policy(find_policy(name, directories))
     spec = policy.spec
     return NamedDecider(
@@ -208,18 +207,26 @@ def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
     )
 
 
-def _model(text: str, path: Path) -> NamedDecider:
+def _model(text: str, name: str, *_: object) -> NamedDecider:
     """Return a model of another library, whose digest is that of the normalisation beside it, too."""
+    path = Path(name)
     known = remembered(path)
     mode: Mode = "velocity" if text.startswith(f"{VELOCITY}:") else known.mode
     goal = known.goal if mode != "velocity" else ""
     digest = _sha256(*(file for file in (path, path.with_suffix(".pkl")) if file.is_file()))
-    build = partial(ModelDecider, path, mode)
-    return NamedDecider(text, build, digest, mode=mode, goal=goal)
+    return NamedDecider(text, partial(ModelDecider, path, mode), digest, mode=mode, goal=goal)
 
 
-SEARCHED = {LEARNED: _learned, MACHINE: _machine, POLICY: _policy}
-"""Kind of a decider whose file is searched by its name -> function that returns it."""
+KINDS: dict[str, Callable[[str, str, Sequence[Path]], NamedDecider]] = {
+    BASELINE: _baseline,
+    BY_MODEL: _by_model,
+    FIXED: _option,
+    LEARNED: _learned,
+    MACHINE: _machine,
+    POLICY: _policy,
+    VELOCITY: _model,
+}
+"""Kind of a decider -> function that returns it; every other text names a strategy."""
 
 
 def _sha256(*files: Path) -> str:
