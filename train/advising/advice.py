@@ -98,9 +98,9 @@ class Advising(Evaluation):
 
     Attributes:
         budget: what all missions may take: time of processors [s], or their number.
-        measured: whether the task has measures with targets.
         censors: whether the cost of a mission that is not finished is unknown, as `censored` has it.
         nothing_to_choose: whether each goal has one option only.
+        varied: goal -> variants of the best option, once they are needed.
 
     """
 
@@ -122,13 +122,12 @@ class Advising(Evaluation):
                 raise DocumentError(f"--kinds: expected scenarios of several kinds, got one: {found.pop()}")
             self.opened, self.choosers_that_fit = self._opened(open_mission(family, self.directories))
         self.family, self.mission = self.opened.family, self.opened.family.mission
-        self.measured = bool(task_class(self.mission).measures)
-        self.censors = not (self.measured or self.mission.items.keep_coming)
+        self.censors = not (task_class(self.mission).measures or self.mission.items.keep_coming)
         self.nothing_to_choose = self.opened.combinations == 1
         self.of_family = family.description != random_starts(family.mission).description
         self.goal = JOINT.join(self.opened.goals)
         self.stem, self.scenarios, self.context = self.family.name, [], ""
-        self._varied: dict[str, list[Option]] = {}
+        self.varied: dict[str, list[Option]] = {}
         options = {goal: [one.model_dump(mode="json") for one in own] for goal, own in self.opened.known.table.items()}
         asked = {
             "minutes": minutes,
@@ -259,32 +258,23 @@ class Advising(Evaluation):
         """Return the variants of options, and write them to their file; goal -> option."""
         table = self.opened.known.table
         chosen = {goal: next(one for one in table[goal] if one.name == name) for goal, name in held.items()}
-        self._varied = variants_of(chosen, self.directories)
-        self._write(NUMBERS_FILE, document_of(self._table_with(held), self.directories))
-        return self._varied
+        self.varied = variants_of(chosen, self.directories)
+        better: dict[str, list[Option]] = {}
+        for goal, own in table.items():
+            options = [*own, *self.varied[goal]]
+            most = {"score": max(one.score for one in options) + 1.0}
+            better[goal] = [one.model_copy(update=most) if one.name == held[goal] else one for one in options]
+        self._write(NUMBERS_FILE, document_of(better, self.directories))
+        return self.varied
 
     @cache  # noqa: B019
     def _write(self, name: str, text: str) -> None:
         """Write a file with options, once: they follow from what was done before they are needed."""
         write_whole(self.folder / name, text.encode())
 
-    def variants(self, goal: str) -> Sequence[Option]:
-        """Return the variants of the best option of a goal."""
-        return self._varied.get(goal, ())
-
-    def _table_with(self, held: Mapping[str, str]) -> dict[str, list[Option]]:
-        """Return goal -> its options and variants; those in `held` have the highest score."""
-        found = {}
-        for goal, own in self.opened.known.table.items():
-            options = [*own, *self.variants(goal)]
-            most = max(one.score for one in options) + 1.0
-            better = [one.model_copy(update={"score": most}) if one.name == held[goal] else one for one in options]
-            found[goal] = better
-        return found
-
     def file_of(self, arm: str) -> Path:
         """Return the file with the knowledge of an arm."""
-        names = {option.name for own in self._varied.values() for option in own}
+        names = {option.name for own in self.varied.values() for option in own}
         kind, _, options = arm.partition(":")
         varied = kind == FIXED and names & set(options.split(JOINT))
         return self.folder.resolve() / (NUMBERS_FILE if varied or kind in (MACHINE, POLICY) else OPTIONS_FILE)

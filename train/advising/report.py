@@ -150,7 +150,10 @@ class Advice:
             return [f"{evaluation.family.name}: there is nothing to choose: {self._words(self.found.winner)} is all."]
         lost = self.left[self.found.winner].sum() if self.left else 0
         if 2 * lost >= self.found.starts:
-            return [self._hold, *self._remarks, self._hopeless]
+            limit = max(mission.time_limit for mission in self.runs.missions)
+            short = f"the time limit of {limit:g} s may be too short."
+            hopeless = f"So nothing that was tried does this mission, and no selector is judged: {short}"
+            return [self._hold, *self._remarks, hopeless]
         parts = (self._hold, self._beside, self._on_the_way, self._of_kinds, self._worth)
         return [*filter(None, (*parts, *self._remarks))]
 
@@ -186,14 +189,6 @@ class Advice:
         word = task_class(evaluation.mission).missed[1]
         many = f"{lost or 'No'} mission{'s' * (lost > 1)} of {found.starts} {'were' if lost > 1 else 'was'} {word}"
         return f"{begin} {many} (up to {most:.0%} may be)."
-
-    @property
-    def _hopeless(self) -> str:
-        limit = max(mission.time_limit for mission in self.runs.missions)
-        return (
-            "So nothing that was tried does this mission, and no selector is judged: "
-            f"the time limit of {limit:g} s may be too short."
-        )
 
     @property
     def _beside(self) -> str:
@@ -279,8 +274,7 @@ class Advice:
     @property
     def publication(self) -> Publication:
         """The report."""
-        report = family_report_of(self.runs)
-        evaluation = self.evaluation
+        report, evaluation = family_report_of(self.runs), self.evaluation
         about = f"{evaluation.family.description}\nOptions of {', '.join(evaluation.opened.goals)}."
         grids = [*family_tables(report), *self._races]
         return Publication(evaluation.family.name, about, self.sentences, grids, self.content, draw_family(report))
@@ -307,15 +301,14 @@ class Advice:
     @property
     def _races(self) -> list[Grid]:
         """One table for each round of the search."""
-        found = []
+        found, ends = [], {arm: f"{many} of {JAMMED} unfinished" for arm, many in self.search.stopped.items()}
         for done in self.search.rounds:
             means, title = sorted(done.means.tolist()), f"search, {done.title}: {done.costs.shape[1]} starts"
-            rows = [(arm, f"{mean:.1f}", self._stopped(arm)) for arm, mean in zip(done.order, means, strict=True)]
+            rows = [
+                (arm, f"{mean:.1f}", ends.get(arm, EMPTY_CELL)) for arm, mean in zip(done.order, means, strict=True)
+            ]
             found.append(Grid(title, ("strategy", "excess s", "stopped"), rows))
         return found
-
-    def _stopped(self, arm: str) -> str:
-        return f"{self.search.stopped[arm]} of {JAMMED} unfinished" if arm in self.search.stopped else EMPTY_CELL
 
 
 def shown_cheaper(ratio: Ratio, p: float | None) -> bool:

@@ -79,10 +79,3 @@ def portfolio(done: Round, first: str) -> list[str]:
 def filled_up(values: Sequence[float], count: int) -> list[float]:
     """Return values, and their mean for each that is missing of `count`."""
     return [*values, *[float(np.mean(values))] * (count - len(values))]
-
-
-def ranks_of(values: Floats) -> Floats:
-    """Return the ranks of values; equal ones share the mean of theirs."""
-    order = values[:, None] > values
-    ranks: Floats = order.sum(axis=1) + 0.5 * (values[:, None] == values).sum(axis=1)
-    return ranks

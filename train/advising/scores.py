@@ -43,8 +43,7 @@ def options_known(advice: Advice) -> dict[str, list[Option]]:
     """Return goal -> the options of the knowledge: those of the mission and of the library, and what is to be held."""
     found = {}
     for goal, own in advice.evaluation.opened.known.table.items():
-        held = advice.held[goal]
-        variants = [one for one in advice.evaluation.variants(goal) if one.name == held]
+        variants = [one for one in advice.evaluation.varied.get(goal, ()) if one.name == advice.held[goal]]
         found[goal] = [*own, *(one.model_copy(update={"score": 0.0}) for one in variants)]
     return found
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from itertools import product
 
 import numpy as np
+from scipy.stats import rankdata
 
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.types import AVOIDANCE
@@ -25,7 +26,7 @@ from selector.documents.fields import JOINT
 from selector.knowledge import ENOUGH, Option
 from selforg.arrays import Flags
 from train.advising.opening import OpenedMission
-from train.advising.rounds import Round, filled_up, needed, portfolio, ranks_of
+from train.advising.rounds import Round, filled_up, needed, portfolio
 from train.deciders.named import FIXED
 from train.running.runs import RunKey, RunRecord
 
@@ -190,7 +191,7 @@ class AdviceSearch:
         if len(names) <= FINALISTS or count.min() < ENOUGH:
             return names
         checked = self._round(f"{goal}, check", [arm_of({**held, goal: name}) for name in names], CHECK_STARTS)
-        agree = np.corrcoef(ranks_of(-mean), ranks_of(checked.means))[0, 1]
+        agree = np.corrcoef(rankdata(-mean), rankdata(checked.means))[0, 1]
         if not agree >= TRUSTED:
             return names
         kept = {names[place] for place in (-mean).argsort(kind="stable")[: max(len(names) // 3, FINALISTS)]}
@@ -211,8 +212,7 @@ class AdviceSearch:
     def _variants(self, leader: str) -> list[str]:
         """Return the arms with another number of one of the leader's options."""
         held = held_by(self.opened, leader)
-        more = self.varied(held)
-        return [arm_of({**held, goal: variant.name}) for goal, own in more.items() for variant in own]
+        return [arm_of({**held, goal: one.name}) for goal, own in self.varied(held).items() for one in own]
 
     def _choosers(self) -> tuple[str, ...]:
         """Return the best rule and the best policy of those that fit."""
@@ -221,9 +221,8 @@ class AdviceSearch:
             kinds.setdefault(name.partition(":")[0], []).append(name)
         if all(len(own) == 1 for own in kinds.values()):
             return tuple(self.choosers)
-        order = self._round(
-            "choosers", self.choosers, self._starts(BUDGET_SHARES["choosers"], len(self.choosers))
-        ).order
+        starts = self._starts(BUDGET_SHARES["choosers"], len(self.choosers))
+        order = self._round("choosers", self.choosers, starts).order
         return tuple(next(name for name in order if name in own) for own in kinds.values())
 
     def _round(self, title: str, arms: Sequence[str], count: int) -> Round:

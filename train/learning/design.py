@@ -135,13 +135,11 @@ class DesignState(Closed):
     """The best machines, best first."""
 
 
-class DesignTraining(MembersTraining):
+class DesignTraining(MembersTraining[DesignState]):
     """One design of a machine."""
 
     State = DesignState
     settings: DesignConfig
-    state: DesignState
-    _best: DesignState
 
     def export(self, command: str) -> Path:
         """Write the best machine so far and return its file."""
@@ -180,8 +178,7 @@ class DesignTraining(MembersTraining):
         left.sort(key=lambda k: float(np.mean(done[k])))
         return DesignState(kept=tuple(machines[k] for k in left[: settings.kept]))
 
-    def _check(self, state: Closed, where: str) -> None:
-        assert isinstance(state, DesignState)
+    def _check(self, state: DesignState, where: str) -> None:
         for machine in state.kept:
             machine.check_fits(self.problem, where)
 

@@ -50,12 +50,10 @@ class EsState(Closed):
     """Weights of the zeros with which Adam's two means began."""
 
 
-class EsTraining(MembersTraining):
+class EsTraining(MembersTraining[EsState]):
     """One training of a linear policy."""
 
     State = EsState
-    state: EsState
-    _best: EsState
     settings: EsConfig
 
     def policy(self, parameters: Floats, **training: object) -> TrainedPolicy:
@@ -81,7 +79,7 @@ class EsTraining(MembersTraining):
         return path
 
     def _first(self, order: Ints) -> EsState:
-        first = np.zeros((self._outputs, len(self.problem.features) + 1))
+        first = self._table()
         first[self._rows_of(order[:1]), -1] = self.settings.lead
         point, nothing = tuple(first.ravel().tolist()), (0.0,) * first.size
         return EsState(parameters=point, average=point, slope=nothing, square=nothing)
@@ -98,19 +96,17 @@ class EsTraining(MembersTraining):
         slope = (fitness[:, None] * noise).sum(axis=0) / (len(members) * settings.sigma)
         return climbed(state, slope, settings.learning_rate, settings.averaged)
 
-    def _check(self, state: Closed, where: str) -> None:
-        assert isinstance(state, EsState)
-        size = self._outputs * (len(self.problem.features) + 1)
+    def _check(self, state: EsState, where: str) -> None:
+        size = self._table().size
         check_lengths(size, (state.parameters, state.average, state.slope, state.square), where)
 
-    @property
-    def _outputs(self) -> int:
-        return sum(len(part) for part in self.goal.parts)
+    def _table(self) -> Floats:
+        """Return zeros for the parameters, a row of weights and a bias for each option of each goal."""
+        return np.zeros((sum(map(len, self.goal.parts)), len(self.problem.features) + 1))
 
     def _rows_of(self, options: Ints) -> Ints:
         """Return the rows (N, G) of the table of parameters that belong to combinations (N,)."""
-        counts = [len(part) for part in self.goal.parts]
-        first: Ints = np.cumsum([0, *counts[:-1]])
+        first: Ints = np.cumsum([0, *map(len, self.goal.parts[:-1])])
         return self.goal.combined(options) + first
 
     def _decider_maker(self) -> DeciderMaker:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice, product
-from typing import Any, ClassVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -92,7 +92,11 @@ class MembersCheckpoint(Checkpoint):
     """The state at the best checkpoint."""
 
 
-class MembersTraining(Training):
+S = TypeVar("S", bound=Closed)
+"""The state of a learner."""
+
+
+class MembersTraining(Training, Generic[S]):
     """One training by missions of members.
 
     Attributes:
@@ -104,7 +108,7 @@ class MembersTraining(Training):
     """
 
     CHECKPOINT = "checkpoint.json"
-    State: ClassVar[type[Closed]]
+    State: type[S]
     """Model of the state."""
 
     def _begin(self) -> None:
@@ -112,18 +116,18 @@ class MembersTraining(Training):
         self.problem = self.goal.problem
         self._settings = replace(self.trials, worlds=max(task.worlds for task in self.config.tasks))
         self.scale: ObservationScale
-        self.state: Closed
+        self.state: S
 
     @abstractmethod
-    def _first(self, order: Ints) -> Closed:
+    def _first(self, order: Ints) -> S:
         """Return the first state, from the options in the order of their excess alone, the best first."""
 
     @abstractmethod
-    def _next(self, draw: Drawing, random: np.random.Generator) -> Closed:
+    def _next(self, draw: Drawing, random: np.random.Generator) -> S:
         """Return the next state, from missions of members on scenarios that `draw` returns."""
 
     @abstractmethod
-    def _check(self, state: Closed, where: str) -> None:
+    def _check(self, state: S, where: str) -> None:
         """Raise DocumentError unless a state that was read is one of this training."""
 
     def _learn(self) -> dict[str, Any]:
@@ -163,7 +167,7 @@ class MembersTraining(Training):
         self._costs += costs.tolist()
         return costs.reshape(len(scenarios), len(members)), seen.sum(axis=0)
 
-    def _learned(self) -> Closed:
+    def _learned(self) -> S:
         return self.state
 
     def _save(self) -> None:
