@@ -7,10 +7,6 @@ that is held. It ships in the folder of the advice only if it is shown to be bet
 from __future__ import annotations
 
 import shutil
-import subprocess
-import sys
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -34,8 +30,9 @@ from train.evaluation import pipeline
 from train.evaluation.family import FamilyEvaluation
 from train.learning.config import TrainingConfig, load_training
 from train.learning.ppo.training import POLICY_FOLDER
+from train.learning.seeds import trained
 from train.learning.session import check_installed
-from train.learning.yardstick import validation_in
+from train.learning.yardstick import mean_excess, validation_in
 from train.running.commands import FINISHED
 from train.running.finished_runs import JOURNAL, runs_of
 
@@ -66,20 +63,14 @@ def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Consol
     check_installed("ppo")
     folder, advice = evaluation.folder, evaluation.advice
     write_whole(folder / TRAINING, as_yaml(training_of(advice, minutes).model_dump(mode="json")).encode())
-    words = [sys.executable, "-m", "clean_swarm_env", *(f"--import={name}" for name in named_plugins())]
-    words += ["train", "ppo", "--config", str(folder / TRAINING)]
-    words += [word for path in evaluation.directories for word in ("--configs", str(path))]
-    running: list[subprocess.Popen[str]] = []
-    with ThreadPoolExecutor(min(len(TRAINING_SEEDS), evaluation.request.machine.workers)) as pool:
-        try:
-            list(pool.map(lambda seed: _trained(words, seed, folder, running), TRAINING_SEEDS))
-        except KeyboardInterrupt as end:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in running:
-                process.terminate()  # which a Ctrl-C in a terminal has done
-            return evaluation.request.ended(end, folder, ": advice and trainings are kept")
-    best = min(TRAINING_SEEDS, key=lambda seed: _validated(folder / TRAININGS.format(seed)))
-    return _judge(advice, best, console)
+    words = [*(f"--import={name}" for name in named_plugins()), "train", "ppo", "--config", str(folder / TRAINING)]
+    words += ["--resume", *(word for path in evaluation.directories for word in ("--configs", str(path)))]
+    folders = {seed: folder / TRAININGS.format(seed) for seed in TRAINING_SEEDS}
+    try:
+        done = list(trained(words, folders, evaluation.request.machine.workers))
+    except KeyboardInterrupt as end:
+        return evaluation.request.ended(end, folder, ": advice and trainings are kept")
+    return _judge(advice, min(sorted(done), key=lambda seed: _validated(folders[seed])), console)
 
 
 def training_of(advice: Advice, minutes: float) -> TrainingConfig:
@@ -110,22 +101,11 @@ def training_of(advice: Advice, minutes: float) -> TrainingConfig:
     )
 
 
-def _trained(words: Sequence[str], seed: int, folder: Path, running: list[subprocess.Popen[str]]) -> None:
-    """Do or go on with the training of a seed, among the processes that run; if it fails, exit with its last line."""
-    output = folder / TRAININGS.format(seed)
-    more = ["--seed", str(seed), "--output", str(output), *(["--resume"] if output.exists() else [])]
-    process = subprocess.Popen([*words, *more], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    running.append(process)
-    told = process.communicate()[1]
-    if process.returncode:
-        raise SystemExit(told.strip().rpartition("\n")[2])
-
-
 def _validated(directory: Path) -> float:
     """Return the mean excess of a training on its validation missions [s]."""
     validation = validation_in(directory)
     assert validation is not None
-    return float(np.mean([np.mean(own) for own in validation.learned.values()]))
+    return mean_excess(validation.learned)
 
 
 def _judge(advice: Advice, seed: int, console: Console) -> int:

@@ -80,7 +80,7 @@ def best_fixed(
     if len(choices) > MOST_OPTIONS:
         choices = [[], *([list(start)] if start else [])]
     first = {family: some[:TRIED_SCENARIOS] for family, some in scenarios.items()}
-    means = [_mean(excesses(results_on(first, partial(_held, held), settings))) for held in choices]
+    means = [mean_excess(excesses(results_on(first, partial(_held, held), settings))) for held in choices]
     best = choices[int(np.argmin(means))]
     return JOINT.join(best) or SCORED_HIGHEST, excesses(results_on(scenarios, partial(_held, best), settings))
 
@@ -93,7 +93,7 @@ def _held(options: Sequence[str], problem: Problem, teams: Ints) -> Decider:
     return StrategyDecider(StrategySpec(name="Fixed", parameters={"option": best}), problem, teams)
 
 
-def _mean(found: Excesses) -> float:
+def mean_excess(found: Excesses) -> float:
     """Return the mean excess, in which families count alike."""
     return float(np.mean([np.mean(own) for own in found.values()]))
 
@@ -106,5 +106,5 @@ def validation_in(folder: Path) -> Validation | None:
 
 def beside_yardstick(validation: Validation) -> str:
     """Return in words what the best checkpoint and the yardstick lose, for a progress bar."""
-    learned, held = _mean(validation.learned), _mean(validation.yardstick)
+    learned, held = mean_excess(validation.learned), mean_excess(validation.yardstick)
     return f"best so far: excess {learned:,.0f} s a validation mission, {validation.held} {held:,.0f} s"

@@ -171,9 +171,10 @@ def test_a_full_disk_and_a_changed_number_cost_no_kept_mission(tmp_path, monkeyp
 def test_an_interrupted_training_ends_the_others_and_says_how_to_go_on(tmp_path, monkeypatch, capsys):
     pytest.importorskip("torch")
     from train.advising import learning
+    from train.learning import seeds
 
     process = Mock(communicate=Mock(side_effect=KeyboardInterrupt))
-    monkeypatch.setattr(learning.subprocess, "Popen", Mock(return_value=process))
+    monkeypatch.setattr(seeds.subprocess, "Popen", Mock(return_value=process))
     monkeypatch.setattr(learning, "training_of", Mock(return_value=Mock(model_dump=Mock(return_value={}))))
     request = Request("yard", words=("clean-swarm", "advise", "yard", "--learn"), output=tmp_path)
     assert learning.train_selector(Mock(folder=tmp_path, directories=(), request=request), 1.0, Console()) == 130
