@@ -1,12 +1,16 @@
 """`clean-swarm train`: learn by PPO, from the rewards of choices, or from the costs of missions."""
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated
+import re
+from collections.abc import Callable, Sequence
+from itertools import chain, islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 from rich.console import Console
 
 from selector.documents.plain import DocumentError as ConfigurationError
+from selector.documents.plain import short
 from train.cli.listing import check_named
 from train.cli.options import (
     KEEPING,
@@ -16,23 +20,39 @@ from train.cli.options import (
 
 if TYPE_CHECKING:
     from train.learning.training import Training, TrainingJob
+    from train.report_page.results import HeldResults
     from train.request import Request
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
 Config = Annotated[str, typer.Option(help="Name of a training, or path to its YAML file.", metavar="NAME|FILE")]
+MOST_SEEDS = 100
+SPAN = r"\d{1,18}(-\d{1,18})?"
+"""A seed, or the first and the last of some."""
 ALONE = ("seed", "output", "resume", "figure", "force", "configs")
 """Options of trainings in one process."""
 
 
 @app.command()
 @asking(*ALONE, "threads", "store", "learn")
-def ppo(config: Config = "exploring-ppo", *, given: GivenOptions) -> None:
+def ppo(
+    config: Config = "exploring-ppo",
+    seeds: Annotated[
+        str, typer.Option(help="Train with these seeds side by side, in place of --seed: 1-10, or 1,4,7.")
+    ] = "",
+    *,
+    given: GivenOptions,
+) -> None:
     """Train a policy by PPO and export it."""
+    several = seeds_of(seeds) if seeds else []
+    if several and given.values["store"]:
+        raise ConfigurationError("--store: expected none with --seeds, whose trainings would begin with one another's")
     check_named(given.directories, training=config)
     from train.learning.session import check_installed
 
     check_installed("ppo")
+    if several:
+        _train_seeds(several, given.request(config), Path(f"{Path(config).stem}-ppo-seeds{seeds}"))
     from train.learning.ppo.training import PpoTraining  # imports torch
 
     _train("ppo", config, given, PpoTraining)
@@ -78,6 +98,65 @@ def _train(learner: str, config: str, given: GivenOptions, made: "Callable[[Trai
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
     raise typer.Exit(code)
+
+
+def seeds_of(text: str) -> list[int]:
+    """Return the seeds that a text names, such as 1-10 or 1,4,7."""
+    found: list[int] = []
+    if re.fullmatch(f"{SPAN}(,{SPAN})*", text, re.ASCII):
+        spans = [one.partition("-") for one in text.split(",")]
+        every = chain.from_iterable(range(int(first), int(last or first) + 1) for first, _, last in spans)
+        found = list(islice(every, MOST_SEEDS + 1))
+    if not 0 < len(set(found)) == len(found) <= MOST_SEEDS:
+        expected = f"expected up to {MOST_SEEDS} different seeds, as in 1-10 or 1,4,7"
+        raise ConfigurationError(f"--seeds: {expected}, got {short(text)}")
+    return found
+
+
+def _train_seeds(seeds: Sequence[int], request: "Request", directory: Path) -> NoReturn:
+    """Train with each seed, print what they have in common, draw one curve, and exit with the code."""
+    from clean_swarm_env.learning.warm_up import usable_cpus
+    from train.learning.seeds import trained
+    from train.report_page.results import results_in
+    from train.reports.curves import Trained, draw_curves
+    from train.reports.text_table import write_figure
+    from train.running.commands import FINISHED, progress
+
+    root, console = request.output or Path("results") / directory, Console(highlight=False, emoji=False)
+    folders = {seed: root / f"seed-{seed}" for seed in seeds}
+    workers = max(usable_cpus() // request.machine.threads, 1)
+    try:
+        with progress("trainings", len(seeds)) as update:
+            for seed in trained([*request.words[1:], "--seeds", ""], folders, workers):
+                console.print(f"trained: {folders[seed]}", soft_wrap=True)
+                update(advance=1)
+    except KeyboardInterrupt as end:
+        raise typer.Exit(request.ended(end, root, ": trainings are kept")) from end
+    results = [results_in(folder) for folder in folders.values()]
+    console.print(summary_of(results), soft_wrap=True)
+    curves = draw_curves([Trained(one.name, one.history, one.validation) for one in results])
+    write_figure(curves if request.figure is not None else None, request.figure, console)
+    raise typer.Exit(FINISHED)
+
+
+def summary_of(results: "Sequence[HeldResults]") -> str:
+    """Return what trainings of several seeds lose on validation, with intervals over seeds and scenarios."""
+    import numpy as np
+
+    from train.analysis.intervals import Ratio
+    from train.analysis.strategy_comparison import Estimate
+    from train.analysis.verdict import amount, interval_words
+
+    held = [one.validation for one in results if one.validation is not None]
+    excess = np.array([np.concatenate(list(one.learned.values())) for one in held])  # (seeds, scenarios)
+    mean = Estimate.of(excess)
+    ratio = Ratio.of(excess, np.concatenate(list(held[0].yardstick.values())))
+    lost = f"excess {amount(mean.value)} s a validation mission{interval_words(mean.ci95, amount)}"
+    times = (
+        "" if ratio.ratio is None else f", {ratio.ratio:.2f}{interval_words(ratio.ci95, '{:.2f}'.format)} times that"
+    )
+    beside = f"{times} of {held[0].held}" if times else ""
+    return f"{results[0].name}, {len(held)} seeds: {lost}{beside}"
 
 
 def _conclude(training: "Training", request: "Request", console: Console) -> None:

@@ -11,14 +11,20 @@ from rich.console import Console
 
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
+from selector.documents.plain import short
+from tests.train.commands import done, refused
 from tests.train.learning.trainings import job, written
 from tests.train.waiting import until
+from train.analysis.intervals import Ratio
+from train.analysis.strategy_comparison import Estimate
 from train.learning import session
 from train.learning.bandit import BanditTraining
 from train.learning.config import LEARNERS, CreditConfig, load_training
 from train.learning.credit import Credit
 from train.learning.curriculum import VALIDATION_SEED, Curriculum
+from train.learning.yardstick import Validation
 from train.request import Request
+from train.running.run_folder import RESULTS_FORMAT
 
 POLICY, BANDIT = ("ppo", "policy/policy.safetensors"), ("bandit", "strategy.safetensors")
 RESULTS = {"ppo": POLICY, "both": POLICY, "goals": POLICY, "bandit": BANDIT}
@@ -52,6 +58,61 @@ def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
     finish(command(learner, config, tmp_path / "cut", "--resume", *threads))
     for name in (learned, "history.jsonl"):
         assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
+
+
+@pytest.mark.long
+@pytest.mark.extra
+def test_seeds_side_by_side_come_to_the_bits_that_each_has_alone_and_go_on_together(tmp_path):
+    pytest.importorskip("stable_baselines3")
+    config, words = written(tmp_path, "ppo"), ("--seeds", "4-5", "--figure", str(tmp_path / "curve.svg"))
+    finish(command("ppo", config, tmp_path / "alone"))
+    finish(command("ppo", config, tmp_path / "both", *words))
+    (tmp_path / "both/seed-4/checkpoint.pt").unlink()  # as if it had been killed
+    (tmp_path / "curve.svg").unlink()
+    finish(command("ppo", config, tmp_path / "both", *words, "--resume"))
+    assert "2 seeds" in (tmp_path / "curve.svg").read_text()
+    for name in ("policy/policy.safetensors", "history.jsonl"):
+        assert (tmp_path / "both/seed-5" / name).read_bytes() == (tmp_path / "alone" / name).read_bytes(), name
+
+
+@pytest.mark.extra
+def test_trainings_of_several_seeds_are_one_row_over_seeds_and_scenarios(tmp_path, monkeypatch):
+    pytest.importorskip("torch")
+    monkeypatch.chdir(tmp_path)
+    config = written(tmp_path, "ppo", tasks=[{"family": "random"}, {"family": "crowded"}])
+    excesses, made = np.random.default_rng(1).gamma(5.0, size=(3, 2, 6)), []
+
+    def train(words, folders, workers):
+        assert words[-2:] == ["--seeds", ""]
+        for seed, folder in folders.items():
+            made.append(str(folder))
+            learned = dict(zip(("random", "crowded"), excesses[seed - 2].tolist(), strict=True))
+            held = Validation(learned=learned, yardstick={name: [5.0] * 6 for name in learned}, held="ORCA")
+            folder.mkdir(parents=True)
+            (folder / "manifest.json").write_text(
+                json.dumps({"format": RESULTS_FORMAT, "identity": {"configuration": {"name": "tiny"}}})
+            )
+            (folder / "history.jsonl").write_text(json.dumps({"decisions": 9, "random/excess_s": 5.0}) + "\n")
+            (folder / "validation.json").write_text(held.model_dump_json())
+            yield seed
+
+    monkeypatch.setattr("train.learning.seeds.trained", train)
+    out = done("train", "ppo", "--config", config, "--seeds", "2-3,4")
+    assert made == [f"results/ppo-ppo-seeds2-3,4/seed-{seed}" for seed in (2, 3, 4)]
+    whole = excesses.reshape(3, 12)
+    low, high = Estimate.of(whole).ci95
+    assert f"tiny, 3 seeds: excess {whole.mean():.1f} s a validation mission [{low:.1f}, {high:.1f}]" in out
+    low, high = Ratio.of(whole, np.full(12, 5.0)).ci95
+    assert f", {whole.mean() / 5.0:.2f} [{low:.2f}, {high:.2f}] times that of ORCA" in out
+
+
+@pytest.mark.parametrize("seeds", ["a", "1-", "-1", "3-1", "1,1", "1-3,2", "1.5", "1-1000", "1-9" + "9" * 30, "\u0663"])
+def test_seeds_that_are_none_are_one_line(tmp_path, monkeypatch, seeds):
+    monkeypatch.chdir(tmp_path)
+    said = f"--seeds: expected up to 100 different seeds, as in 1-10 or 1,4,7, got {short(seeds)}"
+    assert said in refused("train", "ppo", f"--seeds={seeds}")
+    assert "--store: expected none with --seeds" in refused("train", "ppo", "--seeds", "1-2", "--store", "s.sqlite")
+    assert not list(tmp_path.iterdir())
 
 
 def test_what_is_not_installed_is_named_with_what_installs_it(tmp_path, monkeypatch):
