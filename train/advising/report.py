@@ -301,14 +301,18 @@ class Advice:
     @property
     def _races(self) -> list[Grid]:
         """One table for each round of the search."""
-        found, ends = [], {arm: f"{many} of {JAMMED} unfinished" for arm, many in self.search.stopped.items()}
-        for done in self.search.rounds:
-            means, title = sorted(done.means.tolist()), f"search, {done.title}: {done.costs.shape[1]} starts"
-            rows = [
-                (arm, f"{mean:.1f}", ends.get(arm, EMPTY_CELL)) for arm, mean in zip(done.order, means, strict=True)
-            ]
-            found.append(Grid(title, ("strategy", "excess s", "stopped"), rows))
-        return found
+        ends = {arm: f"{many} of {JAMMED} unfinished" for arm, many in self.search.stopped.items()}
+        return [
+            Grid(
+                f"search, {done.title}: {done.costs.shape[1]} starts",
+                ("strategy", "excess s", "stopped"),
+                [
+                    (arm, f"{mean:.1f}", ends.get(arm, EMPTY_CELL))
+                    for arm, mean in zip(done.order, sorted(done.means.tolist()), strict=True)
+                ],
+            )
+            for done in self.search.rounds
+        ]
 
 
 def shown_cheaper(ratio: Ratio, p: float | None) -> bool:

@@ -41,11 +41,12 @@ def learned_from_rounds(advice: Advice) -> LearnedScores:
 
 def options_known(advice: Advice) -> dict[str, list[Option]]:
     """Return goal -> the options of the knowledge: those of the mission and of the library, and what is to be held."""
-    found = {}
-    for goal, own in advice.evaluation.opened.known.table.items():
-        variants = [one for one in advice.evaluation.varied.get(goal, ()) if one.name == advice.held[goal]]
-        found[goal] = [*own, *(one.model_copy(update={"score": 0.0}) for one in variants)]
-    return found
+    held, varied = advice.held, advice.evaluation.varied
+    best = {goal: [one for one in own if one.name == held[goal]] for goal, own in varied.items()}
+    return {
+        goal: [*own, *(one.model_copy(update={"score": 0.0}) for one in best.get(goal, ()))]
+        for goal, own in advice.evaluation.opened.known.table.items()
+    }
 
 
 def _compared(done: Round, column: int, best: str) -> list[tuple[str, tuple[int, float, float]]]:

@@ -118,7 +118,8 @@ class AdviceSearch:
             arms = self._race("together", every, count, kept)
         joint = next((one for one in self.rounds if one.title == "together"), self.rounds[-1])
         leader, variants = arms[0], 0
-        if more := self._variants(leader):
+        held = held_by(self.opened, leader)
+        if more := [arm_of({**held, goal: one.name}) for goal, own in self.varied(held).items() for one in own]:
             count = self._starts(BUDGET_SHARES["numbers"], 2 * len(more))
             own = self.rounds[-1].best_of_kinds.values()
             arms = self._race("numbers", list(dict.fromkeys((*arms[:2], *own, *more, *kept))), count, kept)
@@ -135,8 +136,9 @@ class AdviceSearch:
     def leads(self) -> str:
         """Who led in the last round, in words."""
         last = self.rounds[-1]
-        first = last.order[0].removeprefix(f"{FIXED}:")
-        return f"in the search {first} leads at {last.means.min():,.0f} s ({last.title})"
+        return (
+            f"in the search {last.order[0].removeprefix(f'{FIXED}:')} leads at {last.means.min():,.0f} s ({last.title})"
+        )
 
     @property
     def _price(self) -> float:
@@ -208,11 +210,6 @@ class AdviceSearch:
             if len(half := list(dict.fromkeys(half))) == len(arms):
                 return done.order
             arms, count = half, min(2 * count, MOST_STARTS)
-
-    def _variants(self, leader: str) -> list[str]:
-        """Return the arms with another number of one of the leader's options."""
-        held = held_by(self.opened, leader)
-        return [arm_of({**held, goal: one.name}) for goal, own in self.varied(held).items() for one in own]
 
     def _choosers(self) -> tuple[str, ...]:
         """Return the best rule and the best policy of those that fit."""

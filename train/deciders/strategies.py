@@ -80,10 +80,9 @@ class PolicyDecider(Decider):
         super().__init__(problem, teams)
         spec, self._rows = policy.spec, len(teams)
         check_same("policy", spec.definitions, problem.definitions)
-        self._spec, asked = spec, set(problem.goal.split(JOINT))
-        self._decided = [joint for joint in spec.goals if set(joint.split(JOINT)) <= asked]
-        self._network = Network(policy)
-        self._heads: list[tuple[slice, Ints, int]] = []  # outputs, option -> output or -1, periods of a hold
+        self._spec, self._network = spec, Network(policy)
+        # goal, outputs, option -> output or -1, periods of a hold
+        self._heads: list[tuple[str, slice, Ints, int]] = []
         self._keeping = np.zeros((len(spec.goals), len(teams)), dtype=np.int64)
         self._kept = self._keeping.copy()
         goals, first = problem.goal.split(JOINT), 0
@@ -91,14 +90,14 @@ class PolicyDecider(Decider):
         if spec.goals and not set(goals) <= set(decided):
             raise DocumentError(f"policy: goals: expected {', '.join(goals)}, got {', '.join(spec.goals)}")
         for joint, names in spec.goals.items():
-            if joint in self._decided:
+            if set(joint.split(JOINT)) <= set(goals):
                 places = [goals.index(goal) for goal in joint.split(JOINT)]
                 own = [JOINT.join(option.split(JOINT)[k] for k in places) for option in problem.options]
                 numbers = np.array([names.index(name) if name in names else -1 for name in own])
                 if numbers.max() < 0:
                     expected = f"some of {', '.join(dict.fromkeys(own))}"
                     raise DocumentError(f"policy: {joint}: options: expected {expected}, got {', '.join(names)}")
-                self._heads.append((slice(first, first + len(names)), numbers, spec.holds.get(joint, 1)))
+                self._heads.append((joint, slice(first, first + len(names)), numbers, spec.holds.get(joint, 1)))
             first += len(names)
         self._columns = columns_of(problem, spec.observations, "policy: observations")
 
@@ -119,7 +118,7 @@ class PolicyDecider(Decider):
         cases = np.tile(self._seen[row], (len(spec.observations) + 1, 1))
         cases[np.arange(len(spec.observations)) + 1, np.arange(len(spec.observations))] = spec.mean
         heads = self._network.heads(cases)["options"]
-        for goal, (outputs, numbers, _) in zip(self._decided, self._heads, strict=True):
+        for goal, outputs, numbers, _ in self._heads:
             known = np.unique(numbers[numbers >= 0])
             likely = shares(heads[:, outputs][:, known])
             chosen = int(likely[0].argmax())
@@ -137,7 +136,7 @@ class PolicyDecider(Decider):
         heads = self._network.heads(self._seen)
         self._outputs = np.zeros((self._rows, len(self.problem.options)))
         taken = self._outputs.copy()
-        for k, (outputs, numbers, hold) in enumerate(self._heads):
+        for k, (_, outputs, numbers, hold) in enumerate(self._heads):
             own = np.where(numbers < 0, LEAST, heads["options"][:, outputs][:, numbers])
             self._outputs += own
             chosen = numbers[own.argmax(axis=1)]

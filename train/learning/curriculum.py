@@ -40,14 +40,14 @@ class Curriculum:
     def __init__(self, config: TrainingConfig, seed: int, directories: tuple[Path, ...] = (), threads: int = 1) -> None:
         """`threads` is the number of threads that step the worlds; they are the same with any."""
         self._seed = seed
-        families = [task.load(directories) for task in config.tasks]
-        for family in families:
+        self._families = [task.load(directories) for task in config.tasks]
+        for family in self._families:
             if family.mission.store:
                 raise DocumentError(f"family {family.name}: mission.store: expected none in a training, see --store")
         self.batches: list[Batch] = []
         self._tori: list[list[Batch]] = []
         self.definitions: dict[str, dict[str, Definition]] = {}
-        for family, task in zip(families, config.tasks, strict=True):
+        for family, task in zip(self._families, config.tasks, strict=True):
             own = family_batches(
                 family,
                 task.worlds,
@@ -63,10 +63,9 @@ class Curriculum:
         for model in (coordinator.model for batch in self.batches for coordinator in batch.worlds.coordinators):
             check_same("tasks", self.definitions, model.problem.definitions)
             self.definitions.setdefault(model.goal, {}).update(model.problem.definitions[model.goal])
-        self._families = families
         self.validation = {
             family.name: [family.scenario(VALIDATION_SEED, k, "train") for k in range(config.validation.scenarios)]
-            for family in families
+            for family in self._families
         }
 
     def set_scenarios(self, checkpoint: int) -> None:

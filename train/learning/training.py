@@ -56,15 +56,23 @@ def judged(result: MissionResult) -> float:
     return max(result.excess_s, LEAST_EXCESS)
 
 
+FIGURES: dict[str, Callable[[MissionResult], float]] = {
+    "cost_s": lambda result: result.cost_s,
+    "excess_s": judged,
+    "completed": lambda result: result.completed,
+    "duration_s": lambda result: result.duration_s,
+    "events_per_s": lambda result: result.collision_events_per_s[0],
+}
+"""Name -> figure of a validation mission."""
+
+
 def figures_of(results: Results) -> dict[str, float]:
     """Return means for each family: cost, excess, share of completed missions, duration [s], collision events [1/s]."""
-    names = ("cost_s", "excess_s", "completed", "duration_s", "events_per_s")
-    figures = {}
-    for family, own in results.items():
-        rows = [(r.cost_s, judged(r), r.completed, r.duration_s, r.collision_events_per_s[0]) for r in own]
-        for name, values in zip(names, zip(*rows, strict=True), strict=True):
-            figures[f"{family}/{name}"] = float(np.mean(values))
-    return figures
+    return {
+        f"{family}/{name}": float(np.mean([figure(result) for result in own]))
+        for family, own in results.items()
+        for name, figure in FIGURES.items()
+    }
 
 
 def score_of(figures: Mapping[str, float]) -> float | None:
