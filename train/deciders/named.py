@@ -114,7 +114,7 @@ def decider_named(text: str, directories: Sequence[Path] = ()) -> NamedDecider:
 
     """
     kind, _, name = text.partition(":")
-    return KINDS.get(kind, _strategy)(text, name, directories)
+    return DECIDERS.get(kind, _strategy)(text, name, directories)
 
 
 def _by_model(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
@@ -217,7 +217,7 @@ def _model(text: str, name: str, *_: object) -> NamedDecider:
     return NamedDecider(text, partial(ModelDecider, path, mode), digest, mode=mode, goal=goal)
 
 
-KINDS: dict[str, Callable[[str, str, Sequence[Path]], NamedDecider]] = {
+DECIDERS: dict[str, Callable[[str, str, Sequence[Path]], NamedDecider]] = {
     BASELINE: _baseline,
     BY_MODEL: _by_model,
     FIXED: _option,

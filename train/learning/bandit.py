@@ -37,7 +37,7 @@ class BanditTraining(Training):
 
     CHECKPOINT = "checkpoint.safetensors"
 
-    def _begin(self) -> None:
+    def _make(self) -> None:
         settings, whole = self.config.bandit, self.goal.problem
         assert settings is not None
         self.settings, self._joined = settings, Joined(self.curriculum.batches)

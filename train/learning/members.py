@@ -92,11 +92,11 @@ class MembersCheckpoint(Checkpoint):
     """The state at the best checkpoint."""
 
 
-S = TypeVar("S", bound=Closed)
+Learned = TypeVar("Learned", bound=Closed)
 """The state of a learner."""
 
 
-class MembersTraining(Training, Generic[S]):
+class MembersTraining(Training, Generic[Learned]):
     """One training by missions of members.
 
     Attributes:
@@ -108,26 +108,26 @@ class MembersTraining(Training, Generic[S]):
     """
 
     CHECKPOINT = "checkpoint.json"
-    State: type[S]
+    State: type[Learned]
     """Model of the state."""
 
-    def _begin(self) -> None:
+    def _make(self) -> None:
         self.settings: MembersConfig = getattr(self.config, self.config.learner)
         self.problem = self.goal.problem
         self._settings = replace(self.trials, worlds=max(task.worlds for task in self.config.tasks))
         self.scale: ObservationScale
-        self.state: S
+        self.state: Learned
 
     @abstractmethod
-    def _first(self, order: Ints) -> S:
+    def _first(self, order: Ints) -> Learned:
         """Return the first state, from the options in the order of their excess alone, the best first."""
 
     @abstractmethod
-    def _next(self, draw: Drawing, random: np.random.Generator) -> S:
+    def _next(self, draw: Drawing, random: np.random.Generator) -> Learned:
         """Return the next state, from missions of members on scenarios that `draw` returns."""
 
     @abstractmethod
-    def _check(self, state: S, where: str) -> None:
+    def _check(self, state: Learned, where: str) -> None:
         """Raise DocumentError unless a state that was read is one of this training."""
 
     def _learn(self) -> dict[str, Any]:
@@ -167,7 +167,7 @@ class MembersTraining(Training, Generic[S]):
         self._costs += costs.tolist()
         return costs.reshape(len(scenarios), len(members)), seen.sum(axis=0)
 
-    def _learned(self) -> S:
+    def _learned(self) -> Learned:
         return self.state
 
     def _save(self) -> None:

@@ -171,7 +171,7 @@ class Training(ABC):
         self._costs: list[float] = []  # excess [s] of missions since the last checkpoint
         self._sums: dict[str, RewardSums] = {}
         self.checkpoint_file = job.folder.path / self.CHECKPOINT
-        self._begin()
+        self._make()
         if self.checkpoint_file.is_file():
             self.history = list(self._loaded())
             self.decisions = int(self.history[-1]["decisions"])
@@ -227,7 +227,7 @@ class Training(ABC):
         """Write the best result so far and return its path; `command` is that of the training."""
 
     @abstractmethod
-    def _begin(self) -> None:
+    def _make(self) -> None:
         """Make what learns, and `_best`, what is exported if nothing was measured."""
 
     @abstractmethod

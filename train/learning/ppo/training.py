@@ -61,7 +61,7 @@ class PpoTraining(Training):
 
     CHECKPOINT, alike = "checkpoint.pt", False
 
-    def _begin(self) -> None:
+    def _make(self) -> None:
         torch.set_num_threads(1)
         assert self.config.ppo is not None
         self.settings = settings = self.config.ppo
@@ -111,9 +111,9 @@ class PpoTraining(Training):
     def export(self, command: str) -> Path:
         """Write the best policy so far and return its directory."""
         last, path = self._learned(), self.job.folder.path / POLICY_FOLDER
-        self._take(self._best or last)
+        self._apply(self._best or last)
         save_policy(path, self.policy(**self.about(command)))
-        self._take(last)
+        self._apply(last)
         return path
 
     def _learn(self) -> dict[str, Any]:
@@ -204,7 +204,7 @@ class PpoTraining(Training):
         state = {name: tensor.clone() for name, tensor in self.model.policy.state_dict().items()}
         return {"policy": state, "observations": _moments(self.normal.obs_rms)}
 
-    def _take(self, learned: dict[str, Any]) -> None:
+    def _apply(self, learned: dict[str, Any]) -> None:
         self.model.policy.load_state_dict(learned["policy"])
         _put(learned["observations"], self.normal.obs_rms)
 
@@ -234,7 +234,7 @@ class PpoTraining(Training):
                     raise ValueError(f"{name}: expected finite numbers")
             history: list[dict[str, Any]] = content["history"]
             found = validated(Checkpoint, {"history": history}, where)
-            self._take(content)
+            self._apply(content)
             self.model.policy.optimizer.load_state_dict(content["optimizer"])
             _put(content["returns"], self.normal.ret_rms)
             self.model.num_timesteps = found.history[-1].decisions
