@@ -69,8 +69,8 @@ class PpoTraining(Training):
         self.normal = VecNormalize(
             TeamEnv(self.robots) if settings.critic == "team" else self.robots, gamma=settings.discount
         )
-        self.normal.obs_rms = MomentsOfRobots(self._working, self.normal.observation_space.shape or ())
-        self.normal.ret_rms = MomentsOfRobots(lambda: self.model.rollout_buffer.deciding)
+        self._seen = self.normal.obs_rms = MomentsOfRobots(self._working, self.normal.observation_space.shape or ())
+        self._paid = self.normal.ret_rms = MomentsOfRobots(lambda: self.model.rollout_buffer.deciding)
         goals = [named_goal(tuple(self.robots.options), name) for name in self.decides]
         holds = {goal: settings.holds.get(goal, 1) for goal in goals}
         self.envs = SelectorEnv(self.normal, self.robots, holds, settings.action)
@@ -202,11 +202,11 @@ class PpoTraining(Training):
     def _learned(self) -> dict[str, Any]:
         """Return copies of everything that the exported policy consists of."""
         state = {name: tensor.clone() for name, tensor in self.model.policy.state_dict().items()}
-        return {"policy": state, "observations": _moments(self.normal.obs_rms)}
+        return {"policy": state, "observations": _moments(self._seen)}
 
     def _apply(self, learned: dict[str, Any]) -> None:
         self.model.policy.load_state_dict(learned["policy"])
-        _put(learned["observations"], self.normal.obs_rms)
+        _put(learned["observations"], self._seen)
 
     def _save(self) -> None:
         for name, value in self.history[-1].items():
@@ -216,7 +216,7 @@ class PpoTraining(Training):
         content = {
             **self._learned(),
             "optimizer": self.model.policy.optimizer.state_dict(),
-            "returns": _moments(self.normal.ret_rms),
+            "returns": _moments(self._paid),
             "updates": self.model._n_updates,
             "best": self._best,
             "history": self.history,
@@ -236,7 +236,7 @@ class PpoTraining(Training):
             found = validated(Checkpoint, {"history": history}, where)
             self._apply(content)
             self.model.policy.optimizer.load_state_dict(content["optimizer"])
-            _put(content["returns"], self.normal.ret_rms)
+            _put(content["returns"], self._paid)
             self.model.num_timesteps = found.history[-1].decisions
             self.model._n_updates, self._best = int(content["updates"]), content["best"]
         except DAMAGE as error:
@@ -249,13 +249,11 @@ def _derived(seed: int, checkpoint: int) -> int:
     return int(np.random.SeedSequence([seed, checkpoint + 1, 2]).generate_state(1, np.uint32)[0])
 
 
-def _moments(statistics: RunningMeanStd | dict[str, RunningMeanStd]) -> dict[str, Any]:
-    assert isinstance(statistics, RunningMeanStd)
+def _moments(statistics: RunningMeanStd) -> dict[str, Any]:
     mean, variance = torch.tensor(statistics.mean), torch.tensor(statistics.var)
     return {"mean": mean, "variance": variance, "count": statistics.count}
 
 
-def _put(moments: dict[str, Any], statistics: RunningMeanStd | dict[str, RunningMeanStd]) -> None:
-    assert isinstance(statistics, RunningMeanStd)
+def _put(moments: dict[str, Any], statistics: RunningMeanStd) -> None:
     statistics.mean, statistics.var = moments["mean"].numpy().copy(), moments["variance"].numpy().copy()
     statistics.count = moments["count"]

@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium.spaces import Box, MultiDiscrete
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnvWrapper
-from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvObs, VecEnvStepReturn
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepReturn
 
 from clean_swarm_env.borders.spaces import observation_space
 from clean_swarm_env.learning.actions import Mode
@@ -68,11 +68,10 @@ class SelectorEnv(VecEnvWrapper):
             MultiDiscrete(list(self.counts)) if mode == "option" else Box(lowest, highest),
         )
 
-    def reset(self) -> VecEnvObs:
+    def reset(self) -> Observations:
         """Begin all episodes."""
-        seen = self.venv.reset()
         self._left[:] = 0
-        return self._followed(seen)
+        return self._followed(self.venv.reset())
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Send the action (R, ...) of each robot to the worlds."""
@@ -88,19 +87,17 @@ class SelectorEnv(VecEnvWrapper):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Return the results of the step."""
-        seen, rewards, over, infos = self.venv.step_wait()
-        self.over = over
+        seen, rewards, self.over, infos = self.venv.step_wait()
         several = [part.sum(axis=1) > 1 for part in np.split(self._masks, np.cumsum(self.counts)[:-1], axis=1)]
         self.chosen = np.stack(several, axis=1) if self.counts else self.chosen
-        self._left[over] = 0
-        for row in np.flatnonzero(over).tolist():
+        self._left[self.over] = 0
+        for row in np.flatnonzero(self.over).tolist():
             last = infos[row]["terminal_observation"]
             infos[row]["terminal_observation"] = np.append(last, np.ones(len(self._places), np.float32))
-        return self._followed(seen), rewards, over, infos
+        return self._followed(seen), rewards, self.over, infos
 
-    def _followed(self, seen: VecEnvObs) -> VecEnvObs:
+    def _followed(self, seen: Observations) -> Observations:
         """Return observations (R, F) with what can be taken behind them."""
-        assert isinstance(seen, np.ndarray)
         if not self.counts:
             return seen
         self._masks = self._robots.action_masks()[:, self._places]
