@@ -8,7 +8,7 @@ Shapes: R rows, which are the robots of all worlds.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from train.deciders.strategies import StrategyDecider
 from train.learning.credit import Credit
 from train.learning.training import Checkpoint, Training, expert_knowledge
 
-STRATEGY = "strategy.safetensors"
+STRATEGY, PARTS = "strategy.safetensors", ("best", "now")
 
 
 class BanditTraining(Training):
@@ -111,21 +111,20 @@ class BanditTraining(Training):
         arrays |= {f"best.{name}": array for name, array in self._best.items()}
         save_arrays(self.checkpoint_file, arrays, {"history": self.history})
 
-    def _loaded(self) -> Sequence[dict[str, Any]]:
+    def _loaded(self) -> Mapping[str, Any]:
         arrays, content = load_arrays(self.checkpoint_file)
         where = shown(self.checkpoint_file)
         validated(Checkpoint, content, where)
-        parts: dict[str, Arrays] = {"now": {}, "best": {}}
-        for name, array in arrays.items():
-            kind, _, own = name.partition(".")
-            parts.setdefault(kind, {})[own] = array
-        check_same_names(where, "arrays", ("best", "now"), tuple(sorted(parts)))
-        for kind in ("best", "now"):
-            with within(f"{where}: {kind}"):
-                self.strategy.load_learned(parts[kind])
+        check_same_names(where, "arrays", PARTS, tuple(sorted({*PARTS, *(name.partition(".")[0] for name in arrays)})))
+        parts = {
+            part: {name[len(part) + 1 :]: array for name, array in arrays.items() if name.startswith(part)}
+            for part in PARTS
+        }
+        for part, own in parts.items():
+            with within(f"{where}: {part}"):
+                self.strategy.load_learned(own)
         self._best = parts["best"]
-        history: Sequence[dict[str, Any]] = content["history"]
-        return history
+        return content
 
 
 def of_one_world(learned: Arrays) -> Arrays:

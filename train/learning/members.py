@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from abc import abstractmethod
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice, product
@@ -175,7 +175,7 @@ class MembersTraining(Training, Generic[Learned]):
         parts = {name: part.model_dump(mode="json") for name, part in kept.items()}
         self.job.folder.write(self.CHECKPOINT, json.dumps({"history": self.history, **parts}) + "\n")
 
-    def _loaded(self) -> Sequence[dict[str, Any]]:
+    def _loaded(self) -> Mapping[str, Any]:
         where, content = shown(self.checkpoint_file), read_json(self.checkpoint_file)
         found = validated(MembersCheckpoint, content, where)
         self.state, self._best = (validated(self.State, part, where) for part in (found.now, found.kept))
@@ -183,8 +183,7 @@ class MembersTraining(Training, Generic[Learned]):
         check_lengths(len(self.problem.features), (self.scale.mean, self.scale.variance), where)
         for state in (self.state, self._best):
             self._check(state, where)
-        history: Sequence[dict[str, Any]] = content["history"]
-        return history
+        return content
 
 
 def check_lengths(length: int, parts: Sequence[Sequence[float]], where: str) -> None:

@@ -173,7 +173,7 @@ class Training(ABC):
         self.checkpoint_file = job.folder.path / self.CHECKPOINT
         self._make()
         if self.checkpoint_file.is_file():
-            self.history = list(self._loaded())
+            self.history = list(self._loaded()["history"])
             self.decisions = int(self.history[-1]["decisions"])
             self._write_history()
 
@@ -247,8 +247,8 @@ class Training(ABC):
         """Write the checkpoint."""
 
     @abstractmethod
-    def _loaded(self) -> Sequence[dict[str, Any]]:
-        """Continue after the checkpoint, and return its history."""
+    def _loaded(self) -> Mapping[str, Any]:
+        """Continue after the checkpoint, and return its content, with the history."""
 
     def _record(self, goal: str, options: Sequence[str], paid: Paid) -> None:
         """Keep what options brought for the knowledge store, which gets it once a checkpoint is saved."""

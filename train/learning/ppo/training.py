@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import pickle
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -225,15 +225,14 @@ class PpoTraining(Training):
         torch.save(content, stream)
         self.job.folder.write(self.CHECKPOINT, stream.getvalue())
 
-    def _loaded(self) -> Sequence[dict[str, Any]]:
+    def _loaded(self) -> Mapping[str, Any]:
         where = shown(self.checkpoint_file)
         try:
-            content = torch.load(self.checkpoint_file, weights_only=True)
+            content: dict[str, Any] = torch.load(self.checkpoint_file, weights_only=True)
             for name, weights in content["policy"].items():
                 if not torch.isfinite(weights).all():
                     raise ValueError(f"{name}: expected finite numbers")
-            history: list[dict[str, Any]] = content["history"]
-            found = validated(Checkpoint, {"history": history}, where)
+            found = validated(Checkpoint, {"history": content["history"]}, where)
             self._apply(content)
             self.model.policy.optimizer.load_state_dict(content["optimizer"])
             _put(content["returns"], self._paid)
@@ -241,7 +240,7 @@ class PpoTraining(Training):
             self.model._n_updates, self._best = int(content["updates"]), content["best"]
         except DAMAGE as error:
             raise DocumentError(f"{where}: cannot be continued ({error})") from error
-        return history
+        return content
 
 
 def _derived(seed: int, checkpoint: int) -> int:
