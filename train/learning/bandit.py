@@ -29,7 +29,7 @@ from train.deciders.strategies import StrategyDecider
 from train.learning.credit import Credit
 from train.learning.training import Checkpoint, Training, expert_knowledge
 
-STRATEGY, PARTS = "strategy.safetensors", ("best", "now")
+STRATEGY, STATES = "strategy.safetensors", ("best", "now")
 
 
 class BanditTraining(Training):
@@ -115,10 +115,12 @@ class BanditTraining(Training):
         arrays, content = load_arrays(self.checkpoint_file)
         where = shown(self.checkpoint_file)
         validated(Checkpoint, content, where)
-        check_same_names(where, "arrays", PARTS, tuple(sorted({*PARTS, *(name.partition(".")[0] for name in arrays)})))
+        check_same_names(
+            where, "arrays", STATES, tuple(sorted({*STATES, *(name.partition(".")[0] for name in arrays)}))
+        )
         parts = {
             part: {name[len(part) + 1 :]: array for name, array in arrays.items() if name.startswith(part)}
-            for part in PARTS
+            for part in STATES
         }
         for part, own in parts.items():
             with within(f"{where}: {part}"):

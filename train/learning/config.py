@@ -21,8 +21,6 @@ from selector.strategies.machine_file import MOST_STATES
 from selector.strategies.registry import StrategySpec
 from train.learning.racing import RaceConfig
 
-Width = Annotated[int, Field(strict=True, ge=1, le=4096)]
-"""Width of a hidden layer; an observation has some tens of components."""
 LEARNERS = {"ppo": ("torch", "stable-baselines3"), "bandit": (), "es": (), "design": ()}
 """Kinds of learners, each the key of its settings, and the packages that it needs besides those of all runs."""
 
@@ -83,8 +81,8 @@ class PpoConfig(Closed):
     """Weight of the error of the value function [-]."""
     gradient: Positive = 0.5
     """Largest norm of the gradient [-]."""
-    hidden: Annotated[tuple[Width, ...], Field(max_length=10)] = (64, 64)
-    """Widths of the hidden layers, of policy and value function alike."""
+    hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=4096)], ...], Field(max_length=10)] = (64, 64)
+    """Widths of the hidden layers, of policy and value function alike; an observation has some tens of components."""
     action: Mode = "option"
     """What the policy learns: the option of the goal, a movement vector in place of the network's, or an option and a
     correction of the movement. What was tried beside a policy of options:

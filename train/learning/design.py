@@ -174,7 +174,7 @@ class DesignTraining(MembersTraining[DesignState]):
                 done[k].append(own)
             return np.array([np.concatenate(done[k]) for k in alive])
 
-        left = race(range(len(machines)), measure, settings.race)
+        left = race(len(machines), measure, settings.race)
         left.sort(key=lambda k: float(np.mean(done[k])))
         return DesignState(kept=tuple(machines[k] for k in left[: settings.kept]))
 

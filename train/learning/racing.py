@@ -12,17 +12,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 import scipy.stats
 from pydantic import Field
 
 from selector.documents.fields import Closed
 from selforg.arrays import Flags, Floats
-
-C = TypeVar("C")
-Measuring = Callable[[Sequence[C], int], Floats]
-"""Returns the costs (C, n) of candidates on the first n scenarios."""
 
 
 class RaceConfig(Closed):
@@ -36,9 +32,12 @@ class RaceConfig(Closed):
     """A candidate is dropped if it is worse than the best one at this level of a paired one-sided t-test [-]."""
 
 
-def race(candidates: Sequence[C], measure: Measuring[C], rules: RaceConfig) -> list[C]:
-    """Return the candidates that no block showed to be worse than the best one, in their order."""
-    alive = list(candidates)
+def race(count: int, measure: Callable[[Sequence[int], int], Floats], rules: RaceConfig) -> list[int]:
+    """Return the numbers of the candidates that no block showed to be worse than the best one, in their order.
+
+    `measure` returns the costs (C, n) of some candidates on the first n scenarios.
+    """
+    alive = list(range(count))
     for block in range(1, rules.blocks + 1):
         worse = worse_than_best(measure(alive, block * rules.block), rules.level)
         alive = [candidate for candidate, drop in zip(alive, worse, strict=True) if not drop]

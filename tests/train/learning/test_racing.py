@@ -21,7 +21,7 @@ def test_of_twenty_candidates_the_one_that_is_a_tenth_better_survives_half_of_th
             missions.update(dict.fromkeys(alive, count))
             return costs[list(alive), :count]
 
-        left = race(range(20), measure, RULES)
+        left = race(20, measure, RULES)
         good += better in left and sum(missions.values()) <= costs.size / 2
     assert good >= 18
 
