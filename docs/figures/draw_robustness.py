@@ -10,8 +10,8 @@ from typing import Any
 
 from clean_swarm_env.config.load import load_robustness
 from docs.figures.stored import record
+from train.analysis.intervals import Estimate
 from train.analysis.robustness_report import RobustnessReport
-from train.analysis.strategy_comparison import Estimate
 from train.reports.charts import picture_of
 from train.reports.figures import draw_robustness
 

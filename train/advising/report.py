@@ -23,8 +23,8 @@ from train.advising.advice import Advising, broke_off, seconds_of
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.family_report import FamilyRuns, excesses_of, family_report_of, ratio_of, unfinished_of
 from train.analysis.flips import ALPHA
-from train.analysis.intervals import TOLD, Ratio, about_number, corrected_ps
-from train.analysis.strategy_comparison import Estimate, cross_fitted
+from train.analysis.intervals import TOLD, Estimate, Ratio, about_number, corrected_ps
+from train.analysis.strategy_comparison import cross_fitted
 from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left
 from train.deciders.named import FIXED, MACHINE, decider_named
 from train.deciders.unseen import untrained

@@ -16,7 +16,7 @@ from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.mission import MissionResult
-from clean_swarm_env.world.task import task_class
+from clean_swarm_env.world.task import Task, task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
 from train.analysis.intervals import Ratio
@@ -99,6 +99,11 @@ class FamilyReport:
     measured: Sequence[MeasuredStrategy]
     """Measures of the task under each strategy; empty for a task that has prices instead."""
 
+    @property
+    def task(self) -> type[Task[Any, Any]]:
+        """The class of the task."""
+        return task_class(self.runs.family.mission)
+
     @cached_property
     def left(self) -> dict[str, Floats]:
         """See `unfinished_of`."""
@@ -120,9 +125,8 @@ class FamilyReport:
         """What came out, in one to three sentences."""
         random = RANDOM in self.runs.conditions
         tried = [label for label in self.runs.conditions if random and label not in (*self.runs.fixed, RANDOM)]
-        word = task_class(self.runs.family.mission).missed[1]
         found = self.ranking.sentences((NEVER_AVOIDS, BASELINE, RANDOM), tried)
-        return [*found, *filter(None, [unfinished_sentence(self.left, self.ranking, word)])]
+        return [*found, *filter(None, [unfinished_sentence(self.left, self.ranking, self.task.missed[1])])]
 
     @property
     def content(self) -> dict[str, Any]:

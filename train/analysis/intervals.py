@@ -60,10 +60,6 @@ class MeanError:
 
         return -float(stdtrit(self.freedom, tail)) * self.error
 
-    def around(self, mean: float) -> Interval:
-        """Return the 95 % interval."""
-        return mean - self.half_width(), mean + self.half_width()
-
 
 def welch(means: Sequence[Floats]) -> tuple[Floats, float]:
     """Return the squared errors of the means of independent samples with two values or more, and their freedom."""
@@ -102,6 +98,20 @@ def heavy_tailed(values: Floats) -> bool:
     spread = float(np.mean(away**2))
     skewness = float(np.mean(away**3)) / spread**1.5 if spread > NO_SPREAD**2 else 0.0
     return skewness**2 > max(count / HEAVY, 4.0 * 6.0 / count)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A figure and its interval."""
+
+    value: float
+    ci95: Interval | None
+
+    @classmethod
+    def of(cls, values: Floats) -> Estimate:
+        """Return the mean of `values` (S, K) with its interval."""
+        mean, spread = float(values.mean()), MeanError.of(values)
+        return cls(mean, None if spread is None else (mean - spread.half_width(), mean + spread.half_width()))
 
 
 @dataclass(frozen=True)

@@ -5,28 +5,23 @@ scenarios that have the figure on both sides count. Means agree when 1 lies in t
 drawn in pairs); ratios between two conditions agree when their two intervals meet.
 """
 
+from __future__ import annotations
+
 import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
+from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.world.task import Task, task_class
 from selector.documents.trust import BASELINE
-from selforg.arrays import Flags, Floats
+from selforg.arrays import Floats
 from train.analysis.intervals import Interval, Ratio
-from train.analysis.statistics import (
-    COST,
-    METRICS,
-    Figures,
-    Summary,
-    distance_metrics,
-    figures_of,
-    summarise,
-)
+from train.analysis.statistics import COST, METRICS, Figures, Summary, distance_metrics, figures_of, summarise
 from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies
 from train.analysis.verdict import MOST_NAMED, Ranking, amount, unfinished_sentence
 from train.running.runs import RunRecord
@@ -56,25 +51,122 @@ class Report:
     experiment: ExperimentConfig
     seed: int
     figures: Figures
-    left: Mapping[str, Floats]
-    """Condition -> 1 where a mission was not completed (1, K, 1), else 0; nothing where garbage keeps coming."""
-    summaries: dict[str, dict[str, Summary]]
-    """Condition -> metric -> summary."""
-    comparisons: Mapping[tuple[str, str, str], Ratio]
-    """Conditions a and b, metric -> ratio of the means."""
-    means: Sequence[Agreement]
-    ratios: Sequence[Agreement]
-    """Comparisons with measured figures; empty without them."""
-    measured: Measured
+    published: Measured
+    """Figures that were measured on the same starts, by the conditions' names there."""
     own_starts: bool
     """Whether the scenarios are those of the experiment, for each of which figures may have been published."""
-    measured_by_task: Sequence[MeasuredStrategy]
-    """Measures of the task under each condition; empty for a task that has prices instead."""
 
     @property
     def task(self) -> type[Task[Any, Any]]:
         """The class of the task."""
         return task_class(self.experiment.mission)
+
+    @property
+    def conditions(self) -> list[str]:
+        """The names of the conditions."""
+        return [condition.name for condition in self.experiment.conditions]
+
+    @property
+    def scenarios(self) -> list[str]:
+        """The names (K,) of the scenarios."""
+        return [start.id for start in self.experiment.starts]
+
+    @cached_property
+    def left(self) -> dict[str, Floats]:
+        """Condition -> 1 where a mission was not completed (1, K, 1), else 0; nothing where garbage keeps coming."""
+        if self.experiment.mission.items.keep_coming:
+            return {}
+        return {name: 1.0 - done[None, :, None] for name, done in self.figures["completed"].items()}
+
+    @cached_property
+    def summaries(self) -> dict[str, dict[str, Summary]]:
+        """Condition -> metric -> summary."""
+        measures = [measure.name for measure in self.task.measures]
+        metrics = (*METRICS, *((COST, *measures) if measures else ()))
+        return {name: {each: summarise(self.figures[each][name]) for each in metrics} for name in self.conditions}
+
+    @cached_property
+    def comparisons(self) -> dict[tuple[str, str, str], Ratio]:
+        """Conditions a and b, metric -> ratio of the means."""
+        return {
+            (a, b, metric): Ratio.between(a, b, self.figures[metric], self.left if metric == METRICS[0] else None)
+            for a, b in itertools.combinations(self.conditions, 2)
+            for metric in ((COST,) if self.task.measures else METRICS)
+        }
+
+    @cached_property
+    def measured(self) -> list[MeasuredStrategy]:
+        """Measures of the task under each condition; empty for a task that has prices instead."""
+        baseline = next((each.name for each in self.experiment.conditions if each.strategy == BASELINE), "")
+        measures = self.task.measures
+        values = {name: {one.name: self.figures[one.name][name] for one in measures} for name in self.conditions}
+        return measured_strategies(measures, values, baseline)
+
+    @cached_property
+    def ranking(self) -> Ranking:
+        """The conditions by their duration, or by the cost of a task."""
+        metric, verb = (COST, "costs") if self.task.measures else (METRICS[0], "takes")
+        return Ranking.of(self.figures[metric], verb, left={} if self.task.measures else self.left)
+
+    @cached_property
+    def means(self) -> list[Agreement]:
+        """Means beside those that were measured; empty without them."""
+        both = itertools.product(self.conditions, self._metrics)
+        return [self._mean(*each) for each in both if self.beside(*each)]
+
+    @cached_property
+    def ratios(self) -> list[Agreement]:
+        """Ratios of two conditions beside those of measured figures of both; empty without them."""
+        return [
+            self._ratio(a, b, metric)
+            for a, b in itertools.combinations(self.conditions, 2)
+            for metric in self._metrics
+            if self.beside(a, metric).keys() & self.beside(b, metric).keys()
+        ]
+
+    @property
+    def _metrics(self) -> list[str]:
+        return [METRICS[0], *distance_metrics(self.experiment.mission.collision_distances)]
+
+    def ours(self, condition: str, metric: str) -> dict[str, float]:
+        """Return scenario -> our figure."""
+        return dict(zip(self.scenarios, self.figures[metric][condition].tolist(), strict=True))
+
+    def beside(self, condition: str, metric: str) -> dict[str, float]:
+        """Return scenario -> the measured figure, where there is one."""
+        (key,) = (each.measured or "" for each in self.experiment.conditions if each.name == condition)
+        found = {scenario: self.published.get(scenario, {}).get(key, {}).get(metric) for scenario in self.scenarios}
+        return {scenario: value for scenario, value in found.items() if value is not None}
+
+    def _mean(self, condition: str, metric: str) -> Agreement:
+        theirs = self.beside(condition, metric)
+        ours = [self.ours(condition, metric)[scenario] for scenario in theirs]
+        both = np.array([ours, list(theirs.values())])
+        found, (mine, other) = Ratio.of(*both), (float(each.mean()) for each in both)
+        agrees = None if found.ci95 is None else found.ci95[0] <= 1.0 <= found.ci95[1]
+        content = {"condition": condition, "metric": metric, "n": len(ours), "ours": mine, "measured": other}
+        content |= {"ratio": found.ratio, "ci95": found.ci95, "agrees": agrees}
+        return Agreement(_words(metric, condition), mine, other, agrees, content)
+
+    def _ratio(self, a: str, b: str, metric: str) -> Agreement:
+        first, second = self.beside(a, metric), self.beside(b, metric)
+        both = [scenario for scenario in first if scenario in second]
+        figures = (self.ours(a, metric), self.ours(b, metric), first, second)
+        values = [np.array([each[scenario] for scenario in both]) for each in figures]
+        ours, theirs = Ratio.of(values[0], values[1]), Ratio.of(values[2], values[3])
+        agrees = _meet(ours.ci95, theirs.ci95)
+        content = {"a": a, "b": b, "metric": metric, "n": len(both), "ours": ours.content, "measured": theirs.content}
+        mine, other = (math.nan if one.ratio is None else one.ratio for one in (ours, theirs))
+        return Agreement(_words(metric, f"{a} / {b}"), mine, other, agrees, {**content, "agrees": agrees})
+
+
+def report_of(
+    experiment: ExperimentConfig, seed: int, records: Sequence[RunRecord], measured: Measured, *, own_starts: bool
+) -> Report:
+    """Return the report on the records of all runs; `measured` figures may be missing."""
+    conditions, starts = [each.name for each in experiment.conditions], [start.id for start in experiment.starts]
+    figures = figures_of(records, conditions, starts, experiment.mission.collision_distances)
+    return Report(experiment, seed, figures, measured, own_starts)
 
 
 def agreements(report: Report) -> list[Agreement]:
@@ -96,24 +188,16 @@ def agreements(report: Report) -> list[Agreement]:
     return found
 
 
-def ranking_of_conditions(report: Report) -> Ranking:
-    """Return the conditions by their duration, or by the cost of a task."""
-    metric, verb = (COST, "costs") if report.measured_by_task else ("duration_s", "takes")
-    values = dict(zip(report.figures.conditions, report.figures.values[metric], strict=True))
-    return Ranking.of(values, verb, left={} if report.measured_by_task else report.left)
-
-
 def verdict_of(report: Report) -> list[str]:
     """Return what came out, in one to three sentences."""
-    ranking, agreed = ranking_of_conditions(report), agreements(report)
     source = "measured" if report.means else "the paper"
     those = source if report.means else f"of {source} (95 % intervals meet)"
-    known = [one for one in agreed if one.agrees is not None]
+    known = [one for one in agreements(report) if one.agrees is not None]
     others = [f"{one.what} ({amount(one.ours)}, {source} {amount(one.theirs)})" for one in known if not one.agrees]
     said = f"{len(known) - len(others)} of {len(known)} figures agree with those {those}"
     compared = [f"{said}{'; not: ' * bool(others)}{'; '.join(others[:MOST_NAMED])}."] if known else []
-    unfinished = unfinished_sentence(report.left, ranking, report.task.missed[1])
-    return [*ranking.sentences()[: 1 if compared else 2], *compared, *filter(None, [unfinished])]
+    unfinished = unfinished_sentence(report.left, report.ranking, report.task.missed[1])
+    return [*report.ranking.sentences()[: 1 if compared else 2], *compared, *filter(None, [unfinished])]
 
 
 def _words(metric: str, of: str) -> str:
@@ -127,60 +211,20 @@ def _words(metric: str, of: str) -> str:
     return f"{plain.get(metric, f'{kind} per s within {distance}')} of {of}"
 
 
-def report_of(
-    experiment: ExperimentConfig, seed: int, records: Sequence[RunRecord], measured: Measured, *, own_starts: bool
-) -> Report:
-    """Return the report on the records of all runs; `measured` figures may be missing."""
-    conditions = [condition.name for condition in experiment.conditions]
-    distances = experiment.mission.collision_distances
-    figures = figures_of(records, conditions, [start.id for start in experiment.starts], distances)
-    measures = task_class(experiment.mission).measures
-    compared = (COST,) if measures else METRICS
-    summarised = (*METRICS, *((COST, *(measure.name for measure in measures)) if measures else ()))
-    summaries = {
-        name: {metric: summarise(figures.values[metric][c]) for metric in summarised}
-        for c, name in enumerate(conditions)
-    }
-    left: dict[str, Floats] = {}
-    if not experiment.mission.items.keep_coming:
-        left = dict(zip(conditions, 1.0 - figures.completed[:, None, :, None], strict=True))
-    comparisons = {
-        (a, b, metric): Ratio.between(
-            a,
-            b,
-            dict(zip(conditions, figures.values[metric], strict=True)),
-            left if metric == "duration_s" else None,
-        )
-        for a, b in itertools.combinations(conditions, 2)
-        for metric in compared
-    }
-    theirs = _compared_with_measured(
-        figures, measured, experiment.conditions, ["duration_s", *distance_metrics(distances)]
-    )
-    baseline = next((each.name for each in experiment.conditions if each.strategy == BASELINE), "")
-    values = {
-        name: {measure.name: figures.values[measure.name][c] for measure in measures}
-        for c, name in enumerate(conditions)
-    }
-    of_task = measured_strategies(measures, values, baseline)
-    return Report(experiment, seed, figures, left, summaries, comparisons, *theirs, measured, own_starts, of_task)
-
-
 def summary_of(report: Report) -> dict[str, Any]:
     """Return the content of `summary.json`; a missing figure is None."""
-    figures = report.figures
     return {
-        **by_strategy(report.measured_by_task),
+        **by_strategy(report.measured),
         "experiment": report.experiment.name,
         "seed": report.seed,
-        "scenarios": len(figures.scenarios),
+        "scenarios": len(report.scenarios),
         "conditions": {
             name: {
-                "n": len(figures.scenarios),
-                "completed": int(figures.completed[c].sum()),
-                **{metric: asdict(summary) for metric, summary in report.summaries[name].items()},
+                "n": len(report.scenarios),
+                "completed": int(report.figures["completed"][name].sum()),
+                **{metric: asdict(summary) for metric, summary in own.items()},
             }
-            for c, name in enumerate(figures.conditions)
+            for name, own in report.summaries.items()
         },
         "comparisons": [
             {"a": a, "b": b, "metric": metric, **ratio.content} for (a, b, metric), ratio in report.comparisons.items()
@@ -188,49 +232,6 @@ def summary_of(report: Report) -> dict[str, Any]:
         "reference": [mean.content for mean in report.means],
         "reference_ratios": [ratio.content for ratio in report.ratios],
     }
-
-
-def _compared_with_measured(
-    figures: Figures, measured: Measured, conditions: Sequence[ConditionConfig], metrics: Sequence[str]
-) -> tuple[list[Agreement], list[Agreement]]:
-    """Compare each metric under each condition, and its ratio between any two conditions, with what was measured."""
-    found = {
-        (condition.name, metric): _beside_measured(figures, measured, condition, metric)
-        for condition in conditions
-        for metric in metrics
-    }
-    means = [_mean(*key, values) for key, values in found.items() if values[2].any()]
-    pairs = itertools.combinations([condition.name for condition in conditions], 2)
-    both = [(a, b, metric, found[a, metric], found[b, metric]) for a, b in pairs for metric in metrics]
-    return means, [_ratio(*each) for each in both if (each[3][2] & each[4][2]).any()]
-
-
-Beside = tuple[Floats, Floats, Flags]
-"""Our values, the measured ones, and whether each of these exists (K,)."""
-
-
-def _beside_measured(figures: Figures, measured: Measured, condition: ConditionConfig, metric: str) -> Beside:
-    found = [measured.get(s, {}).get(condition.measured or "", {}).get(metric) for s in figures.scenarios]
-    values, exist = [0.0 if value is None else value for value in found], [value is not None for value in found]
-    return figures.values[metric][figures.conditions.index(condition.name)], np.array(values), np.array(exist)
-
-
-def _mean(condition: str, metric: str, both: Beside) -> Agreement:
-    ours, theirs = (values[both[2]] for values in both[:2])
-    found, (mine, other) = Ratio.of(ours, theirs), (float(ours.mean()), float(theirs.mean()))
-    agrees = None if found.ci95 is None else found.ci95[0] <= 1.0 <= found.ci95[1]
-    content = {"condition": condition, "metric": metric, "n": len(ours), "ours": mine, "measured": other}
-    content |= {"ratio": found.ratio, "ci95": found.ci95, "agrees": agrees}
-    return Agreement(_words(metric, condition), mine, other, agrees, content)
-
-
-def _ratio(a: str, b: str, metric: str, first: Beside, second: Beside) -> Agreement:
-    both = first[2] & second[2]
-    ours, theirs = (Ratio.of(one[both], other[both]) for one, other in zip(first[:2], second[:2], strict=True))
-    agrees = _meet(ours.ci95, theirs.ci95)
-    content = {"a": a, "b": b, "metric": metric, "n": int(both.sum()), "ours": ours.content, "measured": theirs.content}
-    mine, other = (math.nan if one.ratio is None else one.ratio for one in (ours, theirs))
-    return Agreement(_words(metric, f"{a} / {b}"), mine, other, agrees, {**content, "agrees": agrees})
 
 
 def _meet(first: Interval | None, second: Interval | None) -> bool | None:

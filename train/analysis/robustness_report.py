@@ -11,8 +11,7 @@ import numpy as np
 from clean_swarm_env.config.families import RobustnessConfig
 from selforg.arrays import Floats
 from train.analysis.family_report import FIGURES, NEVER_AVOIDS, FamilyRuns, censored
-from train.analysis.intervals import share_interval
-from train.analysis.strategy_comparison import Estimate
+from train.analysis.intervals import Estimate, share_interval
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
 
 ROBUSTNESS_FIGURES = {"completed": "completed", "duration_s": "duration_s", "collision_events": "events"}

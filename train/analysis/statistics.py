@@ -1,18 +1,19 @@
 """Means, spreads and ratios of the figures of an experiment, with their 95 % intervals.
 
-Shapes: C conditions, K scenarios. `std` is the population's (as in the paper's Table 1). `ci95` of a mean is Student's
+Shapes: K scenarios. `std` is the population's (as in the paper's Table 1). `ci95` of a mean is Student's
 interval. Ratios of means have theirs by the same distribution (`train.analysis.intervals`).
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats
-from train.analysis.intervals import Interval, MeanError
+from clean_swarm_env.world.mission import MissionResult
+from selforg.arrays import Floats
+from train.analysis.intervals import Estimate, Interval
 from train.running.runs import RunRecord
 
 METRICS = ("duration_s", "collision_samples_per_s", "collision_events_per_s")
@@ -33,16 +34,8 @@ class Summary:
     ci95: Interval | None
 
 
-@dataclass(frozen=True)
-class Figures:
-    """The figures of an experiment as arrays."""
-
-    conditions: tuple[str, ...]
-    scenarios: tuple[str, ...]
-    completed: Flags
-    """(C, K) whether the mission was completed."""
-    values: dict[str, Floats]
-    """Metric -> (C, K); the metrics of METRICS, those of `distance_metrics`, the cost, and the measures of a task."""
+Figures = Mapping[str, Mapping[str, Floats]]
+"""Metric -> condition -> (K,): those of `metrics_of`."""
 
 
 def distance_metrics(distances: Sequence[float]) -> list[str]:
@@ -50,27 +43,34 @@ def distance_metrics(distances: Sequence[float]) -> list[str]:
     return [f"{kind}_per_s_at_{distance}m" for kind in ("samples", "events") for distance in distances]
 
 
+def metrics_of(result: MissionResult, distances: Sequence[float]) -> dict[str, float]:
+    """Return the metrics of METRICS, those of `distance_metrics`, the cost, the measures of a task, and `completed`."""
+    samples, events = result.collision_samples_per_s, result.collision_events_per_s
+    return {
+        "completed": float(result.completed),
+        **dict(zip(METRICS, (result.duration_s, samples[0], events[0]), strict=True)),
+        COST: result.cost_s,
+        **dict(zip(distance_metrics(distances), (*samples, *events), strict=True)),
+        **result.measures,
+    }
+
+
 def figures_of(
     records: Sequence[RunRecord], conditions: Sequence[str], scenarios: Sequence[str], distances: Sequence[float]
 ) -> Figures:
-    """Arrange one record of every scenario (K) and condition (C) as arrays, in the given order."""
-    at = {record.key: record.result for record in records}
-    rows = [[at[scenario, condition] for scenario in scenarios] for condition in conditions]
-    plain = ("duration_s", "completed", COST, "collision_samples_per_s", "collision_events_per_s")
-    values = {name: np.array([[getattr(r, name) for r in row] for row in rows]) for name in plain}
-    each_distance = np.concatenate([values[name] for name in METRICS[1:]], axis=-1)
-    values |= {name: values[name][..., 0] for name in METRICS[1:]}
-    values |= dict(zip(distance_metrics(distances), np.moveaxis(each_distance, -1, 0), strict=True))
-    values |= {name: np.array([[r.measures[name] for r in row] for row in rows]) for name in rows[0][0].measures}
-    completed = values.pop("completed")
-    return Figures(tuple(conditions), tuple(scenarios), completed, values)
+    """Arrange one record of every scenario (K) and condition as arrays, in the given order."""
+    at = {record.key: metrics_of(record.result, distances) for record in records}
+    found = {name: [at[scenario, name] for scenario in scenarios] for name in conditions}
+    metrics = found[conditions[0]][0]
+    return {
+        metric: {name: np.array([own[metric] for own in rows]) for name, rows in found.items()} for metric in metrics
+    }
 
 
 def summarise(values: Floats) -> Summary:
     """Return location and spread of `values` (K,)."""
-    mean, spread = float(values.mean()), MeanError.of(values[None])
-    ci95 = None if spread is None else spread.around(mean)
-    return Summary(mean, float(np.median(values)), float(values.std()), ci95)
+    mean = Estimate.of(values[None])
+    return Summary(mean.value, float(np.median(values)), float(values.std()), mean.ci95)
 
 
 def by_scenario(values: Floats, scenarios: Sequence[str]) -> Floats:

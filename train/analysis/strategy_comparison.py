@@ -24,23 +24,9 @@ import numpy as np
 
 from selforg.arrays import Floats, Ints
 from train.analysis.flips import ALPHA, Flips
-from train.analysis.intervals import Interval, MeanError, Ratio
+from train.analysis.intervals import Estimate, Ratio
 
 ORACLE = "oracle"
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A figure and its interval."""
-
-    value: float
-    ci95: Interval | None
-
-    @classmethod
-    def of(cls, values: Floats) -> Estimate:
-        """Return the mean of `values` (S, K) with its interval."""
-        mean, spread = float(values.mean()), MeanError.of(values)
-        return cls(mean, None if spread is None else spread.around(mean))
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,9 @@ Shapes: K scenarios.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from clean_swarm_env.world.parts.measure import Measure
@@ -27,10 +28,8 @@ class MeasuredStrategy:
     """The same measure of the baseline; None without one, or for the baseline itself."""
     difference: Summary | None
     """Own minus baseline, scenario by scenario."""
-    flips: Flips | None = None
-    """The test of these differences; None for a measure that need not be better."""
-    beats: bool | None = None
-    """Whether the strategy is shown to be better than the baseline; None where there are too few scenarios."""
+    beats: bool | None
+    """Whether it is shown to be better than the baseline; None with too few scenarios, or where it need not be."""
 
     @property
     def met(self) -> bool:
@@ -66,32 +65,31 @@ def measured_strategies(
         baseline: the strategy with which the others are compared, if it is among them.
 
     """
+    rivals = {strategy: values[baseline] for strategy in values if baseline in values and strategy != baseline}
+    tests = {
+        (strategy, one): Flips(values[strategy][one.name] - rival[one.name])
+        for strategy, rival in rivals.items()
+        for one in measures
+        if not one.guard  # which need not be better
+    }
+    ps = holm([test.p for test in tests.values()], [test.least for test in tests.values()])
+    beats = {
+        key: p < ALPHA and (test.sign < 0.0) == (key[1].better == "lower")
+        for (key, test), p in zip(tests.items(), ps, strict=True)
+        if len(test.differences) >= fewest(len(tests))
+    }
     found = []
-    for strategy, own in values.items():
-        rival = values.get(baseline) if strategy != baseline else None
-        for measure in measures:
-            name = measure.name
-            one = MeasuredStrategy(strategy, measure, summarise(own[name]), None, None)
-            if rival is not None:
-                away = own[name] - rival[name]
-                flips = None if measure.guard else Flips(away)
-                one = replace(one, baseline=summarise(rival[name]), difference=summarise(away), flips=flips)
-            found.append(one)
-    tests = [one.flips for one in found if one.flips is not None]
-    ps = iter(holm([test.p for test in tests], [test.least for test in tests]))
-    return [one if one.flips is None else replace(one, beats=_beats(one, next(ps), len(tests))) for one in found]
-
-
-def _beats(one: MeasuredStrategy, p: float, tests: int) -> bool | None:
-    """Return whether a measure is shown to be better; `p` is corrected for the number of `tests` of its table."""
-    if one.flips is None or len(one.flips.differences) < fewest(tests):
-        return None
-    return p < ALPHA and (one.flips.sign < 0.0) == (one.measure.better == "lower")
+    for strategy, measure in itertools.product(values, measures):
+        own, rival = values[strategy][measure.name], rivals.get(strategy, {}).get(measure.name)
+        beside = (None, None) if rival is None else (summarise(rival), summarise(own - rival))
+        found.append(
+            MeasuredStrategy(strategy, measure, summarise(own), beside[0], beside[1], beats.get((strategy, measure)))
+        )
+    return found
 
 
 def by_strategy(measured: Sequence[MeasuredStrategy]) -> dict[str, Any]:
     """Return plain data for JSON under the key `measures`; nothing without measures."""
-    found: dict[str, list[Any]] = {}
-    for one in measured:
-        found.setdefault(one.strategy, []).append(one.content)
+    names = dict.fromkeys(one.strategy for one in measured)
+    found = {name: [one.content for one in measured if one.strategy == name] for name in names}
     return {"measures": found} if found else {}

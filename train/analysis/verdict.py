@@ -22,6 +22,7 @@ from train.analysis.flips import ALPHA, TAIL, fewest
 from train.analysis.intervals import (
     NO_SPREAD,
     TOLD,
+    Estimate,
     Interval,
     Ratio,
     about_number,
@@ -30,7 +31,6 @@ from train.analysis.intervals import (
     heavy_tailed,
     share_interval,
 )
-from train.analysis.strategy_comparison import Estimate
 
 TIMES = 1.5
 """Ratio from which on a difference is said by a factor, not in per cent."""

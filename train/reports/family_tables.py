@@ -7,15 +7,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from clean_swarm_env.world.task import task_class
 from train.analysis.family_report import FamilyReport
+from train.analysis.intervals import Estimate
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
-from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison
+from train.analysis.strategy_comparison import ORACLE, StrategyComparison
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
 from train.deciders.named import FIXED, MACHINE, POLICY
-from train.reports.ranking_table import AT_MOST, ranking_table, share_bounds
-from train.reports.task_tables import measures_grids
+from train.reports.ranking_table import first_columns, measures_grids, ranking_table
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 
 MEANS = {"duration_s": "duration s", "events": "events", "contact_s": "contact s", "items": "items"}
@@ -45,11 +44,8 @@ def family_tables(report: FamilyReport) -> list[Grid]:
 
 
 def _ranked(report: FamilyReport) -> Grid:
-    runs, own, mission = report.runs, report.summaries, report.runs.missions[0]
-    task = task_class(mission)
-    columns = {task.missed[0] + AT_MOST: share_bounds(report.left)}
-    for one in report.measured:
-        columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
+    runs, own, mission, task = report.runs, report.summaries, report.runs.missions[0], report.task
+    columns = first_columns(report)
     if not report.measured:
         told = {
             "duration_s": True,

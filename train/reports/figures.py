@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from clean_swarm_env.config.families import UNDISTURBED, Disturbance
 from train.analysis.family_report import FIGURES, FamilyReport
-from train.analysis.report import Report, ranking_of_conditions
+from train.analysis.report import Report
 from train.analysis.robustness_report import ROBUSTNESS_FIGURES, RobustnessReport
 from train.analysis.statistics import COST
 from train.reports.charts import (
@@ -23,8 +23,7 @@ from train.reports.charts import (
 LEGEND = "diamond: mean with its 95 % interval; box: quartiles; grey line: one scenario; hollow point: not completed"
 MARKERS = "os^vDP*X"
 """Forms of points, in turn."""
-ROBUSTNESS_LABELS = {"completed": "completed", "duration_s": "duration [s]", "collision_events": "collision events"}
-"""Label of the axis of each figure."""
+AXES = {"completed": "completed", "duration_s": "duration [s]", "collision_events": "collision events"}
 SIDEWAYS = 0.06
 """Distance of neighbouring strategies, as a share of the distance between levels."""
 
@@ -32,21 +31,19 @@ SIDEWAYS = 0.06
 def draw_experiment(report: Report) -> Figure:
     """Return duration, or cost, and collision samples of every scenario under every condition, the best first."""
     figures, distance = report.figures, report.experiment.mission.collision_distances[0]
-    first = (COST, "cost [s]") if report.measured_by_task else ("duration_s", "duration [s]")
+    first = (COST, "cost [s]") if report.measured else ("duration_s", "duration [s]")
     shown = (first, ("collision_samples_per_s", f"samples per s of pairs closer than {distance:g} m"))
-    count, paper = len(figures.scenarios), report.experiment.reference
-    places = [figures.conditions.index(name) for name in ranking_of_conditions(report).labels]
-    names = [figures.conditions[place] for place in places]
+    count, paper, names = len(report.scenarios), report.experiment.reference, report.ranking.labels
+    places = [report.conditions.index(name) for name in names]
+    hollow = np.stack([figures["completed"][name] == 0.0 for name in names])
     with panels(1, 2, (12.0, 1.6 + 0.55 * len(names)), shared=True) as (figure, axes):
         for one, (metric, label) in zip(axes[0], shown, strict=True):
-            values = figures.values[metric][places]
-            draw_rows(one, values, figures.scenarios, names, places, ~figures.completed[places])
-            seen = [values.ravel()]
-            for row, name in enumerate(names if paper else ()):
-                published = np.array(paper.figures.get(name, {}).get(metric, ()) if paper else ())
-                one.plot(published, np.full(len(published), row + 0.4), "x", color=TEXT_COLOUR, ms=4)
-                seen.append(published)
-            fit_axis(one, np.concatenate(seen))
+            values = np.stack([figures[metric][name] for name in names])
+            draw_rows(one, values, report.scenarios, names, places, hollow)
+            published = [np.array(paper.figures.get(name, {}).get(metric, ())) for name in names] if paper else []
+            for row, own in enumerate(published):
+                one.plot(own, np.full(len(own), row + 0.4), "x", color=TEXT_COLOUR, ms=4)
+            fit_axis(one, np.concatenate([values.ravel(), *published]))
             one.set_xlabel(label)
         figure.suptitle(f"{report.experiment.name}: {count} scenario{'s' if count > 1 else ''}, seed {report.seed}")
         figure.supxlabel(LEGEND + (f"; x: {paper.source}" if paper else ""), fontsize=8, color="0.4")
@@ -82,7 +79,7 @@ def draw_robustness(report: RobustnessReport) -> Figure:
         for row, name in enumerate(ROBUSTNESS_FIGURES):
             for column, levels in enumerate(kinds.values()):
                 _draw_levels(axes[row, column], report, name, levels)
-            axes[row, 0].set_ylabel(ROBUSTNESS_LABELS[name])
+            axes[row, 0].set_ylabel(AXES[name])
             if name == "completed":
                 axes[row, 0].set_ylim(-0.03, 1.03)
             else:

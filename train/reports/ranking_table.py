@@ -1,4 +1,4 @@
-"""The main table of a comparison: strategies from the lowest mean on, with points and intervals."""
+"""The tables of every comparison: strategies from the lowest mean on, with points and intervals; measures of a task."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from selforg.arrays import Floats
+from train.analysis.family_report import FamilyReport
 from train.analysis.intervals import Interval
-from train.analysis.statistics import share_cell
+from train.analysis.report import Report
+from train.analysis.statistics import Summary, share_cell
+from train.analysis.task_report import MeasuredStrategy
 from train.analysis.verdict import LOG_FROM, Ranking, amount, interval_words, listed, most_left
 from train.reports.text_table import EMPTY_CELL, POINT, Grid
 
+VERDICTS = {True: "yes", False: "no", None: EMPTY_CELL}
 LETTERS = 20
 """Width of a drawn cell."""
 LARGEST_RATIO = 1_000
@@ -50,14 +53,13 @@ def ranking_table(
         rows.append((label, *cells, *(column.get(label, "") for column in columns.values())))
     scale = f"{amount(low)} to {amount(most)}{', logarithmic' * logarithmic}"
     heads = ("strategy", f"{what} [95 %]", scale, "times the first [95 %]", "p (Holm)", *columns)
-    alone = ranking.scenarios == 1 or len(rows) == 1
     lines = ["times the first: ratio of means; the 95 % hold for all pairs of the table together", TELLS]
-    lines = [] if alone else lines
+    lines = [] if ranking.scenarios == 1 or len(rows) == 1 else lines
     if ranking.heavy:
         names = listed([ranking.name(label) for label in ranking.heavy])
-        lines.append(
+        lines += [
             f"heavy tails: some scenarios of {names} cost far more than the others; these intervals are too narrow"
-        )
+        ]
     return Grid(title, heads, rows, notes=(*lines, *notes))
 
 
@@ -66,9 +68,34 @@ def p_cell(p: float | None) -> str:
     return EMPTY_CELL if p is None else f"{p:.2g}"
 
 
-def share_bounds(left: Mapping[str, Floats]) -> dict[str, str]:
-    """Return label -> share of unfinished missions, and its upper bound; `left` as `Ranking` has it."""
-    return {label: f"{share_cell(float(own.mean()))} ({most_left(own):.0%})" for label, own in left.items()}
+def first_columns(report: Report | FamilyReport) -> dict[str, dict[str, str]]:
+    """Return head -> label -> cell: the shares of unfinished missions, and the means of the measures of a task."""
+    shares = {name: f"{share_cell(float(own.mean()))} ({most_left(own):.0%})" for name, own in report.left.items()}
+    columns = {report.task.missed[0] + AT_MOST: shares}
+    for one in report.measured:
+        columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
+    return columns
+
+
+def measures_grids(name: str, measured: Sequence[MeasuredStrategy]) -> list[Grid]:
+    """Return a table for each measure of the task of an evaluation, with a row for each strategy."""
+    grids = []
+    for measure in dict.fromkeys(one.measure for one in measured):
+        unit = "" if measure.unit == "-" else f" [{measure.unit}]"
+        target = f"{'≤' if measure.better == 'lower' else '≥'} {measure.target:g}"
+        rows = [
+            (one.strategy, _mean(one.own), _mean(one.difference), VERDICTS[one.met], VERDICTS[one.beats])
+            for one in measured
+            if one.measure == measure
+        ]
+        heads = ("strategy", "mean", "difference", "target met", "beats baseline")
+        grids.append(Grid(f"{name}: {measure.name}{unit}, target {target}: {measure.reason}", heads, rows))
+    return grids
+
+
+def _mean(summary: Summary | None) -> str:
+    """Return a mean with its interval."""
+    return EMPTY_CELL if summary is None else f"{summary.mean:.3g}{interval_words(summary.ci95, '{:.3g}'.format)}"
 
 
 def _ratio_words(ratio: float) -> str:

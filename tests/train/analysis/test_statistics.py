@@ -36,8 +36,12 @@ def test_the_interval_of_a_mean_is_students():
 def test_figures_take_every_record_to_its_place():
     records = [record(s, c, 10.0 * k + int(s)) for k, c in enumerate(("a", "b")) for s in ("10", "2", "1")]
     figures = figures_of(records, ["b", "a"], ["1", "2", "10"], [0.5, 1.0])
-    assert figures.values["duration_s"].tolist() == [[11.0, 12.0, 20.0], [1.0, 2.0, 10.0]]
-    assert figures.values["collision_samples_per_s"].tolist() == figures.values["samples_per_s_at_0.5m"].tolist()
-    assert figures.values["samples_per_s_at_1.0m"] == pytest.approx(figures.values["duration_s"] / 5)
-    assert figures.values["events_per_s_at_1.0m"] == pytest.approx(figures.values["duration_s"] / 50)
+    assert {name: own.tolist() for name, own in figures["duration_s"].items()} == {
+        "b": [11.0, 12.0, 20.0],
+        "a": [1.0, 2.0, 10.0],
+    }
+    for name, durations in figures["duration_s"].items():
+        assert figures["collision_samples_per_s"][name].tolist() == figures["samples_per_s_at_0.5m"][name].tolist()
+        assert figures["samples_per_s_at_1.0m"][name] == pytest.approx(durations / 5)
+        assert figures["events_per_s_at_1.0m"][name] == pytest.approx(durations / 50)
     assert distance_metrics([0.5, 1.0])[3] == "events_per_s_at_1.0m"
