@@ -29,14 +29,14 @@ DECLARED = {
     "activator-classes": ("selforg/network/model/**/*.py", CLASS.format("ACTIVATORS")),
     "sensor-classes": ("selforg/components/**/*.py", CLASS.format("SENSORS")),
     "strategy-classes": ("selector/strategies/**/*.py", CLASS.format("STRATEGIES")),
+    "mechanism-classes": (
+        "selforg/mechanisms/**/*.py",
+        CLASS.format("MECHANISMS"),
+        r"(?sm)^\w+ = \w+\.variant\(\s*\"(?P<name>\w+)\"(?P<line>)",
+    ),
     "reward-terms": (
         "clean_swarm_env/learning/reward.py",
         r"(?sm)^    (?P<name>\w+): (?:Number|Share) = -?[\d.]+\n    \"\"\"(?P<line>.*?)\"\"\"",
-    ),
-    "mechanism-classes": (
-        "selforg/mechanisms/**/*.py",
-        r"(?sm)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(?P<name>\w+)"
-        r"(?:\"|[^\n]*:\n    \"\"\"(?P<line>.*?)\"\"\")",
     ),
     "terms": (
         "clean_swarm_env/**/*terms.py",
@@ -45,18 +45,9 @@ DECLARED = {
         r"^    name = \"(?P<name>\w+)\"",
     ),
 }
-"""Kind -> places and patterns of the sources that declare it, with a name and a line."""
-REGISTERED = {
-    "action-classes": "action",
-    "activator-classes": "activator",
-    "reward-terms": "reward term",
-    "sensor-classes": "sensor",
-    "strategy-classes": "strategy",
-    "mechanism-classes": "mechanism",
-    "terms": "observation term",
-    "tasks": "task",
-}
-"""Kind -> what the registry of it calls a class."""
+"""Part of a kind -> places and patterns of the sources that declare it, with a name and a line."""
+REGISTERED = {"reward-terms": "reward term", "terms": "observation term", "tasks": "task"}
+"""Part of a kind -> what the registry of it calls a class, where that is not the beginning of its name."""
 LINES = {
     "action-classes": "actions in code: `type:` of an action of a behaviour",
     "activator-classes": "activators in code: `type:` of an activator of a condition",
@@ -79,7 +70,16 @@ LINES = {
     "terms": "what robots can observe: terms of an observation",
     "training": "trainings: train ppo|bandit|es|design --config NAME",
 }
-"""Kind -> what it is, and where a name of it goes."""
+"""Part of a kind -> what it is, and where a name of it goes."""
+PARTS = {
+    "classes": ("action-classes", "activator-classes", "mechanism-classes", "sensor-classes"),
+    "knowledge": ("knowledge", "options"),
+    "strategies": ("strategy-classes", "machines", "policies", "strategies"),
+    "terms": ("terms", "reward-terms"),
+    **{kind: (kind,) for kind in ("experiments", "families", "mechanisms", "missions", "robots", "starts", "tasks")},
+    "training": ("training",),
+}
+"""Kind that `list` shows -> its parts."""
 
 
 def list_command(
@@ -87,20 +87,23 @@ def list_command(
     configs: Configs = None,
 ) -> None:
     """List the kinds of what there is with their numbers, or the names of one kind with a line on each."""
-    if kind is not None and kind not in LINES:
-        raise ConfigurationError(f"list: {unknown('kind', kind, sorted(LINES))}")
-    directories = tuple(configs or ())
-    if kind is not None:
-        rows = list(names_of(kind, directories).items())
-    else:
-        counts = [len(names_of(each, directories, told=False)) for each in LINES]
-        rows = [(each, (str(count), line)) for (each, line), count in zip(LINES.items(), counts, strict=True)]
-    console = wide_console()
-    widths = [max(map(len, column)) for column in zip(*((name, *cells) for name, cells in rows), strict=True)]
-    for name, cells in rows:
-        padded = [plain(cell).ljust(width) for cell, width in zip((name, *cells), widths, strict=True)]
+    if kind is not None and kind not in PARTS:
+        raise ConfigurationError(f"list: {unknown('kind', kind, sorted(PARTS))}")
+    directories, console, rows = tuple(configs or ()), wide_console(), list[tuple[str, ...]]()
+    for each, parts in sorted(PARTS.items()) if kind is None else ():
+        count = sum(len(names_of(part, directories, told=False)) for part in parts)
+        told = "; ".join(LINES[part].partition(":")[0] for part in parts) if len(parts) > 1 else LINES[each]
+        rows.append((each, str(count), told))
+    parts = PARTS[kind] if kind else ()
+    for part in parts:
+        beside = (part,) if len(parts) > 1 else ()
+        rows += [(name, *beside, line) for name, line in names_of(part, directories).items()]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        padded = [plain(cell).ljust(width) for cell, width in zip(row, widths, strict=True)]
         console.print("  ".join(padded).rstrip(), soft_wrap=True)
-    console.print(f"\n{LINES[kind]}" if kind else "\nclean-swarm list KIND shows the names of one kind")
+    told = "".join(f"\n{part}: {LINES[part]}" if len(parts) > 1 else f"\n{LINES[part]}" for part in parts)
+    console.print(told or "\nclean-swarm list KIND shows the names of one kind, and where they go")
 
 
 def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None = None, **given: str | None) -> None:
@@ -139,29 +142,25 @@ def _check_options(where: str, names: str, knowledge: str | None) -> None:
             raise ConfigurationError(where + unknown("option", name, known))
 
 
-def names_of(kind: str, directories: Sequence[Path], *, told: bool = True) -> dict[str, tuple[str, ...]]:
-    """Return name -> a line on it, of everything of a kind; that of a plug-in ends with where it comes from.
+def names_of(kind: str, directories: Sequence[Path], *, told: bool = True) -> dict[str, str]:
+    """Return name -> a line on it, of everything of a part of a kind; that of a plug-in ends with where it comes from.
 
     Lines of files are empty unless they are to be `told`: reading a hundred files takes half a second.
     """
-    found = _names_of_ours(kind, directories, told)
-    brought = plugin_names() if named_plugins() or installed() else {}  # their code runs, if there are any
-    for name, origin in brought.get(REGISTERED.get(kind, kind), {}).items():
-        found[name] = (f"{found.get(name, ('',))[0]} (from {origin})".strip(),)
-    return dict(sorted(found.items()))
-
-
-def _names_of_ours(kind: str, directories: Sequence[Path], told: bool) -> dict[str, tuple[str, ...]]:
-    """Return the names in our sources, those of all files, and of tasks also those of plug-ins that are imported."""
     if kind == "tasks":
-        return {name: (story,) for name, story in task_stories().items()}
-    if kind in KINDS:
+        found = task_stories()  # those of plug-ins that are imported, too
+    elif kind in KINDS:
         line = _conditions if kind == "experiments" else _line
-        return {name: (line(path) if told else "",) for name, path in files_of(kind, directories).items()}
-    places, *patterns = DECLARED[kind]
-    texts = [path.read_text(encoding="utf-8") for path in SHIPPED.parent.glob(places)]
-    found = (match for text in texts for pattern in patterns for match in re.finditer(pattern, text))
-    return {match["name"]: (_first_sentence(match["line"] or ""),) for match in found}
+        found = {name: line(path) if told else "" for name, path in files_of(kind, directories).items()}
+    else:
+        places, *patterns = DECLARED[kind]
+        texts = [path.read_text(encoding="utf-8") for path in SHIPPED.parent.glob(places)]
+        matches = (match for text in texts for pattern in patterns for match in re.finditer(pattern, text))
+        found = {match["name"]: _first_sentence(match["line"]) for match in matches}
+    brought = plugin_names() if named_plugins() or installed() else {}  # their code runs, if there are any
+    for name, origin in brought.get(REGISTERED.get(kind, kind.removesuffix("-classes")), {}).items():
+        found[name] = f"{found.get(name, '')} (from {origin})".strip()
+    return dict(sorted(found.items()))
 
 
 def _line(path: Path) -> str:
@@ -172,11 +171,13 @@ def _line(path: Path) -> str:
         content = read_mapping(path)
     except DocumentError as error:
         return f"cannot be read: {error}"
-    told = str(content.get("description") or _trained_for(content.get("training")))
-    if not told:
-        comment = re.match(r"(?:#.*\n)+", path.read_text(encoding="utf-8"))
-        told = re.sub(r"\n?# ?", " ", comment[0]) if comment else ""
-    return _first_sentence(told)
+    training = content.get("training")  # a policy says what its training was for
+    configuration = training.get("configuration") if isinstance(training, dict) else None
+    told = content.get("description") or (configuration.get("description") if isinstance(configuration, dict) else "")
+    if told:
+        return _first_sentence(str(told))
+    comment = re.match(r"(?:#.*\n)+", path.read_text(encoding="utf-8"))
+    return _first_sentence(re.sub(r"\n?# ?", " ", comment[0]) if comment else "")
 
 
 def _first_sentence(text: str) -> str:
@@ -187,12 +188,6 @@ def _first_sentence(text: str) -> str:
 
     """
     return re.split(SENTENCE_END, " ".join(text.split()))[0]
-
-
-def _trained_for(training: object) -> str:
-    """Return what the training of a policy was for, by its description."""
-    configuration = training.get("configuration") if isinstance(training, dict) else None
-    return str(configuration.get("description", "")) if isinstance(configuration, dict) else ""
 
 
 def conditions_in(path: Path) -> list[str]:

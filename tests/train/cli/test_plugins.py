@@ -105,11 +105,8 @@ def test_an_installed_plugin_is_known_to_commands_and_their_workers(installed, m
 
 
 def test_names_say_where_they_come_from(installed):
-    names = {
-        "mechanism-classes": "KeepDistance", "families": "parting", "tasks": "KeepApart", "sensor-classes": "Pushed",
-        "strategy-classes": "Second",
-    }  # fmt: skip
-    for kind, name in names.items():
+    names = {"KeepDistance": "classes", "parting": "families", "KeepApart": "tasks", "Pushed": "classes"}
+    for name, kind in (names | {"Second": "strategies"}).items():
         (line,) = [line for line in done(installed, "list", kind).splitlines() if line.startswith(f"{name} ")]
         assert line.endswith("(from my-swarm 0.1.0)")
     origin = "my-swarm 0.1.0"
@@ -220,8 +217,9 @@ def test_every_kind_comes_from_a_file_that_a_command_names(site, kinds):
     words = (*words, "--scenarios", "2", "--workers", "1")
     assert "unknown activator 'Low' (known: Boolean, " in refused(site, *words)
     done(site, *words, "--import", "kinds.py")
-    for kind, name in {"action-classes": "North", "activator-classes": "Low", "terms": "east"}.items():
-        (line,) = [line for line in done(site, "list", kind, "--import", "kinds.py").splitlines() if name in line]
+    for name, kind in {"North": "classes", "Low": "classes", "east": "terms"}.items():
+        lines = done(site, "list", kind, "--import", "kinds.py").splitlines()
+        (line,) = [line for line in lines if line.startswith(f"{name} ")]
         assert line.endswith(f"(from {kinds / 'kinds.py'})")
 
 

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from tests.paths import ROOT
+from train.cli.listing import PARTS
 
 SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "pettingzoo")
 MISTAKES = [
@@ -40,7 +41,7 @@ MISTAKES = [
     ("look picture none none.png --time 1", "none: cannot be read"),
     ("list familys", "did you mean 'families'"),
 ]
-LISTS = [(f"list {kind}".strip(), "") for kind in ("", "strategy-classes", "mechanism-classes", "terms", "tasks")]
+LISTS = [(f"list {kind}".strip(), "") for kind in ("", "strategies", "classes", "terms", "tasks")]
 CODE = """
 import io, json, sys
 from contextlib import redirect_stderr, redirect_stdout
@@ -61,7 +62,7 @@ import json
 from clean_swarm_env.learning.observation.config import TERMS
 from selector.strategies.registry import STRATEGIES
 from selforg.mechanisms import MECHANISMS
-names = {"strategy-classes": STRATEGIES.names(), "mechanism-classes": MECHANISMS.names(), "terms": TERMS.names()}
+names = {"strategies": STRATEGIES.names(), "classes": MECHANISMS.names(), "terms": TERMS.names()}
 print(json.dumps(names))
 """
 """What we ship, in a process in which no test registers anything."""
@@ -90,8 +91,8 @@ def test_the_list_imports_nothing_slow_and_names_all_that_is_registered(told):
     assert all((code, imported) == (0, set()) for code, _, imported in (told[words] for words, _ in LISTS))
     kinds = {line.split()[0]: int(line.split()[1]) for line in told["list"][1].strip().splitlines()[:-2]}
     known = json.loads(subprocess.check_output([sys.executable, "-c", REGISTERED], cwd=ROOT, text=True))
-    for kind, names in known.items():
-        lines = told[f"list {kind}"][1].splitlines()
-        assert [line.split()[0] for line in lines if line[:1].strip()][:-1] == sorted(names)
-        assert kinds[kind] == len(names)
+    for (kind, names), part in zip(known.items(), ("strategy-classes", "mechanism-classes", "terms"), strict=True):
+        rows = [line.split() for line in told[f"list {kind}"][1].splitlines() if line[:1].strip()]
+        assert [name for name, of, *_ in rows if of == part] == sorted(names)
+        assert kinds[kind] == len(rows) - len(PARTS[kind])  # the last lines say what the parts are
     assert "12 robots bring food" in told["list tasks"][1]
