@@ -6,9 +6,8 @@ and goals; those of a mechanism configuration begin with its mechanisms and the 
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from enum import Enum
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 from selector.configurations.configuration import ConfigurationSpec
 from selector.coordination.model import CoordinatorModel
@@ -25,28 +24,20 @@ from selforg.network.model.model import NestedModel
 MINUS = "\N{MINUS SIGN}"
 
 
-class BoxKind(Enum):
-    """Kind of a box; each has a column, but coordinators are in that of behaviours."""
-
-    MECHANISM = "mechanisms and targets"
-    SENSOR = "sensors"
-    CONDITION = "preconditions"
-    BEHAVIOUR = "behaviours"
-    COORDINATOR = "coordinators"
-    EFFECT = "effects"
-    GOAL = "goals"
-
-
-class LinkKind(Enum):
-    """Meaning of a link."""
-
-    READS = "is read by"
-    NEEDED = "is needed by"
-    WISHED = "optional: adds its wish only"
-    RAISES = "effect: raises"
-    LOWERS = "effect: lowers"
-    HELPS = "helps the goal"
-    HINDERS = "hinders the goal"
+BoxKind = Literal[
+    "mechanisms and targets", "sensors", "preconditions", "behaviours", "coordinators", "effects", "goals"
+]
+"""Kind of a box; each has a column, but coordinators are in that of behaviours."""
+LinkKind = Literal[
+    "is read by",
+    "is needed by",
+    "optional: adds its wish only",
+    "effect: raises",
+    "effect: lowers",
+    "helps the goal",
+    "hinders the goal",
+]
+"""Meaning of a link."""
 
 
 class DiagramBox(NamedTuple):
@@ -70,9 +61,9 @@ class NetworkPanel:
     @property
     def columns(self) -> list[list[DiagramBox]]:
         """The boxes of each column from left to right, without empty columns."""
-        found: dict[BoxKind, list[DiagramBox]] = {kind: [] for kind in BoxKind}
+        found: dict[BoxKind, list[DiagramBox]] = {kind: [] for kind in get_args(BoxKind)}
         for box in self.boxes.values():
-            found[BoxKind.BEHAVIOUR if box.kind is BoxKind.COORDINATOR else box.kind].append(box)
+            found["behaviours" if box.kind == "coordinators" else box.kind].append(box)
         return [column for column in found.values() if column]
 
     def add(self, key: str, kind: BoxKind, *lines: str) -> None:
@@ -85,36 +76,35 @@ class NetworkPanel:
 
     def add_sensor(self, sensor: Sensor, *lines: str) -> None:
         """Add a sensor."""
-        self.add(f"sensor.{sensor.name}", BoxKind.SENSOR, f"{sensor.name} ({sensor.kind})", *lines)
+        self.add(f"sensor.{sensor.name}", "sensors", f"{sensor.name} ({sensor.kind})", *lines)
 
     def add_behaviour(self, behaviour: Behaviour, *lines: str) -> None:
         """Add a behaviour or coordinator, with its preconditions and effects."""
         key, ready = f"behaviour.{behaviour.name}", behaviour.ready_threshold
         from_when = [] if ready == Behaviour.ready_threshold else [f"ready from {ready:g}"]
-        kind = BoxKind.COORDINATOR if behaviour.alternatives else BoxKind.BEHAVIOUR
-        self.add(key, kind, behaviour.name, *lines, *from_when)
+        self.add(key, "coordinators" if behaviour.alternatives else "behaviours", behaviour.name, *lines, *from_when)
         for _, face in behaviour.interfaces:
             for tree in face.preconditions:
                 needed = f"condition.{condition_in_words(tree)}"
-                self.add(needed, BoxKind.CONDITION, condition_in_words(tree))
-                self.link(needed, key, LinkKind.WISHED if isinstance(tree, Optional) else LinkKind.NEEDED)
+                self.add(needed, "preconditions", condition_in_words(tree))
+                self.link(needed, key, "optional: adds its wish only" if isinstance(tree, Optional) else "is needed by")
                 for sensor in _read_by(tree):
-                    self.link(f"sensor.{sensor}", needed, LinkKind.READS)
+                    self.link(f"sensor.{sensor}", needed, "is read by")
             for effect in face.effects:
                 text = f"{effect.sensor} {'+' if effect.change >= 0.0 else MINUS}{abs(effect.change):g}"
-                self.add(f"effect.{text}", BoxKind.EFFECT, text)
+                self.add(f"effect.{text}", "effects", text)
                 self.changes[f"effect.{text}"] = (effect.sensor, effect.change)
-                self.link(key, f"effect.{text}", LinkKind.RAISES if effect.change > 0.0 else LinkKind.LOWERS)
+                self.link(key, f"effect.{text}", "effect: raises" if effect.change > 0.0 else "effect: lowers")
 
     def add_goal(self, goal: Goal) -> None:
         """Add a goal, with links from all effects added before that bear on it."""
         key, wanted = f"goal.{goal.name}", map(condition_in_words, goal.conditions)
-        self.add(key, BoxKind.GOAL, goal.name, *wanted, *([] if goal.permanent else ["until it is reached"]))
+        self.add(key, "goals", goal.name, *wanted, *([] if goal.permanent else ["until it is reached"]))
         for leaf in (leaf for tree in goal.conditions for leaf in leaves(tree)):
             direction = leaf.directions[-1] if leaf.directions else leaf.condition.activator.direction
             for effect, (sensor, change) in self.changes.items():
                 if sensor == leaf.condition.sensor:
-                    self.link(effect, key, LinkKind.HELPS if change * direction > 0.0 else LinkKind.HINDERS)
+                    self.link(effect, key, "helps the goal" if change * direction > 0.0 else "hinders the goal")
 
 
 def robot_panels(path: Path, coordinators: Mapping[str, CoordinatorModel], knowledge: Knowledge) -> list[NetworkPanel]:
@@ -141,13 +131,15 @@ def configuration_panels(path: Path) -> list[NetworkPanel]:
     for section in ("mechanisms", "targets"):
         for name, declared in content.get(section, {}).items():
             rule = str(declared.get("rule", "nearest_attractive")).replace("_", " ")
-            panel.add(f"{section}.{name}", BoxKind.MECHANISM, name, declared.get("type") or f"the {rule} gradient")
+            panel.add(
+                f"{section}.{name}", "mechanisms and targets", name, declared.get("type") or f"the {rule} gradient"
+            )
     for sensor in spec.network_sensors():
         declared = content["sensors"][sensor.name]
         panel.add_sensor(sensor, component_in_words(declared))
         for section, key in (("mechanisms", "mechanism"), ("targets", "target")):
             if key in declared:
-                panel.link(f"{section}.{declared[key]}", f"sensor.{sensor.name}", LinkKind.READS)
+                panel.link(f"{section}.{declared[key]}", f"sensor.{sensor.name}", "is read by")
     for behaviour in spec.network_behaviours():
         actions = content["behaviours"][behaviour.name]["action"]
         panel.add_behaviour(behaviour, *map(component_in_words, actions if isinstance(actions, list) else [actions]))

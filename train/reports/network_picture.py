@@ -34,23 +34,23 @@ LETTERS = 40
 SCREEN_ROUNDING = 1.04
 """Factor on the width of a line, because screens round the widths of its letters."""
 TEXT, FRAME = "#1b1b1b", "#6b6b6b"
-FILLS: Final = {
-    BoxKind.MECHANISM: "#f3e6ee",
-    BoxKind.SENSOR: "#eceff1",
-    BoxKind.CONDITION: "#fbf6d0",
-    BoxKind.BEHAVIOUR: "#d4e9f7",
-    BoxKind.COORDINATOR: "#fbe3bd",
-    BoxKind.EFFECT: "#ffffff",
-    BoxKind.GOAL: "#d2efe4",
+FILLS: Final[dict[BoxKind, str]] = {
+    "mechanisms and targets": "#f3e6ee",
+    "sensors": "#eceff1",
+    "preconditions": "#fbf6d0",
+    "behaviours": "#d4e9f7",
+    "coordinators": "#fbe3bd",
+    "effects": "#ffffff",
+    "goals": "#d2efe4",
 }
 STROKES: Final[dict[LinkKind, tuple[str, Literal["solid", "dashed", "dotted"]]]] = {
-    LinkKind.READS: ("#9aa0a6", "solid"),
-    LinkKind.NEEDED: ("#3c4043", "solid"),
-    LinkKind.WISHED: ("#3c4043", "dotted"),
-    LinkKind.RAISES: ("#0072B2", "solid"),
-    LinkKind.LOWERS: ("#D55E00", "dashed"),
-    LinkKind.HELPS: ("#009E73", "solid"),
-    LinkKind.HINDERS: ("#CC79A7", "dashed"),
+    "is read by": ("#9aa0a6", "solid"),
+    "is needed by": ("#3c4043", "solid"),
+    "optional: adds its wish only": ("#3c4043", "dotted"),
+    "effect: raises": ("#0072B2", "solid"),
+    "effect: lowers": ("#D55E00", "dashed"),
+    "helps the goal": ("#009E73", "solid"),
+    "hinders the goal": ("#CC79A7", "dashed"),
 }
 """Colour and line style of each kind of link."""
 
@@ -70,7 +70,7 @@ class PlacedBox:
     def of(cls, box: DiagramBox) -> "PlacedBox":
         """Return a box with broken lines, not yet placed; the first line of most is a name, which is bold."""
         broken = [wrap(line, LETTERS, subsequent_indent="  ") or [""] for line in box.lines]
-        bold = 0 if box.kind in (BoxKind.CONDITION, BoxKind.EFFECT) else len(broken[0])
+        bold = 0 if box.kind in ("preconditions", "effects") else len(broken[0])
         return cls(box, [part for line in broken for part in line], bold)
 
     @property
@@ -91,9 +91,9 @@ def draw_panels(panels: Sequence[NetworkPanel]) -> Figure:
         placed.append(place_boxes(panel, tops[-1]))
         tops.append(BORDER + max(box.y + box.height for box in placed[-1].values()))
     tall = tops[-1]
-    used = [kind for kind in LinkKind if any(kind in panel.links.values() for panel in panels)]
+    used = [kind for kind in STROKES if any(kind in panel.links.values() for panel in panels)]
     right = max(box.x + box.width for boxes in placed for box in boxes.values())
-    wide = max(right + BORDER, sum(text_width(kind.value) + 48.0 for kind in used) + 2 * BORDER)
+    wide = max(right + BORDER, sum(text_width(kind) + 48.0 for kind in used) + 2 * BORDER)
     figure = Figure(figsize=(wide / 72.0, (tall + LEGEND_ROOM) / 72.0), facecolor="white")
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set(xlim=(0.0, wide), ylim=(tall + LEGEND_ROOM, 0.0))
@@ -104,8 +104,8 @@ def draw_panels(panels: Sequence[NetworkPanel]) -> Figure:
     for kind in used:
         colour, style = STROKES[kind]
         axes.plot([x, x + 22.0], [y, y], color=colour, linestyle=style, linewidth=1.4)
-        _write(axes, x + 27.0, y, kind.value)
-        x += text_width(kind.value) + 48.0
+        _write(axes, x + 27.0, y, kind)
+        x += text_width(kind) + 48.0
     return figure
 
 
@@ -123,7 +123,7 @@ def place_boxes(panel: NetworkPanel, top: float = 0.0) -> dict[str, PlacedBox]:
         for box in column:
             box.x, box.width = x, width
         x += max(width, text_width(_heading([box.box for box in column]), bold=True)) + GAP
-    main = next(i for i, column in enumerate(columns) if column[0].box.kind in (BoxKind.BEHAVIOUR, BoxKind.COORDINATOR))
+    main = next(i for i, column in enumerate(columns) if column[0].box.kind in ("behaviours", "coordinators"))
     placed: dict[str, PlacedBox] = {}
     for i in sorted(range(len(columns)), key=lambda i: abs(i - main)):
         column, own = columns[i], heights[i]
@@ -147,7 +147,7 @@ def _neighbours(panel: NetworkPanel, box: PlacedBox, placed: Mapping[str, Placed
 
 
 def _heading(column: Sequence[DiagramBox]) -> str:
-    return " and ".join(kind.value for kind in BoxKind if any(box.kind is kind for box in column))
+    return " and ".join(kind for kind in FILLS if any(box.kind == kind for box in column))
 
 
 @cache
@@ -169,7 +169,7 @@ def _draw_panel(axes: Axes, panel: NetworkPanel, boxes: Mapping[str, PlacedBox],
         left = (boxes[start].x + boxes[start].width, leaving[start, end])
         _draw_link(axes, left, (boxes[end].x, arriving[start, end]), kind)
     for placed in boxes.values():
-        thick = 2.0 if placed.box.kind is BoxKind.COORDINATOR else 0.8
+        thick = 2.0 if placed.box.kind == "coordinators" else 0.8
         patch = FancyBboxPatch(
             (placed.x + INSET, placed.y + INSET), placed.width - 2 * INSET, placed.height - 2 * INSET,
             boxstyle=f"round,pad={INSET},rounding_size=3", facecolor=FILLS[placed.box.kind], edgecolor=FRAME,
