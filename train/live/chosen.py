@@ -59,7 +59,7 @@ class PlayedMission:
 
     def described(self) -> dict[str, Any]:
         """Return what the head of the recording says, from which `again` makes the play."""
-        told = _MissionPlay(
+        return _MissionPlay(
             name=self.name,
             start=self.scenario.start,
             seed=self.scenario.seed,
@@ -67,8 +67,7 @@ class PlayedMission:
             strategy=decider_named(self.member, self.directories).identity,
             directories=tuple(str(path) for path in self.directories),
             files=fingerprints(self.directories),
-        )
-        return told.model_dump(mode="json")
+        ).model_dump(mode="json")
 
 
 class _MissionPlay(Closed):
@@ -130,7 +129,12 @@ def chosen(name: str, number: int, seed: int, strategy: str | None, directories:
         if strategy is not None:
             raise ConfigurationError("--strategy: expected none, because the recording says who chose")
         return again(RecordedMission(Path(name)))
-    scenario = _scenario(name, number, seed, directories)
+    found = (load_mission if name in files_of("missions", directories) else load_either)(name, directories)
+    if isinstance(found, FamilyConfig):
+        scenario = found.scenario(seed, number - 1, "test")
+    else:
+        start = random_start(found, seed, number - 1)
+        scenario = Scenario(start.id, run_seed(seed, start.id), found, start)
     room = replace(scenario, mission=with_room(scenario.mission))
     return PlayedMission(Path(name).stem, room, strategy or usual(room.mission, directories)[0], None, directories)
 
@@ -169,11 +173,3 @@ def _models(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[Coor
 def playable(directories: tuple[Path, ...]) -> list[str]:
     """Return the names of all missions, families and tasks."""
     return sorted({*files_of("missions", directories), *files_of("families", directories), *task_names()})
-
-
-def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) -> Scenario:
-    found = (load_mission if name in files_of("missions", directories) else load_either)(name, directories)
-    if isinstance(found, FamilyConfig):
-        return found.scenario(seed, number - 1, "test")
-    start = random_start(found, seed, number - 1)
-    return Scenario(start.id, run_seed(seed, start.id), found, start)

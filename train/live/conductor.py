@@ -72,9 +72,6 @@ class Conductor:
 
     """
 
-    session: Session
-    stream: Stream
-
     def __init__(self, sessions: Mapping[str, Callable[[], Session]], speed: float, *, playing: bool = True) -> None:
         self._sessions, self._speed, self._at_once = sessions, speed, playing
         self._orders: queue.Queue[tuple[Mapping[str, Any], Future[Mapping[str, Any]]]] = queue.Queue()
@@ -163,13 +160,10 @@ class Conductor:
             if self._number:
                 self._end()
         finally:  # also where the recording of the one before cannot be ended
-            self._start(session, name)
-
-    def _start(self, session: Session, name: str) -> None:
-        self.session, self._name, self._number, self._playing = session, name, self._number + 1, self._at_once
-        self._offered = {**session.offered(), "missions": [name for name in self._sessions if name]}
-        self._failure = ""
-        self.stream = Stream(session.beginning, self._state())
+            self.session, self._name, self._number, self._playing = session, name, self._number + 1, self._at_once
+            self._offered = {**session.offered(), "missions": [name for name in self._sessions if name]}
+            self._failure = ""
+            self.stream = Stream(session.beginning, self._state())
 
     def _end(self) -> None:
         self.stream.tell(ended=True)

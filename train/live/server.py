@@ -73,8 +73,6 @@ class LiveServer(ThreadingHTTPServer):
     allow_reuse_address = (
         os.name == "posix"
     )  # there a port is free again at once; elsewhere two programs would share it
-    conductor: Conductor
-    page: bytes
 
     def __init__(self, port: int = 0) -> None:
         self.token = secrets.token_urlsafe(24)

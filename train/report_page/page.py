@@ -107,10 +107,8 @@ def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
 
 def _together(results: Sequence[HeldResults]) -> list[RunRecord]:
     """Return the runs of all directories; those of two have the directory before their condition."""
-    if len(results) == 1:
-        return list(results[0].records)
     return [
-        replace(record, condition=f"{held.path.name}: {record.condition}")
+        replace(record, condition=f"{held.path.name}: {record.condition}") if len(results) > 1 else record
         for held in results
         for record in held.records
     ]

@@ -56,9 +56,8 @@ def draw_curves(trainings: Sequence[Trained]) -> Figure | None:
     """Return a panel for each family; None if nothing was measured."""
     measured = [key for one in trainings for entry in one.history for key in entry if key.endswith(EXCESS)]
     families = list(dict.fromkeys(key.removesuffix(EXCESS) for key in measured))
-    groups: dict[str, list[Trained]] = {}
-    for one in trainings:
-        groups.setdefault(one.name, []).append(one)
+    names = dict.fromkeys(one.name for one in trainings)
+    groups = {name: [one for one in trainings if one.name == name] for name in names}
     if not families:
         return None
     columns = min(COLUMNS, len(families))
@@ -70,7 +69,8 @@ def draw_curves(trainings: Sequence[Trained]) -> Figure | None:
             _draw_family(one, family, groups)
         for row in axes:
             row[0].set_ylabel("excess on validation [s]")
-        figure.legend(*_key(axes.flat), loc="outside lower center", ncols=3, frameon=False)
+        key = {label: line for one in axes.flat for line, label in zip(*one.get_legend_handles_labels(), strict=True)}
+        figure.legend(list(key.values()), list(key), loc="outside lower center", ncols=3, frameon=False)
         return figure
 
 
@@ -113,9 +113,3 @@ def _points(one: Trained, family: str) -> tuple[Floats, list[bool]]:
     entries = [entry for entry in one.history if isinstance(entry.get(family + EXCESS), int | float)]
     points = [(float(entry.get("decisions", 0)), float(entry[family + EXCESS])) for entry in entries]
     return np.array(points).reshape(-1, 2), [bool(entry.get("best")) for entry in entries]
-
-
-def _key(axes: Sequence[Axes]) -> tuple[list[Any], list[str]]:
-    """Return the lines of all panels and their labels, each label once."""
-    found = {label: line for one in axes for line, label in zip(*one.get_legend_handles_labels(), strict=True)}
-    return list(found.values()), list(found)

@@ -8,9 +8,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from train.analysis.flips import fewest
-from train.analysis.intervals import Interval, corrected_ps
+from train.analysis.intervals import corrected_ps
 from train.analysis.report import Report, agreements
 from train.analysis.statistics import COST, distance_metrics, share_cell, summarise
+from train.analysis.verdict import interval_words
 from train.reports.ranking_table import TELLS, VERDICTS, first_columns, measures_grids, p_cell, ranking_table
 from train.reports.text_table import EMPTY_CELL, Grid
 
@@ -88,7 +89,8 @@ def ratios(report: Report) -> Grid:
     corrected = corrected_ps(list(report.comparisons.values()))
     for ((*pair, metric), found), p in zip(report.comparisons.items(), corrected, strict=True):
         shares = " / ".join(share_cell(1.0 - float(done[name].mean())) for name in pair)
-        row = [TITLES[metric], " / ".join(pair), shares, _number(found.ratio), _interval(found.ci95), p_cell(p)]
+        row = [TITLES[metric], " / ".join(pair), shares, _number(found.ratio)]
+        row += [interval_words(found.ci95, _number).strip() or EMPTY_CELL, p_cell(p)]
         if paper:
             a, b = (paper.figures.get(name, {}).get(metric, ()) for name in pair)
             row.append(f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL)
@@ -138,7 +140,3 @@ def _number(value: float | None) -> str:
     if value is None:
         return EMPTY_CELL
     return f"{value:.1f}" if abs(value) >= 100.0 else f"{value:#.3g}"
-
-
-def _interval(interval: Interval | None) -> str:
-    return EMPTY_CELL if interval is None else f"[{_number(interval[0])}, {_number(interval[1])}]"

@@ -108,9 +108,10 @@ def robustness_tables(report: RobustnessReport, ranking: Ranking) -> list[Grid]:
     grids = [ranking_table(f"{title}, seed {report.seed}", ranking, "duration s", columns, (INTERVALS,))]
     heads = ("disturbance", *(f"{head} [95 %]" for head, _ in MULTIPLES.values()))
     for label in ranking.labels:
-        rows = []
-        for name, by_label in report.estimates.items():
-            rows.append((name, *(_cell(by_label[label][figure], factor) for figure, (_, factor) in MULTIPLES.items())))
+        rows = [
+            (name, *(_cell(by_label[label][figure], factor) for figure, (_, factor) in MULTIPLES.items()))
+            for name, by_label in report.estimates.items()
+        ]
         title = f"{label}: {report.scenarios} scenarios, seed {report.seed}; {INTERVALS}"
         grids.append(Grid(title, heads, rows))
     return grids

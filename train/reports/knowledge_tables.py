@@ -76,18 +76,17 @@ def learned_scores(knowledge: Knowledge, title: str, mission: MissionConfig) -> 
         mission: whose cost follows from a score.
 
     """
-    rows = []
+    rows, best, limit = [], task_class(mission).best_score, mission.time_limit
     for goal in knowledge.learned:
         problem = Problem.of(knowledge, goal)
         for k, option in enumerate(knowledge.options(goal)):
             count, mean, variance = problem.rewards[:, k].tolist()
-            spread = None if count < 2 else MeanError(math.sqrt(variance / (count - 1)), count - 1)
-            half = None if spread is None else spread.half_width()
-            score = EMPTY_CELL if not count else _with_interval(mean, half, ".4f")
-            cost, limit = EMPTY_CELL, mission.time_limit
+            score, cost = EMPTY_CELL, EMPTY_CELL
             if count:
-                spent = task_class(mission).best_score - mean
-                cost = _with_interval(spent * limit, None if half is None else half * limit, ".1f")
+                half = MeanError(math.sqrt(variance / (count - 1)), count - 1).half_width() if count > 1 else None
+                score = _with_interval(mean, half, ".4f")
+                spent = (best - mean) * limit
+                cost = _with_interval(spent, None if half is None else half * limit, ".1f")
             counts = f"{problem.scores[k]:.4g} {'expert' if problem.scores[k] == option.score else 'learned'}"
             taken = "taken" if k == int(np.argmax(problem.scores)) else ""
             name = f"{goal} - {option.name}"

@@ -31,10 +31,6 @@ SHARE_THAT_TELLS = 0.005
 """Share of all simulated seconds from which on they tell how long it takes: the first compile mechanisms of a user."""
 
 
-NEVER_CUT = Column(no_wrap=True)
-"""How columns are laid out whose words are shown whole."""
-
-
 class _TimeLeft(ProgressColumn):
     """The time that is left, estimated from the results of this command."""
 
@@ -88,7 +84,9 @@ def progress(
     shown = (TextColumn("{task.description}"), BarColumn(20), counted or MofNCompleteColumn(), TimeElapsedColumn())
     console = Console(stderr=True)
     hidden = log is None and not console.is_terminal  # nothing is left of it
-    with Progress(*shown, _TimeLeft(NEVER_CUT), _More(), console=console, transient=log is None, disable=hidden) as bar:
+    with Progress(
+        *shown, _TimeLeft(Column(no_wrap=True)), _More(), console=console, transient=log is None, disable=hidden
+    ) as bar:
         known: dict[str, Any] = {"begun": done, "most": 0.0, "ran": 0.0, "first": 0.0}
         number, ended = bar.add_task(what, total=total, completed=done, more="", **known), Event()
         task = bar.tasks[0]

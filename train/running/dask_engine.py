@@ -108,7 +108,7 @@ class DaskEngine:
         from distributed import KilledWorker
 
         try:
-            done: list[RunRecord] = future.result()
+            return list(future.result())
         except KilledWorker as error:
             raise WorkerLost(task, int(error.allowed_failures) + 1) from error
         except ModuleNotFoundError as error:
@@ -119,7 +119,6 @@ class DaskEngine:
                 raise
             kept = "finished runs are kept, and --resume continues"
             raise ConfigurationError(f"{self._place}: the scheduler is gone; {kept}") from error
-        return done
 
 
 def job_cluster(scheduler: str, jobs: int) -> Any:  # noqa: ANN401

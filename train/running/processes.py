@@ -89,8 +89,10 @@ class _Workers:
             for connection in [one for one in self._busy if one in ready]:
                 try:
                     answer = connection.recv()
-                except (EOFError, OSError):
-                    again = self._buried(connection).again()
+                except (EOFError, OSError):  # the process is dead
+                    self._processes.pop(connection).join()
+                    connection.close()
+                    again = self._busy.pop(connection).again()
                     waiting.extendleft([again] if again else [])
                     continue
                 if isinstance(answer, Exception):
@@ -121,12 +123,6 @@ class _Workers:
             theirs.close()  # now its end is the worker's alone, and closed when that ends
             self._processes[ours] = process
         return ours
-
-    def _buried(self, connection: Connection) -> _Attempt:
-        """Forget a dead process, and return its task."""
-        self._processes.pop(connection).join()
-        connection.close()
-        return self._busy.pop(connection)
 
     def _sent(self) -> Iterator[RunRecord]:
         """End the tasks, and yield the runs that were done but not yet received."""
