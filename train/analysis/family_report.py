@@ -163,11 +163,7 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
     comparison = compare_strategies(excesses_of(runs), runs.fixed, censored(runs)) if runs.fixed else None
     measures = task_class(runs.family.mission).measures
     tables = {one.name: runs.table(partial(lambda name, _, r: r.measures[name], one.name)) for one in measures}
-    values = {
-        label: {name: table[label].mean(axis=(0, 2)) for name, table in tables.items()} for label in runs.conditions
-    }
-    measured = measured_strategies(measures, values, BASELINE)
-    return FamilyReport(runs, summaries, comparison, measured)
+    return FamilyReport(runs, summaries, comparison, measured_strategies(measures, tables, BASELINE))
 
 
 def ranking_of(runs: FamilyRuns) -> Ranking:

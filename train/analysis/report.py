@@ -98,9 +98,7 @@ class Report:
     def measured(self) -> list[MeasuredStrategy]:
         """Measures of the task under each condition; empty for a task that has prices instead."""
         baseline = next((each.name for each in self.experiment.conditions if each.strategy == BASELINE), "")
-        measures = self.task.measures
-        values = {name: {one.name: self.figures[one.name][name] for one in measures} for name in self.conditions}
-        return measured_strategies(measures, values, baseline)
+        return measured_strategies(self.task.measures, self.figures, baseline)
 
     @cached_property
     def ranking(self) -> Ranking:

@@ -13,6 +13,7 @@ from typing import Any
 from clean_swarm_env.world.parts.measure import Measure
 from selforg.arrays import Floats
 from train.analysis.flips import ALPHA, Flips, fewest, holm
+from train.analysis.intervals import cells
 from train.analysis.statistics import Summary, summarise
 
 
@@ -55,23 +56,21 @@ class MeasuredStrategy:
 
 
 def measured_strategies(
-    measures: Sequence[Measure], values: Mapping[str, Mapping[str, Floats]], baseline: str
+    measures: Sequence[Measure], tables: Mapping[str, Mapping[str, Floats]], baseline: str
 ) -> list[MeasuredStrategy]:
     """Return every measure under every strategy.
 
     Args:
         measures: measures of the task.
-        values: strategy -> measure -> its values on the scenarios (K,).
+        tables: measure -> strategy -> its values (K,) or (S, K, V), of which the mean of each scenario counts.
         baseline: the strategy with which the others are compared, if it is among them.
 
     """
-    rivals = {strategy: values[baseline] for strategy in values if baseline in values and strategy != baseline}
-    tests = {
-        (strategy, one): Flips(values[strategy][one.name] - rival[one.name])
-        for strategy, rival in rivals.items()
-        for one in measures
-        if not one.guard  # which need not be better
-    }
+    means = {(label, one): cells(own).mean(axis=(0, 2)) for one in measures for label, own in tables[one.name].items()}
+    labels = dict.fromkeys(label for label, _ in means)
+    rivals = {one: means[baseline, one] for one in measures} if baseline in labels else {}
+    away = {key: own - rivals[key[1]] for key, own in means.items() if rivals and key[0] != baseline}
+    tests = {key: Flips(own) for key, own in away.items() if not key[1].guard}  # which need not be better
     ps = holm([test.p for test in tests.values()], [test.least for test in tests.values()])
     beats = {
         key: p < ALPHA and (test.sign < 0.0) == (key[1].better == "lower")
@@ -79,12 +78,10 @@ def measured_strategies(
         if len(test.differences) >= fewest(len(tests))
     }
     found = []
-    for strategy, measure in itertools.product(values, measures):
-        own, rival = values[strategy][measure.name], rivals.get(strategy, {}).get(measure.name)
-        beside = (None, None) if rival is None else (summarise(rival), summarise(own - rival))
-        found.append(
-            MeasuredStrategy(strategy, measure, summarise(own), beside[0], beside[1], beats.get((strategy, measure)))
-        )
+    for label, one in itertools.product(labels, measures):
+        key, own = (label, one), summarise(means[label, one])
+        beside = (summarise(rivals[one]), summarise(away[key])) if key in away else (None, None)
+        found.append(MeasuredStrategy(label, one, own, beside[0], beside[1], beats.get(key)))
     return found
 
 

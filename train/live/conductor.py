@@ -160,7 +160,9 @@ class Conductor:
             if self._number:
                 self._end()
         finally:  # also where the recording of the one before cannot be ended
-            self.session, self._name, self._number, self._playing = session, name, self._number + 1, self._at_once
+            self.session: Session = session
+            self._name: str = name
+            self._number, self._playing = self._number + 1, self._at_once
             self._offered = {**session.offered(), "missions": [name for name in self._sessions if name]}
             self._failure = ""
             self.stream = Stream(session.beginning, self._state())

@@ -144,13 +144,9 @@ class Session:
         self.batch.close()
 
     def offered(self) -> dict[str, Any]:
-        """Return the strategies that fit this mission, the best one that is known, and one with which it jams."""
+        """Return the strategies that fit this mission, by their own names, the best one, and one with which it jams."""
         best, jams = usual(self._play.scenario.mission, self._play.directories)
-        return {"strategies": self.strategies(), "best": best, "jams": jams}
-
-    def strategies(self) -> list[str]:
-        """Return the strategies that fit this mission, for the user to choose from, by their own names."""
-        return self._fitting((*self._filed(), *self._fixed(), *OFFERED))
+        return {"strategies": self._fitting((*self._filed(), *self._fixed(), *OFFERED)), "best": best, "jams": jams}
 
     def _fixed(self) -> list[str]:
         """Return the strategies that take the same option all the time; of several goals, one of each goal alone."""

@@ -24,27 +24,6 @@ from train.running.pulse import listening, tell
 from train.running.runs import RunKey, RunRecord, Work
 
 
-@dataclass(frozen=True)
-class Processes:
-    """The engine of this machine.
-
-    A single process, or a single task in the first round, is done by this process itself. A process that dies is
-    replaced, and what its task lacks is run again.
-    """
-
-    most: int
-    """Largest number of processes."""
-
-    @contextmanager
-    def rounds(self) -> Iterator[Round]:
-        """Yield a function that does tasks; see `Engine`."""
-        workers = _Workers(self.most)
-        try:
-            yield workers.round
-        finally:
-            workers.end()
-
-
 @dataclass
 class _Attempt:
     """A task that a worker does or has to do."""
@@ -63,15 +42,32 @@ class _Attempt:
         return _Attempt(self.task.without(self.done), self.deaths + 1)
 
 
-class _Workers:
-    """Processes that get tasks and send back their runs, each over a pipe of its own: a kill breaks no other's."""
+class Processes:
+    """The engine of this machine: up to `most` processes that get tasks and send back their runs.
+
+    Each has a pipe of its own: a kill breaks no other's. A single process, or a single task in the first round, is done
+    by this process itself. A process that dies is replaced, and what its task lacks is run again.
+    """
 
     def __init__(self, most: int) -> None:
         self._most = most
         self._processes: dict[Connection, BaseProcess] = {}
         self._busy: dict[Connection, _Attempt] = {}
 
-    def round(self, tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:
+    @contextmanager
+    def rounds(self) -> Iterator[Round]:
+        """Yield a function that does tasks; see `Engine`. Then end the processes, and tasks that are not done."""
+        try:
+            yield self._round
+        finally:
+            for connection, process in self._processes.items():
+                if connection in self._busy:
+                    process.terminate()
+                connection.close()
+            for process in self._processes.values():
+                process.join()
+
+    def _round(self, tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:
         """Do the tasks and yield their runs, also those that are done when it is interrupted or a task is given up."""
         if min(self._most, len(tasks)) <= 1 and not self._processes:
             yield from in_turn(tasks)
@@ -134,15 +130,6 @@ class _Workers:
                     answer = connection.recv()
                     if isinstance(answer, RunRecord):
                         yield answer
-
-    def end(self) -> None:
-        """End the processes, and the tasks that are not done."""
-        for connection, process in self._processes.items():
-            if connection in self._busy:
-                process.terminate()
-            connection.close()
-        for process in self._processes.values():
-            process.join()
 
 
 @contextmanager

@@ -73,8 +73,8 @@ def test_what_cannot_be_meant_is_one_line(arguments, expected):
 
 
 def compared(measure, own, baseline, times=3):
-    values = {name: {measure.name: np.array(found * times)} for name, found in (("x", own), ("base", baseline))}
-    return measured_strategies([measure], values, "base")[0]
+    values = {name: np.array(found * times) for name, found in (("x", own), ("base", baseline))}
+    return measured_strategies([measure], {measure.name: values}, "base")[0]
 
 
 def test_a_baseline_is_beaten_by_sign_flips_only():

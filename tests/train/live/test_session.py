@@ -147,10 +147,10 @@ def test_a_policy_plays_for_the_goal_that_it_was_trained_for(tmp_path):
 
 
 def test_strategies_are_those_that_fit(small, tmp_path):
-    assert {"MaxScore", "Random", "fixed:Off", "fsm:rule"} <= set(small.strategies())
+    assert {"MaxScore", "Random", "fixed:Off", "fsm:rule"} <= set(small.offered()["strategies"])
     session = Session(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
     fixed = [f"fixed:{option}" for option in session.options]
-    assert session.strategies() == ["MaxScore", "policy:one", *fixed, "Random"]
+    assert session.offered()["strategies"] == ["MaxScore", "policy:one", *fixed, "Random"]
     session.close()
 
 

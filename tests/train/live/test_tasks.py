@@ -17,7 +17,7 @@ def test_every_task_can_be_played(tmp_path, task, monkeypatch):
     for _ in range(3):
         session.tick()
     assert session.facts() == {"strategy": "MaxScore", "loss": 0.0}
-    assert {"MaxScore", "Random"} <= set(session.strategies())
+    assert {"MaxScore", "Random"} <= set(session.offered()["strategies"])
     session.close()
     recording = RecordedMission(tmp_path / "a.swarm")
     assert recording.frames == 3
