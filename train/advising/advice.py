@@ -212,6 +212,11 @@ class Advising(Evaluation):
         """Return why a run is not one of this advice."""
         return record.mistake(self.family.name, self.request.seed, self.family.largest)
 
+    def expected(self, done: Done) -> int:
+        """Return how many missions the budget lasts for, by what those cost that are done."""
+        spent = sum(map(self.price, done.values()))
+        return round(len(done) * self.budget / spent) if spent > 0.0 else 0
+
     def leading(self, costs: Mapping[str, Sequence[float]]) -> str:
         """Return who leads, in words."""
         return self.so_far.removeprefix("; ")

@@ -35,6 +35,8 @@ from train.reports.text_table import EMPTY_CELL, Grid, Publication
 
 WORTH_LEARNING = 0.05
 """Gain of the best combination of each start, in hindsight, from which on training a selector may be worth it [-]."""
+FEW_MORE = 1.25
+"""Times the starts up to which it is not said that more of them would tell a tenth."""
 NONE_FITS = "No rule or policy that ships fits this mission."
 WIDEST = 1000.0
 """Upper end of the widest interval of a ratio that is said."""
@@ -236,11 +238,8 @@ class Advice:
         ratios = [*(self.ratio(arm) for arm in self.found.choosers if arm in self.costs), self.hindsight]
         counts = [one.tests[0].needed(TOLD) for one in ratios if one is not None and one.tests[0].spread > 0.0]
         count = max((count for count in counts if count is not None), default=0.0)
-        more = (
-            f"; about {about_number(count)} starts (more --minutes) would tell a tenth"
-            if count > self.found.starts
-            else ""
-        )
+        told = f"; a difference of a tenth would be told on about {about_number(count)} starts (more --minutes)"
+        more = told if count > FEW_MORE * self.found.starts else ""
         return f"So a learned selector is not shown to be worth it here{more}. {learn}."
 
     @property

@@ -150,7 +150,8 @@ def named_goal(known: Sequence[str], wanted: str | None) -> str:
     """Return the goal `wanted` if given, else AvoidCollision if it is `known`, else the only known goal."""
     if wanted is not None:
         if wanted not in known:
-            raise DocumentError(f"goal: {unknown('goal', wanted, known)}")
+            others = "robots choose among options of goals that the --knowledge has"
+            raise DocumentError(f"goal: {unknown('goal', wanted, known)}; {others}")
         return wanted
     if AVOIDANCE in known or len(known) == 1:
         return AVOIDANCE if AVOIDANCE in known else known[0]

@@ -149,6 +149,10 @@ class Evaluation(ABC):
     def mistake(self, record: RunRecord) -> str:
         """Return why a run kept in the directory is not one of this evaluation; empty if it is."""
 
+    def expected(self, done: Done) -> int:
+        """Return an estimate of the number of all runs; 0 if those that are known are all."""
+        return 0
+
     def leading(self, costs: Mapping[str, Sequence[float]]) -> str:
         """Return who leads, in words; `costs`: condition -> costs of its runs up to now [s]."""
         best = min(costs, key=lambda name: fmean(costs[name]))

@@ -97,7 +97,7 @@ def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
         while tasks or in_turn:
             recorded = [task.recorded(settings) for task in tasks] if settings is not None else tasks
             most += sum(scenario.mission.time_limit for task in tasks for scenario in task.scenarios)
-            update(total=max(total, done + left), most=most)
+            update(total=max(total, done + left, evaluation.expected(results.runs)), most=most)
             with closing(_lessons(in_turn, results, settings) if in_turn else each_done(recorded)) as runs:
                 for record in runs:
                     results.add(record)

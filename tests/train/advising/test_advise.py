@@ -19,6 +19,7 @@ from selector.strategies.problem import Problem
 from selforg.plugins import PluginError
 from tests.train.commands import command, done, refused
 from train.advising import advice, opening, search
+from train.advising.evaluation import AdviceEvaluation
 from train.live.chosen import chosen
 from train.request import Request
 from train.running.finished_runs import runs_of
@@ -187,6 +188,13 @@ def test_a_task_of_one_option_has_nothing_to_choose(tmp_path):
     code, out, err = command("advise", "FindBarycenter", "--minutes", 0.1, "--force", "--workers", 1)
     assert code == 0, err
     assert "there is nothing to choose" in out
+
+
+def test_how_many_missions_are_to_come_follows_from_the_budget(tmp_path, monkeypatch):
+    few(monkeypatch)
+    evaluation = AdviceEvaluation(Request("yard.yaml", output=tmp_path / "a"), minutes=1.0)
+    done_of_two = {(f"test-{k}", "x"): Mock(counts={advice.CPU: 250}) for k in range(2)}
+    assert (evaluation.expected({}), evaluation.expected(done_of_two)) == (0, 240)
 
 
 @pytest.mark.long
