@@ -41,8 +41,11 @@ class RobustnessReport:
         worst = self.worst(best)
         found = self.estimates[worst][best]
         share = f"{found['completed'].value:.0%}{interval_words(found['completed'].ci95, '{:.0%}'.format)}"
-        hit = f"{ranking.name(best)} is hit hardest by {worst}: {share} of its missions completed"
-        return [*ranking.sentences((NEVER_AVOIDS, RANDOM)), f"{hit}, {amount(found['duration_s'].value)} s a mission."]
+        return [
+            *ranking.sentences((NEVER_AVOIDS, RANDOM)),
+            f"{ranking.name(best)} is hit hardest by {worst}: {share} of its missions completed, "
+            f"{amount(found['duration_s'].value)} s a mission.",
+        ]
 
     @property
     def content(self) -> dict[str, Any]:

@@ -146,17 +146,18 @@ class Ranking:
             return [f"{self.name(best)} {self.verb} {mean}; nothing is compared with it."]
         yardstick = next((label for label in (*yardsticks, others[-1]) if label in others), others[-1])
         if self.scenarios < fewest(self.pairs):
-            few = f"{self.scenarios} scenario{'s' * (self.scenarios > 1)}"
-            would = self._needed(others[0], best, TOLD)
             below = int((self.values[best].mean(axis=0) < self.values[yardstick].mean(axis=0)).sum())
-            often = f"less than {self.name(yardstick)} in {below} of {self.scenarios}"
-            cannot = f"{few} cannot tell {len(self.labels)} strategies apart, {fewest(self.pairs)} may{would}"
-            return [f"{cannot}: {self.name(best)} {self.verb} least in them, {mean}, {often}."]
+            return [
+                f"{self.scenarios} scenario{'s' * (self.scenarios > 1)} cannot tell {len(self.labels)} strategies "
+                f"apart, {fewest(self.pairs)} may{self._needed(others[0], best, TOLD)}: {self.name(best)} {self.verb} "
+                f"least in them, {mean}, less than {self.name(yardstick)} in {below} of {self.scenarios}."
+            ]
         alike = [label for label in others if not self.apart(label, best)]
         if len(alike) == len(others):
-            names = [self.name(label) for label in self.labels]
-            told = f"{listed(names)} cannot be told apart {self._would_tell(best, others)}"
-            return [f"{told}; {names[0]} has the lowest mean, {mean}."]
+            return [
+                f"{listed([self.name(label) for label in self.labels])} cannot be told apart "
+                f"{self._would_tell(best, others)}; {self.name(best)} has the lowest mean, {mean}."
+            ]
         found = [f"{self.name(best)} {self.verb} least: {mean}, {self._less(best, yardstick)}."]
         random = [label for label in tried if label not in alike and label != best and not self.apart(label, RANDOM)]
         parts = [
@@ -167,13 +168,9 @@ class Ranking:
         return [*found, *([f"{'; '.join(parts)}."] if parts else [f"Next is {self._next(others[0], best)}."])]
 
     def _next(self, label: str, best: str) -> str:
-        ratio, name = self.ratio(label, best).ratio, self.name(label)
-        more = (
-            ""
-            if ratio is None
-            else f", {ratio:.2f} times as much{interval_words(self.interval(label, best), '{:.2f}'.format)}"
-        )
-        return f"{name}, {amount(self.means[label].value)} s{more}"
+        ratio, said = self.ratio(label, best).ratio, f"{self.name(label)}, {amount(self.means[label].value)} s"
+        ends = interval_words(self.interval(label, best), "{:.2f}".format)
+        return said if ratio is None else f"{said}, {ratio:.2f} times as much{ends}"
 
     def _less(self, best: str, other: str) -> str:
         if not self.apart(other, best):

@@ -71,7 +71,7 @@ LINES = {
     "training": "trainings: train ppo|bandit|es|design --config NAME",
 }
 """Part of a kind -> what it is, and where a name of it goes."""
-PARTS = {
+LISTED = {
     "classes": ("action-classes", "activator-classes", "mechanism-classes", "sensor-classes"),
     "knowledge": ("knowledge", "options"),
     "strategies": ("strategy-classes", "machines", "policies", "strategies"),
@@ -87,14 +87,14 @@ def list_command(
     configs: Configs = None,
 ) -> None:
     """List the kinds of what there is with their numbers, or the names of one kind with a line on each."""
-    if kind is not None and kind not in PARTS:
-        raise ConfigurationError(f"list: {unknown('kind', kind, sorted(PARTS))}")
+    if kind is not None and kind not in LISTED:
+        raise ConfigurationError(f"list: {unknown('kind', kind, sorted(LISTED))}")
     directories, console, rows = tuple(configs or ()), wide_console(), list[tuple[str, ...]]()
-    for each, parts in sorted(PARTS.items()) if kind is None else ():
+    for each, parts in sorted(LISTED.items()) if kind is None else ():
         count = sum(len(names_of(part, directories, told=False)) for part in parts)
         told = "; ".join(LINES[part].partition(":")[0] for part in parts) if len(parts) > 1 else LINES[each]
         rows.append((each, str(count), told))
-    parts = PARTS[kind] if kind else ()
+    parts = LISTED[kind] if kind else ()
     for part in parts:
         beside = (part,) if len(parts) > 1 else ()
         rows += [(name, *beside, line) for name, line in names_of(part, directories).items()]
@@ -110,10 +110,8 @@ def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None
     """Raise the error of a name that nothing has, before libraries are imported that take seconds; kind -> name."""
     directories = tuple(configs or ())
     for kind, name in given.items():
-        if name is not None and kind == "families":
-            named_file(kind, name, directories)
-        elif name is not None:
-            find_file(kind, name, directories)
+        if name is not None:
+            (named_file if kind == "families" else find_file)(kind, name, directories)
     family = given.get("families") or ""  # knowledge of the user's own may have further options
     ours = not (directories or named_plugins() or installed() or is_import(family) or is_path("families", family))
     for text in strategies or ():

@@ -97,8 +97,7 @@ def again(recording: RecordedMission) -> PlayedMission:
     mission = validated(MissionConfig, recording.head["mission"], f"{where}: mission")
     directories = tuple(Path(name) for name in told.directories)
     if held_files(told.files, fingerprints(directories)) != told.files:
-        changed = "mechanisms, knowledge or robots have changed since it was played"
-        raise ConfigurationError(f"{recording.path}: {changed}")
+        raise ConfigurationError(f"{recording.path}: mechanisms, knowledge or robots have changed since it was played")
     scenario = Scenario(told.start.id, told.seed, mission, told.start)
     return PlayedMission(told.name, scenario, told.strategy, told.goal or None, directories, recording.by_hand)
 
@@ -114,8 +113,8 @@ def with_room(mission: MissionConfig) -> MissionConfig:
     if kind.changes:
         changes["robots"] = {"capacity": mission.rows + SPARE_ROBOTS}
         changes["task"] = kind.with_items(mission, capacity=mission.items.rows + SPARE_ITEMS).model_dump()
-    room = with_changes(mission.model_dump(), changes)
-    return validated(MissionConfig, room, "the mission with room for more", own=True)
+    changed = with_changes(mission.model_dump(), changes)
+    return validated(MissionConfig, changed, "the mission with room for more", own=True)
 
 
 def chosen(name: str, number: int, seed: int, strategy: str | None, directories: tuple[Path, ...]) -> PlayedMission:

@@ -176,8 +176,7 @@ class Conductor:
             self.stream.tell(self.session.tick())
         except Exception as error:  # a mistake of ours, or a full disk: this session cannot go on, another one can
             self._failure, self._playing = failed("the mission", error), False
-            over = {**self.stream.state, "playing": False, "over": True, "failure": self._failure}
-            self.stream.tell(state=over)
+            self.stream.tell(state={**self.stream.state, "playing": False, "over": True, "failure": self._failure})
             return
         if self.session.result is not None:
             self._playing = False

@@ -132,8 +132,10 @@ class Session:
 
     def facts(self) -> dict[str, Any]:
         """Return strategy and loss."""
-        loss = self.worlds.minds.reception.losses[0]
-        return {"strategy": self.strategy.partition(DIGEST)[0], "loss": float(loss)}
+        return {
+            "strategy": self.strategy.partition(DIGEST)[0],
+            "loss": float(self.worlds.minds.reception.losses[0]),
+        }
 
     def present(self) -> bytes:
         """Return the world as it is now."""

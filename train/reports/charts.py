@@ -82,8 +82,9 @@ def colour_of(place: int) -> str:
 
 def label_of(name: str) -> str:
     """Return a name, each line of it cut if it is too long for a chart."""
-    lines = name.split("\n")
-    return "\n".join(line if len(line) <= LONGEST_LABEL else f"{line[: LONGEST_LABEL - 3]}..." for line in lines)
+    return "\n".join(
+        line if len(line) <= LONGEST_LABEL else f"{line[: LONGEST_LABEL - 3]}..." for line in name.split("\n")
+    )
 
 
 class _PlainNumbers(LogFormatter):

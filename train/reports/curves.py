@@ -48,8 +48,11 @@ def verdict_of(validation: Validation) -> list[str]:
         validation.held: np.concatenate([validation.yardstick[name] for name in families]),
     }
     ranking = Ranking.of(pooled)
-    where = f"Validation on {ranking.scenarios} scenarios of {', '.join(families)}, beyond the time until items arrive:"
-    return [f"{where} {' '.join(ranking.sentences())}", "They chose the checkpoint: judge it on others, by `evaluate`."]
+    return [
+        f"Validation on {ranking.scenarios} scenarios of {', '.join(families)}, beyond the time until items arrive: "
+        f"{' '.join(ranking.sentences())}",
+        "They chose the checkpoint: judge it on others, by `evaluate`.",
+    ]
 
 
 def draw_curves(trainings: Sequence[Trained]) -> Figure | None:

@@ -71,11 +71,10 @@ def way_text(way: Transition) -> str:
 def _draw_way(axes: Axes, start: Circle, end: Circle, text: str) -> None:
     """Draw a bent arrow from a state to another, with its conditions."""
     first, last = np.array(start.center), np.array(end.center)
-    arrow = FancyArrowPatch(
+    axes.add_patch(FancyArrowPatch(
         start.center, end.center, connectionstyle=f"arc3,rad={BEND}", patchA=start, patchB=end, shrinkA=0, shrinkB=2,
         arrowstyle="-|>", mutation_scale=14.0, color=GREY, zorder=1,
-    )  # fmt: skip
-    axes.add_patch(arrow)
+    ))  # fmt: skip
     along = last - first
     _write(axes, first + 0.5 * along + 0.5 * BEND * np.array([along[1], -along[0]]), text, "normal")
 

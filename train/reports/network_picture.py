@@ -170,12 +170,11 @@ def _draw_panel(axes: Axes, panel: NetworkPanel, boxes: Mapping[str, PlacedBox],
         _draw_link(axes, left, (boxes[end].x, arriving[start, end]), kind)
     for placed in boxes.values():
         thick = 2.0 if placed.box.kind == "coordinators" else 0.8
-        patch = FancyBboxPatch(
+        axes.add_patch(FancyBboxPatch(
             (placed.x + INSET, placed.y + INSET), placed.width - 2 * INSET, placed.height - 2 * INSET,
             boxstyle=f"round,pad={INSET},rounding_size=3", facecolor=FILLS[placed.box.kind], edgecolor=FRAME,
             linewidth=thick, zorder=3,
-        )  # fmt: skip
-        axes.add_patch(patch)
+        ))  # fmt: skip
         for k, line in enumerate(placed.lines):
             y = placed.y + 0.5 * PADDING + (k + 0.5) * LINE
             _write(axes, placed.x + PADDING, y, line, "bold" if k < placed.bold else "normal")

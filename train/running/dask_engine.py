@@ -112,13 +112,15 @@ class DaskEngine:
         except KilledWorker as error:
             raise WorkerLost(task, int(error.allowed_failures) + 1) from error
         except ModuleNotFoundError as error:
-            expected = "expected the environment of this command"
-            raise ConfigurationError(f"{self._place}: a worker lacks {error.name}; {expected}") from error
+            raise ConfigurationError(
+                f"{self._place}: a worker lacks {error.name}; expected the environment of this command"
+            ) from error
         except (CancelledError, OSError) as error:
             if future.status == "error":  # the task's own
                 raise
-            kept = "finished runs are kept, and --resume continues"
-            raise ConfigurationError(f"{self._place}: the scheduler is gone; {kept}") from error
+            raise ConfigurationError(
+                f"{self._place}: the scheduler is gone; finished runs are kept, and --resume continues"
+            ) from error
 
 
 def job_cluster(scheduler: str, jobs: int) -> Any:  # noqa: ANN401
@@ -160,8 +162,10 @@ def do_task(directory: str, pickled: bytes) -> list[RunRecord]:
     bits, plugins, permission, task_pickled = pickle.loads(pickled)
     with _one_task, permitting(permission):
         if own_bits() != bits:
-            expected = "expected the sources and the versions of packages of this command"
-            raise ConfigurationError(f"missions end differently on the worker {platform.node()} than here; {expected}")
+            raise ConfigurationError(
+                f"missions end differently on the worker {platform.node()} than here; "
+                "expected the sources and the versions of packages of this command"
+            )
         import_named(plugins)  # before the task, whose classes they may have
         task: Work = pickle.loads(task_pickled)
         return list(task.each())
