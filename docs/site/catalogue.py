@@ -12,7 +12,7 @@ from docs.site.stage import ORPHAN, ROOT, Stage
 from docs.site.texts import cell, code, described, table
 from selector.documents.find import KINDS, files_of
 from selector.knowledge import Option, load_knowledge
-from train.cli.listing import LINES, LISTED, names_of
+from train.cli.listing import LINES, LISTED_KINDS, names_of
 
 CALLED = {
     "tasks": ("Tasks", "task"),
@@ -65,7 +65,7 @@ def write_catalogue(stage: Stage) -> None:
         rows = [(f"[{name}]({name}.md)", cell(line)) for name, line in names.items()]
         text = f"# {title}\n\n{sentence(LINES[kind])}\n\n"
         text += table(("name", "what it is"), rows) if rows else "None ships; a training writes them."
-        shown = next(whole for whole, parts in LISTED.items() if kind in parts)
+        shown = next(whole for whole, parts in LISTED_KINDS.items() if kind in parts)
         stage.write(f"names/{kind}/index.md", f"{text}\n\nThe same list: `clean-swarm list {shown}`.\n")
         for name, line in names.items():
             stage.write(f"names/{kind}/{name}.md", ORPHAN + page(stage, kind, name, line))

@@ -71,7 +71,7 @@ LINES = {
     "training": "trainings: train ppo|bandit|es|design --config NAME",
 }
 """Part of a kind -> what it is, and where a name of it goes."""
-LISTED = {
+LISTED_KINDS = {
     "classes": ("action-classes", "activator-classes", "mechanism-classes", "sensor-classes"),
     "knowledge": ("knowledge", "options"),
     "strategies": ("strategy-classes", "machines", "policies", "strategies"),
@@ -87,14 +87,14 @@ def list_command(
     configs: Configs = None,
 ) -> None:
     """List the kinds of what there is with their numbers, or the names of one kind with a line on each."""
-    if kind is not None and kind not in LISTED:
-        raise ConfigurationError(f"list: {unknown('kind', kind, sorted(LISTED))}")
+    if kind is not None and kind not in LISTED_KINDS:
+        raise ConfigurationError(f"list: {unknown('kind', kind, sorted(LISTED_KINDS))}")
     directories, console, rows = tuple(configs or ()), wide_console(), list[tuple[str, ...]]()
-    for each, parts in sorted(LISTED.items()) if kind is None else ():
+    for each, parts in sorted(LISTED_KINDS.items()) if kind is None else ():
         count = sum(len(names_of(part, directories, told=False)) for part in parts)
         told = "; ".join(LINES[part].partition(":")[0] for part in parts) if len(parts) > 1 else LINES[each]
         rows.append((each, str(count), told))
-    parts = LISTED[kind] if kind else ()
+    parts = LISTED_KINDS[kind] if kind else ()
     for part in parts:
         beside = (part,) if len(parts) > 1 else ()
         rows += [(name, *beside, line) for name, line in names_of(part, directories).items()]

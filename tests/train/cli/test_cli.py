@@ -13,7 +13,7 @@ from selector.documents.find import KINDS, files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
 from tests.train.commands import command, cut, done, faked_missions, refused, rows, run, runs
-from train.cli.listing import LINES, LISTED
+from train.cli.listing import LINES, LISTED_KINDS
 
 FILES = {"manifest.json", "runs.jsonl", "runs.csv", "summary.json", "table.md", "figure.png"}
 WORDS = ("evaluate", "--scenarios", 4, "--workers", 1)
@@ -187,10 +187,10 @@ def test_a_mission_that_kills_three_workers_is_named_and_keeps_the_finished_runs
 
 
 def test_listing_names_everything_of_each_kind():
-    assert len(LISTED) <= 12
-    assert sorted(part for parts in LISTED.values() for part in parts) == sorted(LINES)
+    assert len(LISTED_KINDS) <= 12
+    assert sorted(part for parts in LISTED_KINDS.values() for part in parts) == sorted(LINES)
     assert KINDS.keys() < LINES.keys()
-    for kind, parts in LISTED.items():
+    for kind, parts in LISTED_KINDS.items():
         out = done("list", kind)
         assert all(name in out for part in parts for name in (files_of(part) if part in KINDS else ()))
     assert "RepulsionFernandez-view1.5" in done("list", "experiments")

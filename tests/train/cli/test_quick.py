@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from tests.paths import ROOT
-from train.cli.listing import LISTED
+from train.cli.listing import LISTED_KINDS
 
 SLOW = ("numpy", "numba", "pymunk", "scipy", "matplotlib", "torch", "pettingzoo")
 MISTAKES = [
@@ -94,5 +94,5 @@ def test_the_list_imports_nothing_slow_and_names_all_that_is_registered(told):
     for (kind, names), part in zip(known.items(), ("strategy-classes", "mechanism-classes", "terms"), strict=True):
         rows = [line.split() for line in told[f"list {kind}"][1].splitlines() if line[:1].strip()]
         assert [name for name, of, *_ in rows if of == part] == sorted(names)
-        assert kinds[kind] == len(rows) - len(LISTED[kind])  # the last lines say what the parts are
+        assert kinds[kind] == len(rows) - len(LISTED_KINDS[kind])  # the last lines say what the parts are
     assert "12 robots bring food" in told["list tasks"][1]
