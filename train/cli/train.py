@@ -143,8 +143,7 @@ def summary_of(results: "Sequence[HeldResults]") -> str:
     """Return what trainings of several seeds lose on validation, with intervals over seeds and scenarios."""
     import numpy as np
 
-    from train.analysis.intervals import Ratio
-    from train.analysis.strategy_comparison import Estimate
+    from train.analysis.intervals import Estimate, Ratio
     from train.analysis.verdict import amount, interval_words
 
     held = [one.validation for one in results if one.validation is not None]

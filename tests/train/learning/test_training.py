@@ -15,8 +15,7 @@ from selector.documents.plain import short
 from tests.train.commands import done, refused
 from tests.train.learning.trainings import job, written
 from tests.train.waiting import until
-from train.analysis.intervals import Ratio
-from train.analysis.strategy_comparison import Estimate
+from train.analysis.intervals import Estimate, Ratio
 from train.learning import session
 from train.learning.bandit import BanditTraining
 from train.learning.config import LEARNERS, CreditConfig, load_training
