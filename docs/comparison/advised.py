@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
+from train.evaluation.trial_task import TrialTask, scenario_named
 
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.load import load_family
@@ -24,7 +25,6 @@ from train.advising.evaluation import AdviceEvaluation
 from train.advising.opening import OpenedMission, document_of, open_mission
 from train.deciders.named import FIXED
 from train.evaluation import pipeline
-from train.evaluation.trial_task import TrialTask, scenario_named
 from train.request import Request
 
 COMMAND = "python -m docs.comparison.advised"

@@ -56,10 +56,10 @@ def evaluate_command(
     if values["learn"] and values["workers"] not in (None, 1):
         expected = "expected 1 with --learn, where missions learn in turn"
         raise ConfigurationError(f"--workers: {expected}, got {values['workers']}")
-    path = named_file("experiments", name, given.directories)
-    compared = {"--strategy": strategy, "--knowledge": values["knowledge"], "--world-seeds": world_seeds > 1}
+    compared = strategy or values["knowledge"] or world_seeds > 1
+    path = None if compared or Path(name).is_dir() else named_file("experiments", name, given.directories)
     of_experiments = {"--starts": starts, "--condition": condition}
-    if path is None or any(compared.values()) or not OF_EXPERIMENTS & read_mapping(path).keys():
+    if path is None or not OF_EXPERIMENTS & read_mapping(path).keys():
         _check_absent("with an experiment, and no strategies,", of_experiments)
         check_named(given.directories, strategy, families=name, knowledge=values["knowledge"])
         path = None
