@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.events import Event, Join
+from clean_swarm_env.config.items import items_of
 from clean_swarm_env.config.known import knowing
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
@@ -134,11 +135,9 @@ class FamilyConfig(Closed):
     def _possible(self) -> Self:
         if self.station_places is not None and self.stations == "given":
             raise impossible("station_places", "stations: random", "stations: given")
-        own = {
-            "robots": (self.mission.robots.count,) * 2,
-            **find_task(self.mission.task.name).item_ranges(self.mission),
-        }
-        self.__dict__.update({name: span for name, span in own.items() if name not in self.model_fields_set})
+        items = items_of(self.mission)
+        own = {"robots": self.mission.robots.count, "items": items.count, "respawn": items.respawn}
+        self.__dict__.update({name: (one, one) for name, one in own.items() if name not in self.model_fields_set})
         self._sum_groups()
         for name in ("robots", "items", "respawn", "spots", "station_places"):
             least, most = getattr(self, name) or (0, 0)

@@ -19,7 +19,6 @@ from clean_swarm_env.config.free_places import check_place, check_walls, free_gr
 from clean_swarm_env.config.robots import RobotConfig, models_of_rows, of_each
 from clean_swarm_env.config.tasks import (
     CLEANING,
-    ItemCounts,
     TaskSettings,
     find_task,
     settings_from,
@@ -250,11 +249,6 @@ class MissionConfig(Closed):
         """
         zones = min((zone.speed for zone in self.world.zones), default=1.0)
         return min(1.0, zones * min(model.max_speed for model in self.robots.models))
-
-    @property
-    def items(self) -> ItemCounts:
-        """The numbers of items."""
-        return find_task(self.task.name).count_items(self)
 
     @property
     def delay_ticks(self) -> int:

@@ -5,27 +5,75 @@ So a scenario does not depend on the number of scenarios or workers, nor do its 
 """
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Final, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from clean_swarm_env.config.items import NO_ITEMS, items_of, with_items
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.robots import models_of_rows, of_each
-from clean_swarm_env.config.tasks import TaskSettings, find_task
-from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.config.tasks import TaskSettings
+from clean_swarm_env.config.types import ConfigurationError, Point
 from selector.documents.errors import impossible, shown, validated
 from selector.documents.fields import Closed, Positive
 from selector.documents.reading import read_json
 from selforg.arrays import Floats
+from selforg.elementary import unit_vectors
 from selforg.space import Torus
 
 START_GAP = 0.01
 """Clearance between solid robots at the start [m]."""
 START_TRIES = 20_000
 """Draws for the place of one robot before the placement fails."""
+MOST_DRAWS: Final = 10_000
+"""Draws for places among walls before they fail."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where items come: anywhere on the ground `size` (2,), or evenly within `radius` of a spot (S, 2) [m].
+
+    `extent` (2,) [m] is the torus of the physics; on a walled field it is larger than the ground.
+    """
+
+    size: Floats
+    spots: Floats
+    radius: float
+    extent: Floats
+
+    @classmethod
+    def of(cls, mission: MissionConfig) -> "Places":
+        """Return where the items of a mission come at first."""
+        items = items_of(mission)
+        return cls(mission.size, np.array(items.spots).reshape(-1, 2), items.spot_radius, np.array(mission.extent))
+
+    def at(self, spots: Sequence[Point]) -> "Places":
+        """Return the same with other spots."""
+        return replace(self, spots=np.array(spots).reshape(-1, 2))
+
+    def draw(self, count: int, rng: np.random.Generator, mission: MissionConfig) -> Floats:
+        """Return random places (count, 2) [m] that robots of the `mission` can reach."""
+        places = self._draw(count, rng)
+        if not mission.world.has_walls:
+            return places
+        for _ in range(MOST_DRAWS):
+            blocked = np.flatnonzero([not mission.is_free(place) for place in places])
+            if not len(blocked):
+                return places
+            places[blocked] = self._draw(len(blocked), rng)
+        raise ConfigurationError("task: expected room for items among the walls, found none")
+
+    def _draw(self, count: int, rng: np.random.Generator) -> Floats:
+        if not len(self.spots):
+            return rng.uniform(size=(count, 2)) * self.size
+        spot, share, turn = rng.uniform(size=(count, 3)).T
+        chosen = self.spots[(spot * len(self.spots)).astype(np.int64)]
+        ways = np.stack(unit_vectors(2.0 * np.pi * turn), axis=1)
+        return Torus(*self.extent.tolist()).wrap(chosen + self.radius * np.sqrt(share)[:, None] * ways)
 
 
 def random_start(mission: MissionConfig, seed: int, index: int) -> StartConfiguration:
@@ -39,10 +87,9 @@ def random_start(mission: MissionConfig, seed: int, index: int) -> StartConfigur
 def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: str) -> StartConfiguration:
     """Return a start with the id `name`, drawn from two children of `sequence`; see `random_start`.
 
-    Tasks other than cleaning place robots and things themselves.
+    Tasks without items place robots and things themselves.
     """
-    kind = find_task(mission.task.name)
-    if not kind.begins_as_given:
+    if items_of(mission) is NO_ITEMS:
         return StartConfiguration(id=name, robots=())
     for_robots, for_items = sequence.spawn(2)
     size = np.array([mission.world.width, mission.world.height])
@@ -50,7 +97,7 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
     rng = np.random.default_rng(for_robots)
     positions = _positions_apart(mission, size, radii, rng)
     headings = rng.uniform(-np.pi, np.pi, size=(mission.robots.count, 1))
-    items = kind.place_items(mission, np.random.default_rng(for_items))
+    items = Places.of(mission).draw(items_of(mission).count, np.random.default_rng(for_items), mission)
     return StartConfiguration(
         id=name,
         robots=tuple((x, y, heading) for (x, y), (heading,) in zip(positions.tolist(), headings.tolist(), strict=True)),
@@ -103,8 +150,7 @@ def run_seed(seed: int, scenario: str) -> int:
 
 def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfig:
     """Return `mission` with the counts of `start`; a start that does not fit raises ConfigurationError."""
-    kind = find_task(mission.task.name)
-    if not start.robots and not kind.begins_as_given:
+    if not start.robots and items_of(mission) is NO_ITEMS:
         return mission
     size = np.array(mission.extent)
     robots = np.array(start.robots).reshape(-1, 3)
@@ -122,7 +168,7 @@ def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfi
         raise ConfigurationError(f"scenario {start.id}: robots: expected {expected}, got {len(robots)}")
     if mission.world.contacts == "solid":
         _check_apart(mission, start.id, robots[:, :2], size)
-    task = kind.with_items(mission, count=len(start.items))
+    task = with_items(mission.task, count=len(start.items))
     count = {} if mission.robots.groups else {"count": len(robots)}
     parts = {"robots": {**mission.robots.model_dump(), **count}, "task": task.model_dump()}
     return validated(MissionConfig, {**mission.model_dump(), **parts}, f"scenario {start.id}", own=True)

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
 from clean_swarm_env.config.events import Fail, Join, Remove, SetDelivery
+from clean_swarm_env.config.items import Mission, rows_only
 from clean_swarm_env.config.robots import RobotModel
 from clean_swarm_env.config.task_names import TASK, TASKS_HOME
 from clean_swarm_env.config.types import Point
@@ -20,14 +21,10 @@ from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, Name
 from selector.documents.imported import registered
 from selector.documents.trust import is_import
-from selforg.arrays import Floats
 from selforg.registry import Registry, UnknownNameError
 
 CLEANING: Final = "Cleaning"
 """Name of the task of missions that name none."""
-
-Mission: TypeAlias = Any
-"""A `MissionConfig`, which stands above this module."""
 
 
 class TaskSettings(Closed):
@@ -41,19 +38,6 @@ class TaskSettings(Closed):
         return settings_from, (self.model_dump(),)
 
 
-class ItemCounts(NamedTuple):
-    """Numbers of the items that robots carry in a mission; 0 in tasks without any."""
-
-    first: int = 0
-    """Those at the start."""
-    expected: int = 0
-    """Those at the start and those that land."""
-    rows: int = 0
-    """Those for which a world has rows."""
-    keep_coming: bool = False
-    """Whether items keep coming at some time, so that only the time limit ends the mission."""
-
-
 class TaskKind:
     """A class of tasks, as missions, starts and families know it; `Task` is what worlds know of it.
 
@@ -63,7 +47,6 @@ class TaskKind:
         story: one sentence: the robots, their place and their task.
         mission: keys of a mission that names the task, unless they are given: the task's own mission.
         changes: whether robots and things may come and go during a mission; not where measures are of all robots.
-        begins_as_given: whether starts say where robots and items are; else the task places them, unless a start does.
 
     """
 
@@ -71,7 +54,6 @@ class TaskKind:
     Settings: ClassVar[type[TaskSettings]] = TaskSettings
     story: ClassVar[str] = ""
     mission: ClassVar[Mapping[str, Any]] = {}
-    begins_as_given: ClassVar[bool] = False
     changes: ClassVar[bool] = False
 
     @classmethod
@@ -84,30 +66,9 @@ class TaskKind:
 
     @classmethod
     def frame_settings(cls, mission: Mission) -> TaskSettings:
-        """Return the settings without the parts that may differ among the worlds of a batch."""
-        settings: TaskSettings = mission.task
+        """Return the settings without the parts that may differ among the worlds of a batch: all but rows of items."""
+        settings: TaskSettings = rows_only(mission.task, mission)
         return settings
-
-    @classmethod
-    def count_items(cls, mission: Mission) -> ItemCounts:
-        """Return the numbers of items of a mission."""
-        return ItemCounts()
-
-    @classmethod
-    def place_items(cls, mission: Mission, rng: np.random.Generator) -> Floats:
-        """Return random places (M, 2) [m] of the items at the start, where starts say where they are."""
-        return np.zeros((0, 2))
-
-    @classmethod
-    def with_items(cls, mission: Mission, **numbers: int) -> TaskSettings:
-        """Return the settings with another `count` of items at the start, or `capacity` for them."""
-        settings: TaskSettings = mission.task
-        return settings
-
-    @classmethod
-    def item_ranges(cls, mission: Mission) -> Mapping[str, Any]:
-        """Return the keys of a family whose scenarios have as many items as a mission."""
-        return {}
 
     @classmethod
     def draw_scenario(

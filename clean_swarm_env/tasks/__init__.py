@@ -4,6 +4,7 @@
 """
 
 import clean_swarm_env.tasks.cleaning.by_hand  # noqa: F401  (its changes of items)
+from clean_swarm_env.config.items import ItemsConfig as ItemsConfig
 from clean_swarm_env.config.tasks import TASKS as TASKS
 from clean_swarm_env.config.tasks import TaskSettings as TaskSettings
 from clean_swarm_env.tasks.cleaning.task import Cleaning as Cleaning

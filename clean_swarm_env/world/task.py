@@ -53,7 +53,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
     recordings, states and training then take it as they take cleaning.
 
     Attributes:
-        name, story, mission, changes, begins_as_given: see `TaskKind`.
+        name, story, mission, changes: see `TaskKind`.
         priced, Counts, best_score, thinks_when_driven, always_acts, asked, standing: see `StagedTask`.
         measures: figures of success; the first one that is no guard is the one that counts.
         baseline: what the mechanisms are compared with, in words; see `command_baseline`. Empty: nothing.

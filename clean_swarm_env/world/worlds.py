@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from clean_swarm_env.config.frames import check_frame
+from clean_swarm_env.config.items import NO_ITEMS, items_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.physics.clock import Clock
@@ -119,8 +120,8 @@ class Worlds:
         mission, stream = mission or self.mission, np.random.SeedSequence(seed)
         check_frame(mission, self.mission)
         items = np.array(start.items).reshape(-1, 2)
-        counts, given = (mission.robots.count, mission.items.first), (len(start.robots), len(items))
-        if given != counts and (self.task.begins_as_given or start.robots):
+        counts, given = (mission.robots.count, items_of(mission).count), (len(start.robots), len(items))
+        if given != counts and (items_of(mission) is not NO_ITEMS or start.robots):
             expected = f"{counts[0]} robots and {counts[1]} items"
             raise ValueError(f"start {start.id!r}: expected {expected}, got {given[0]} and {given[1]}")
         self.missions[world], self.world.limits[world] = mission, tick_limit(mission)

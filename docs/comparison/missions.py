@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, scenario_name
+from clean_swarm_env.config.items import items_keep_coming
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.types import ConfigurationError
 from docs.comparison.headroom import scenario_kinds
@@ -96,7 +97,7 @@ def _judged(manifest: Manifest, family: str, label: str) -> Judged:
             for k, record in zip(part, records, strict=True):
                 excesses[k] = round(record.result.excess_s, 4)
                 unfinished += [] if record.result.completed else [k]
-    ends = not drawn[0].mission.items.keep_coming
+    ends = not items_keep_coming(drawn[0].mission)
     used = round(time.process_time() - began, 1)
     of = _identity(manifest, label, members)
     return Judged(family, label, of, manifest.seed, excesses, sorted(unfinished) if ends else None, used, training_s)

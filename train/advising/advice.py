@@ -14,6 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
+from clean_swarm_env.config.items import items_keep_coming
 from clean_swarm_env.config.load import load_family, random_starts
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission import MissionResult
@@ -122,7 +123,7 @@ class Advising(Evaluation):
                 raise DocumentError(f"--kinds: expected scenarios of several kinds, got one: {found.pop()}")
             self.opened, self.choosers_that_fit = self._opened(open_mission(family, self.directories))
         self.family, self.mission = self.opened.family, self.opened.family.mission
-        self.censors = not (task_class(self.mission).measures or self.mission.items.keep_coming)
+        self.censors = not (task_class(self.mission).measures or items_keep_coming(self.mission))
         self.nothing_to_choose = self.opened.combinations == 1
         self.of_family = family.description != random_starts(family.mission).description
         self.goal = JOINT.join(self.opened.goals)

@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
+from clean_swarm_env.config.items import items_keep_coming
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.mission import MissionResult
@@ -174,7 +175,7 @@ def ranking_of(runs: FamilyRuns) -> Ranking:
 
 def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
     """Return label -> whether missions (S, K, V) were not completed, 1 or 0; nothing where garbage keeps coming."""
-    if runs.missions[0].items.keep_coming:
+    if items_keep_coming(runs.missions[0]):
         return {}
     return runs.table(lambda _, result: float(not result.completed))
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.config.items import items_keep_coming
 from clean_swarm_env.world.task import Task, task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
@@ -74,7 +75,7 @@ class Report:
     @cached_property
     def left(self) -> dict[str, Floats]:
         """Condition -> 1 where a mission was not completed (1, K, 1), else 0; nothing where garbage keeps coming."""
-        if self.experiment.mission.items.keep_coming:
+        if items_keep_coming(self.experiment.mission):
             return {}
         return {name: 1.0 - done[None, :, None] for name, done in self.figures["completed"].items()}
 

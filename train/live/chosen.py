@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
+from clean_swarm_env.config.items import item_rows, with_items
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_either, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
@@ -112,9 +113,9 @@ def with_room(mission: MissionConfig) -> MissionConfig:
     kind = task_class(mission)
     if kind.changes:
         changes["robots"] = {"capacity": mission.rows + SPARE_ROBOTS}
-        changes["task"] = kind.with_items(mission, capacity=mission.items.rows + SPARE_ITEMS).model_dump()
-    changed = with_changes(mission.model_dump(), changes)
-    return validated(MissionConfig, changed, "the mission with room for more", own=True)
+        changes["task"] = with_items(mission.task, capacity=item_rows(mission) + SPARE_ITEMS).model_dump()
+    room = with_changes(mission.model_dump(), changes)
+    return validated(MissionConfig, room, "the mission with room for more", own=True)
 
 
 def chosen(name: str, number: int, seed: int, strategy: str | None, directories: tuple[Path, ...]) -> PlayedMission:
@@ -147,7 +148,7 @@ def usual(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[str, s
         return STRATEGY, ""
     options = {model.goal: model.options for model in _models(mission, directories)}
     trained = decider_named(TRAINED)
-    cleans, jams = mission.items.rows > 0, mission.robots.count >= MANY
+    cleans, jams = item_rows(mission) > 0, mission.robots.count >= MANY
     if not cleans or not {AVOIDING, NEVER} <= {f"{FIXED}:{option}" for option in options.get(AVOIDANCE, ())}:
         return STRATEGY, ""
     if set(options) & set(trained.goals) > {AVOIDANCE} and not unseen(trained.training, [mission]):

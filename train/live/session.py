@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from clean_swarm_env.config.items import item_rows
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
@@ -167,7 +168,7 @@ class Session:
         """Return what robots observe so that any policy can follow, and the networks of the policies."""
         mission, directories = self._play.scenario.mission, self._play.directories
         seen = named.observation(usual_terms(mission))
-        if named.mode == "velocity" or named.sees or not mission.items.rows:
+        if named.mode == "velocity" or named.sees or not item_rows(mission):
             return seen, {}
         names = [name for name in (self._play.member, *self._filed()) if name.startswith(POLICY)]
         policies = {name: decider_named(name, directories) for name in names}

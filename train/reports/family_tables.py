@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from clean_swarm_env.config.items import items_keep_coming
 from train.analysis.family_report import FamilyReport
 from train.analysis.intervals import Estimate
 from train.analysis.robustness_report import RobustnessReport
@@ -51,7 +52,7 @@ def _ranked(report: FamilyReport) -> Grid:
             "duration_s": True,
             "events": True,
             "contact_s": mission.contact_cost > 0.0,
-            "items": mission.items.keep_coming,
+            "items": items_keep_coming(mission),
         }
         columns |= {MEANS[name]: {label: amount(own[label][name].mean) for label in own} for name in told if told[name]}
     title = f"{runs.family.name}: {runs.scenarios} scenario{'s' * (runs.scenarios > 1)}, seed {runs.seed}"

@@ -11,6 +11,7 @@ from math import ceil
 from pathlib import Path
 from shutil import disk_usage
 
+from clean_swarm_env.config.items import item_rows
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import ConfigurationError
 
@@ -62,7 +63,7 @@ class Needs:
 
 def needs_of(mission: MissionConfig) -> Needs:
     """Return an estimate of the needs of a mission."""
-    robots, items = mission.rows, mission.items.rows
+    robots, items = mission.rows, item_rows(mission)
     pairs = robots**2 if mission.own_contents else 0
     remembered = ceil(mission.delivery.pose_memory * mission.world.control_rate) + mission.delay_ticks if pairs else 1
     return Needs(

@@ -7,10 +7,10 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.events import Event, Land, MoveSpots, MoveStations, Respawn
+from clean_swarm_env.config.items import expected_items, items_keep_coming, items_of
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.tasks.cleaning.draws import Places
+from clean_swarm_env.config.starts import Places
 from clean_swarm_env.tasks.cleaning.garbage import Arrivals
-from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.tasks.cleaning.site import Site
 from clean_swarm_env.world.agenda import own_streams
 from clean_swarm_env.world.view import TaskView
@@ -31,9 +31,10 @@ class Coming:
 
     def __init__(self, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         arriving, self.landings, _ = own_streams(seed)
-        self.garbage, items = Places.of(mission), mission.items
-        self.arrivals = Arrivals(arriving, settings_of(mission).garbage.respawn, 60.0 * mission.world.control_rate)
-        self.landing, self.came, self._ends = items.expected - items.first, items.first, not items.keep_coming
+        self.garbage, items = Places.of(mission), items_of(mission)
+        self.arrivals = Arrivals(arriving, items.respawn, 60.0 * mission.world.control_rate)
+        self.landing, self.came = expected_items(mission) - items.count, items.count
+        self._ends = not items_keep_coming(mission)
 
     @property
     def over(self) -> bool:

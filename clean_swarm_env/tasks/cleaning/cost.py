@@ -6,6 +6,7 @@
 from typing import Final, NamedTuple
 
 from clean_swarm_env.config.events import Land, Respawn, happening
+from clean_swarm_env.config.items import expected_items, items_keep_coming, items_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from selforg.compiler.decorators import part
@@ -35,11 +36,10 @@ def cost_terms(mission: MissionConfig) -> CostTerms:
     """Return the prices of a mission."""
     price = 1.0 - settings_of(mission).consequences.harmless if isinstance(mission.task, CleaningSettings) else 1.0
     event, sample = price * mission.collision_cost, price * mission.contact_cost / mission.world.physics_rate
-    items = mission.items
-    if items.keep_coming:
+    if items_keep_coming(mission):
         return CostTerms(event, sample, mission.time_limit, 0.0, 0.0, mission.time_limit / max(_coming(mission), 1.0))
     left = LEFT_LIMITS * mission.time_limit
-    return CostTerms(event, sample, mission.time_limit, left, float(items.expected), 0.0)
+    return CostTerms(event, sample, mission.time_limit, left, float(expected_items(mission)), 0.0)
 
 
 @part
@@ -74,7 +74,7 @@ def mission_cost(mission: MissionConfig, duration: float, events: int, samples: 
 
     """
     terms, cost = cost_terms(mission), duration + collisions_cost(mission, events, samples)
-    if mission.items.keep_coming:
+    if items_keep_coming(mission):
         return cost / max(done, NO_ITEM)
     return cost + terms.left * max(terms.items - done, 0.0)
 
@@ -84,7 +84,7 @@ def unavoidable_cost(mission: MissionConfig, came: int) -> float:
 
     Where garbage keeps coming, no team dumps more items than `came`. Elsewhere none is done before the last one lands.
     """
-    if mission.items.keep_coming:
+    if items_keep_coming(mission):
         return mission.time_limit / max(came, NO_ITEM)
     landings = (event.at for event in mission.events if isinstance(event, Land))
     return min(max(landings, default=0.0), mission.time_limit)
@@ -95,6 +95,6 @@ def _coming(mission: MissionConfig) -> float:
     events = happening(mission.events, mission.time_limit)
     changes = [(min(at, mission.time_limit), event.rate) for at, event in events if isinstance(event, Respawn)]
     times = [0.0, *(at for at, _ in changes), mission.time_limit]
-    rates = [settings_of(mission).garbage.respawn, *(rate for _, rate in changes)]
+    rates = [items_of(mission).respawn, *(rate for _, rate in changes)]
     arriving = sum(rate * (times[k + 1] - times[k]) / 60.0 for k, rate in enumerate(rates))
-    return mission.items.expected + arriving
+    return expected_items(mission) + arriving

@@ -1,71 +1,23 @@
 """Random places of garbage and stations, and random events, of scenarios of cleaning."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.families import ChangesConfig
 from clean_swarm_env.config.free_places import free_ground
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import nearest_distance
+from clean_swarm_env.config.starts import MOST_DRAWS, nearest_distance
 from clean_swarm_env.config.types import ConfigurationError, Point
 from clean_swarm_env.config.world import WorldConfig
 from clean_swarm_env.tasks.cleaning.settings import settings_of
 from selforg.arrays import Floats
-from selforg.elementary import unit_vectors
-from selforg.space import Torus
 
 QUIET = 0.1
 """Share of the mission at its beginning and its end in which nothing changes [-]."""
 STATION_GAP = 2.0
 """Least distance of the stations from each other [m]."""
-MOST_DRAWS: Final = 10_000
-"""Draws for places among walls before they fail."""
-
-
-@dataclass(frozen=True)
-class Places:
-    """Where items come: anywhere on the ground `size` (2,), or evenly within `radius` of a spot (S, 2) [m].
-
-    `extent` (2,) [m] is the torus of the physics; on a walled field it is larger than the ground.
-    """
-
-    size: Floats
-    spots: Floats
-    radius: float
-    extent: Floats
-
-    @classmethod
-    def of(cls, mission: MissionConfig) -> "Places":
-        """Return where the items of a mission come at first."""
-        garbage = settings_of(mission).garbage
-        return cls(mission.size, np.array(garbage.spots).reshape(-1, 2), garbage.spot_radius, np.array(mission.extent))
-
-    def at(self, spots: Sequence[Point]) -> "Places":
-        """Return the same with other spots."""
-        return replace(self, spots=np.array(spots).reshape(-1, 2))
-
-    def draw(self, count: int, rng: np.random.Generator, mission: MissionConfig) -> Floats:
-        """Return random places (count, 2) [m] that robots of the `mission` can reach."""
-        places = self._draw(count, rng)
-        if not mission.world.has_walls:
-            return places
-        for _ in range(MOST_DRAWS):
-            blocked = np.flatnonzero([not mission.is_free(place) for place in places])
-            if not len(blocked):
-                return places
-            places[blocked] = self._draw(len(blocked), rng)
-        raise ConfigurationError("task.garbage: expected room for items among the walls, found none")
-
-    def _draw(self, count: int, rng: np.random.Generator) -> Floats:
-        if not len(self.spots):
-            return rng.uniform(size=(count, 2)) * self.size
-        spot, share, turn = rng.uniform(size=(count, 3)).T
-        chosen = self.spots[(spot * len(self.spots)).astype(np.int64)]
-        ways = np.stack(unit_vectors(2.0 * np.pi * turn), axis=1)
-        return Torus(*self.extent.tolist()).wrap(chosen + self.radius * np.sqrt(share)[:, None] * ways)
 
 
 @dataclass(frozen=True)

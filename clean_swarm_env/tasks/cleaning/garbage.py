@@ -17,7 +17,7 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.tasks.cleaning.draws import Places
+from clean_swarm_env.config.starts import Places
 from clean_swarm_env.world.agenda import NO_TICK
 from selforg.arrays import KEPT, Floats, Ints, Within
 from selforg.declared import make_arrays

@@ -1,8 +1,7 @@
-"""What missions, starts and families know of cleaning: impossible places, numbers of items, and random draws."""
+"""What missions, starts and families know of cleaning: impossible places, and random draws."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -10,17 +9,14 @@ import numpy as np
 from clean_swarm_env.config.events import Land, MoveSpots, MoveStations, Respawn
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.free_places import check_place
+from clean_swarm_env.config.items import expected_items, rows_only
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import StartsFile
-from clean_swarm_env.config.tasks import ItemCounts
 from clean_swarm_env.config.types import Point
-from clean_swarm_env.tasks.cleaning.draws import Places, Room, draw_events, random_spots, random_stations
+from clean_swarm_env.tasks.cleaning.draws import Room, draw_events, random_spots, random_stations
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from selector.documents.errors import impossible
-from selforg.arrays import Floats
 
-RANDOM_ITEMS: Final = 40
-"""Default number of rows for items in a world in which garbage keeps coming."""
 NOWHERE: Final[Point] = (0.0, 0.0)
 """Place of stations that are not placed yet [m]."""
 
@@ -37,46 +33,18 @@ def check(mission: MissionConfig) -> None:
             raise impossible(key, expected, f"[{x:g}, {y:g}]")
         apart = 0.0 if "spots" in key else task.stations.reach  # robots at a station have no wall before it
         check_place(key, (x, y), world, mission.robots.radius, apart)
-    least = count_items(mission).expected
+    least = expected_items(mission)
     if 0 < task.garbage.capacity < least:
         expected = f"0 or at least {least}, the items at the start and those that land"
         raise impossible("task.garbage.capacity", expected, task.garbage.capacity)
 
 
 def frame_settings(mission: MissionConfig) -> CleaningSettings:
-    """Return the settings without places and harmless collisions, and with as many items as there are rows."""
-    task = settings_of(mission)
-    rows = count_items(mission).rows
-    anywhere = {"count": 0, "respawn": 0.0, "capacity": rows, "spots": (), "spot_radius": 1.0}
+    """Return the settings without places of stations and harmless collisions, and with rows of items only."""
+    task = rows_only(settings_of(mission), mission)
     stations = task.stations.at((NOWHERE,) * len(task.stations.places))
-    own = {"garbage": task.garbage.model_copy(update=anywhere), "stations": stations}
-    return task.model_copy(update=own | {"consequences": task.consequences.model_copy(update={"harmless": False})})
-
-
-def count_items(mission: MissionConfig) -> ItemCounts:
-    """Return the numbers of items."""
-    garbage = settings_of(mission).garbage
-    expected = garbage.count + sum(event.items for event in mission.events if isinstance(event, Land))
-    keep_coming = garbage.respawn > 0.0 or any(e.rate > 0.0 for e in mission.events if isinstance(e, Respawn))
-    rows = garbage.capacity or max(expected, RANDOM_ITEMS if keep_coming else 0)
-    return ItemCounts(garbage.count, expected, rows, keep_coming)
-
-
-def place_items(mission: MissionConfig, rng: np.random.Generator) -> Floats:
-    """Return random places (M, 2) [m], about the spots."""
-    return Places.of(mission).draw(settings_of(mission).garbage.count, rng, mission)
-
-
-def with_items(mission: MissionConfig, **numbers: int) -> CleaningSettings:
-    """Return the settings with another `count` or `capacity` of items."""
-    task = settings_of(mission)
-    return task.model_copy(update={"garbage": task.garbage.model_copy(update=numbers)})
-
-
-def item_ranges(mission: MissionConfig) -> Mapping[str, Any]:
-    """Return numbers and rate of items."""
-    garbage = settings_of(mission).garbage
-    return {"items": (garbage.count,) * 2, "respawn": (garbage.respawn,) * 2}
+    harmful = task.consequences.model_copy(update={"harmless": False})
+    return task.model_copy(update={"stations": stations, "consequences": harmful})
 
 
 def draw_scenario(

@@ -5,9 +5,10 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from clean_swarm_env.config.items import ItemsConfig
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings
-from clean_swarm_env.config.types import ArrivalRate, Items, Length, Point, Spots, Wait
+from clean_swarm_env.config.types import Point, Wait
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Flag, NonNegative, Positive, Share
 
@@ -54,19 +55,9 @@ class StationsConfig(Closed):
         return self.model_copy(update={"recycling": places[0], "dump": places[1], **further})
 
 
-class GarbageConfig(Closed):
+class GarbageConfig(ItemsConfig):
     """The items and how near a robot must be to see or take one."""
 
-    count: Items = 10
-    """Number of items at the start."""
-    respawn: ArrivalRate = 0.0
-    """Items that arrive in a minute, at random times and places; above 0 a mission lasts its time limit [1/min]."""
-    capacity: Items = 0
-    """Most items lying or carried at a time, further ones are lost; 0: as needed, at least 40 with respawn."""
-    spots: Spots = ()
-    """Centres of the places about which items lie and arrive, all equally likely; empty: anywhere [m]."""
-    spot_radius: Length = 1.0
-    """Distance from the centre of its spot within which an item comes, evenly over the disc [m]."""
     diffusion: NonNegative = 1.0
     """Diffusion of an item's attractive gradient [m]."""
     goal_radius: NonNegative = 0.0

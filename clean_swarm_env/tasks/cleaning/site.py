@@ -6,6 +6,7 @@ from typing import Annotated, Final
 
 import numpy as np
 
+from clean_swarm_env.config.items import item_rows
 from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING, Garbage
@@ -41,7 +42,7 @@ class Site:
 
     def __init__(self, world: TaskView, consequences: Consequences) -> None:
         mission, rows, extent = world.mission, world.rows, world.ground.extent
-        task, count = settings_of(mission), mission.items.rows
+        task, count = settings_of(mission), item_rows(mission)
         config = task.garbage
         self._world = world
         self.garbage = Garbage(world.worlds, count, world.robots)

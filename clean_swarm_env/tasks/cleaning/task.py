@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.events import Event
+from clean_swarm_env.config.items import items_keep_coming
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.physics.rays import Bodies
@@ -79,11 +80,8 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     excess = "the cost less the time until items arrive, which no strategy can avoid"
     yardsticks = ("fixed:Off", "Random")  # never to avoid, and any option in each decision period
     thinks_when_driven = always_acts = False
-    begins_as_given = True
     mission = {"name": "cleaning", "knowledge": "cleaning"}
     check, frame_settings = staticmethod(missions.check), staticmethod(missions.frame_settings)
-    count_items, place_items = staticmethod(missions.count_items), staticmethod(missions.place_items)
-    with_items, item_ranges = staticmethod(missions.with_items), staticmethod(missions.item_ranges)
     draw_scenario = staticmethod(missions.draw_scenario)
 
     def __init__(self, world: TaskView) -> None:
@@ -278,7 +276,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     @classmethod
     def cost_words(cls, mission: MissionConfig) -> str:
         """Return the prices of a mission."""
-        left, coming = cost_terms(mission).left, mission.items.keep_coming
+        left, coming = cost_terms(mission).left, items_keep_coming(mission)
         contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
         event = f"seconds + {mission.collision_cost:g} s a collision event{contact}"
         return f"for each item done, {event}" if coming else f"{event} + {left:g} s an item left"

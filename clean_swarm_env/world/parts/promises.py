@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from clean_swarm_env.config.tasks import ItemCounts, TaskSettings
+from clean_swarm_env.config.tasks import TaskSettings
 from clean_swarm_env.world.parts.shown import ROBOT, SIGNS, WORLD, Drawn, Shown
 from clean_swarm_env.world.parts.things import Things
 from selector.coordination.robot_network import RobotNetwork
@@ -193,9 +193,6 @@ TASK_PROMISES: Final[Promises] = {
         lambda cls, answer, *_: isinstance(answer, Mapping) and _all(SoBuffer, [*answer.values()]),
     ),
     "frame_settings": ("TaskSettings", lambda cls, answer, *_: isinstance(answer, TaskSettings)),
-    "with_items": ("TaskSettings", lambda cls, answer, *_: isinstance(answer, TaskSettings)),
-    "count_items": ("ItemCounts", lambda cls, answer, *_: isinstance(answer, ItemCounts)),
-    "item_ranges": ("values by name", lambda cls, answer, *_: isinstance(answer, Mapping)),
     "draw_scenario": (
         "settings of the task, and a list of events",
         lambda cls, answer, *_: isinstance(answer, tuple) and list(map(type, answer)) == [cls.Settings, list],

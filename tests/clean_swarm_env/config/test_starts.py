@@ -7,11 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from clean_swarm_env.config.load import load_experiment, load_mission
+from clean_swarm_env.config.frames import frame_of
+from clean_swarm_env.config.items import item_rows
+from clean_swarm_env.config.load import load_experiment, load_mission, random_starts
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.starts import for_start, nearest_distance, random_start, run_seed
+from clean_swarm_env.config.starts import Places, for_start, nearest_distance, random_start, run_seed
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.tasks.cleaning.draws import Places
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.tasks import TASKS, ItemsConfig, Task, TaskSettings, TaskState
 from clean_swarm_env.tasks.cleaning.missions import CleaningStarts
 from clean_swarm_env.tasks.foraging import Foraging
 from clean_swarm_env.world.mission import Course, MissionRun
@@ -198,3 +201,37 @@ def test_nearest_distance_crosses_the_seam():
     others = np.array([[5.0, 5.0], [10.9, 10.9]])
     assert nearest_distance(np.array([0.1, 0.1]), others, size) == pytest.approx(0.2 * np.sqrt(2))
     assert nearest_distance(np.array([0.1, 0.1]), others[:0], size) == np.inf
+
+
+class Stacking(TaskSettings):
+    """A task with boxes."""
+
+    boxes: ItemsConfig = ItemsConfig(count=3, respawn=2.0)
+
+
+class Stack(Task[Stacking, TaskState]):
+    """Robots are where starts have them, beside boxes."""
+
+    name, priced, goal = "Stack", True, "CollectiveExploration"
+
+    def place(self, start):
+        self.boxes = start.items
+
+    def result(self):
+        return {}
+
+    def cost(self, world, values):
+        return 0.0
+
+
+def test_a_setting_declares_the_items_of_starts_families_and_batches(monkeypatch):
+    monkeypatch.setattr(TASKS, "_classes", dict(TASKS._classes))
+    TASKS.register(Stack)
+    family = random_starts(load_mission("Stack"))
+    assert (family.items, family.respawn, item_rows(family.mission)) == ((3, 3), (2.0, 2.0), 40)
+    scenario = family.scenario(1, 0, "test")
+    batch = Batch(family=family, split="test")
+    batch.reset([1])
+    assert batch.worlds.task.boxes.tolist() == [list(place) for place in scenario.start.items] != []
+    fewer = for_start(family.mission, scenario.start.model_copy(update={"items": ((1.0, 1.0),)}))
+    assert (fewer.task.boxes.count, frame_of(fewer)) == (1, frame_of(family.mission))

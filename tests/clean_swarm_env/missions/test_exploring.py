@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.items import with_items
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance
-from clean_swarm_env.tasks import Cleaning
 from selforg.gradients.queries import Filter, Queries
 from tests.clean_swarm_env.courses import begun, coordinated, snapshot, ticked
 
@@ -20,7 +20,7 @@ def exploring(option, robots, items=()):
         update={
             "world": mission.world.model_copy(update={"contacts": "pass_through"}),
             "robots": mission.robots.model_copy(update={"count": len(robots)}),
-            "task": Cleaning.with_items(mission, count=len(items)),
+            "task": with_items(mission.task, count=len(items)),
         }
     )
     worlds = begun(coordinated(mission), 0, StartConfiguration(id="own", robots=robots, items=items), 3)
