@@ -15,7 +15,7 @@ from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.sampled import things_of, walls_shown, zones_shown
-from clean_swarm_env.world.parts.shown import ROBOT, AnyArray, Counted, Drawn
+from clean_swarm_env.world.parts.shown import ROBOT, AnyArray, Counted, Drawn, within
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
@@ -216,8 +216,8 @@ def signs_of(drawn: Iterable[Drawn], values: Mapping[str, AnyArray], there: Flag
     load = np.full(len(there), NOTHING)
     for one in drawn:
         chosen = np.ones(len(there) if one.at == ROBOT else len(values[one.at]), dtype=np.bool_)
-        for name, (least, most) in one.where.items():
-            chosen &= (values[name] >= least) & (values[name] <= most)
+        for name, span in one.where.items():
+            chosen &= within(values[name], span)
         if one.at == ROBOT:
             load[chosen] = len(loads)
             loads.append(one.sign)

@@ -5,12 +5,12 @@ Shapes: W worlds, N robots, M items, G components. Every component lies within [
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.world.parts.shown import ROBOT, WORLD, AnyArray, Shown
+from clean_swarm_env.world.parts.shown import ROBOT, WORLD, AnyArray, within
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.elementary import unit_vectors
@@ -43,77 +43,59 @@ class GlobalState:
 
     def __init__(self, worlds: Worlds, *, options: bool) -> None:
         self._worlds = worlds
-        self._coordinators = worlds.coordinators if options else ()
-        several = len(self._coordinators) > 1
-        holds = [
-            f"holds_{c.model.goal}_{option}" if several else f"holds_{option}"
-            for c in self._coordinators
-            for option in c.model.options
-        ]
-        shown = worlds.task.shown()
-        own = (*OWN, *_parts(shown, ROBOT), *holds)
-        robots = [f"robot_{k}_{name}" for k in range(worlds.robots) for name in own]
-        called = {one.axis: one.names for one in shown if one.names}
-        things = [
-            f"{thing}_{part}"
-            for axis, parts in self._things(shown).items()
-            for thing in called.get(axis) or [f"{axis}_{k}" for k in range(len(next(iter(parts.values()))[0]))]
-            for part in parts
-        ]
-        self.names = (*robots, *things, "time", *_parts(shown, WORLD))
-        self.final = np.zeros((worlds.worlds, len(self.names)), dtype=np.float32)
+        coordinators = worlds.coordinators if options else ()
+        self._holds = {
+            f"holds_{c.model.goal}_{option}" if len(coordinators) > 1 else f"holds_{option}": (c, number)
+            for c in coordinators
+            for number, option in enumerate(c.model.options)
+        }
+        called = {one.axis: one.names for one in worlds.task.shown() if one.names}
+        names: list[str] = []
+        columns: list[Ints] = []  # (W, ...) where each component is among the values of all parts
+        first = 0
+        for axis, parts in self._parts().items():
+            shape = len(parts), worlds.worlds, next(iter(parts.values())).size // worlds.worlds
+            each = called.get(axis) or [f"{axis}_{number}" for number in range(shape[2])]
+            names += parts if axis == WORLD else [f"{one}_{part}" for one in each for part in parts]
+            columns.append(first + np.arange(prod(shape)).reshape(shape).transpose(1, 2, 0).reshape(shape[1], -1))
+            first += prod(shape)
+        self.names, self._columns = tuple(names), np.concatenate(columns, axis=1)
+        self.final = np.zeros((worlds.worlds, len(names)), dtype=np.float32)
 
     def now(self) -> NDArray[np.float32]:
         """Return the state (W, G) of the worlds as they are."""
-        worlds, shown = self._worlds, self._worlds.task.shown()
-        time = np.minimum(worlds.ticks / worlds.world.limits, 1.0)
-        course = np.stack([time, *_parts(shown, WORLD).values()], axis=1)
-        robots = self._robots(shown).reshape(worlds.worlds, -1)
-        kinds = self._things(shown).values()
-        things = [np.stack([*parts.values()], axis=2).reshape(worlds.worlds, -1) for parts in kinds]
-        return np.concatenate((robots, *things, course), axis=1).astype(np.float32)
-
-    def _things(self, shown: Sequence[Shown]) -> dict[str, dict[str, AnyArray]]:
-        """Return what the things are called -> name of a component -> its values (W, M)."""
-        found: dict[str, dict[str, AnyArray]] = {}
-        for one in shown:
-            if one.axis in (ROBOT, WORLD):
-                continue
-            parts = found.setdefault(one.axis, {})
-            parts |= one.parts
-            if one.values.ndim == 3:
-                places = self._places(one.values)
-                if one.there is not None:
-                    places[~one.there] = 0.0
-                parts["x"], parts["y"] = places[..., 0], places[..., 1]
-        return {axis: parts for axis, parts in found.items() if parts}
+        found, present = self._parts(), self._worlds.physics.present
+        values = np.concatenate([one for parts in found.values() for one in parts.values()], axis=None)
+        robots = len(found[ROBOT])
+        values[: robots * len(present)].reshape(robots, -1)[:, ~present] = 0.0
+        return values.take(self._columns).astype(np.float32)
 
     def keep(self, ended: Ints) -> None:
         """Keep the state of the worlds (K,) whose missions have just ended as the final one."""
         self.final[ended] = self.now()[ended]
+
+    def _parts(self) -> dict[str, dict[str, AnyArray]]:
+        """Return axis -> name of a component -> its values (W * K,) or (W, K): robots, kinds of things, the world."""
+        worlds, physics, shown = self._worlds, self._worlds.physics, self._worlds.task.shown()
+        by_name = {one.name: one.values for one in shown}
+        x, y = self._places(physics.positions).T
+        own = (worlds.team.working, x, y, *unit_vectors(physics.headings))
+        found: dict[str, dict[str, AnyArray]] = {ROBOT: dict(zip(OWN, own, strict=True))}
+        course: dict[str, AnyArray] = {"time": np.minimum(worlds.ticks / worlds.world.limits, 1.0)}
+        for one in shown:
+            parts = course if one.axis == WORLD else found.setdefault(one.axis, {})
+            for name, part in one.parts.items():
+                parts[name] = part if isinstance(part, np.ndarray) else within(one.values, part)
+            if one.values.ndim == 3:
+                places = self._places(one.values)
+                for name, span in one.where.items():
+                    places[~within(by_name[name], span)] = 0.0
+                parts["x"], parts["y"] = places[..., 0], places[..., 1]
+        found[ROBOT] |= {name: c.held == number for name, (c, number) in self._holds.items()}
+        return {axis: parts for axis, parts in found.items() if parts} | {WORLD: course}
 
     def _places(self, points: Floats) -> Floats:
         ground = self._worlds.floor.ground
         if ground.kind == "open":
             return np.clip((points - ground.centre) / ground.size, -1.0, 1.0)
         return 2.0 * points / ground.land - 1.0
-
-    def _robots(self, shown: Sequence[Shown]) -> Floats:
-        """Return the components (R, ...) of the robots."""
-        worlds, physics = self._worlds, self._worlds.physics
-        own = np.column_stack(
-            (
-                worlds.team.working,
-                self._places(physics.positions),
-                *unit_vectors(physics.headings),
-                *_parts(shown, ROBOT).values(),
-                *(np.eye(len(c.model.options))[c.held] for c in self._coordinators),
-            )
-        )
-        own[~physics.present] = 0.0
-        return np.asarray(own, dtype=np.float64)
-
-
-def _parts(shown: Sequence[Shown], axis: str) -> dict[str, AnyArray]:
-    """Return what the global state has of robots or worlds."""
-    return {name: values for one in shown if one.axis == axis for name, values in one.parts.items()}

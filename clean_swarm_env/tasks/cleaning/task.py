@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ from clean_swarm_env.tasks.cleaning.cargo import (
 from clean_swarm_env.tasks.cleaning.coming import Comings
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.cost import collisions_cost, cost_terms, mission_cost, unavoidable_cost
-from clean_swarm_env.tasks.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
+from clean_swarm_env.tasks.cleaning.garbage import DONE, LYING
 from clean_swarm_env.tasks.cleaning.learning.around import PHASES
 from clean_swarm_env.tasks.cleaning.learning.counts import ACHIEVEMENTS, CleaningCounts
 from clean_swarm_env.tasks.cleaning.movers import Movers
@@ -92,11 +93,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         self.comings, self.movers = Comings(world, self.site), Movers(world, self.site)
         self.rounds = Rounds(world, self.site, self.movers) if world.mission.world.has_walls else None
         self.cargo_memory = CargoMemory(world.memory)
-        self.standing, stations = self.consequences.standing, self.settings.stations
-        self._station_names = [
-            STATION_CHANNELS[kind] + (f"_{earlier + 1}" if earlier else "")
-            for kind, earlier in zip(stations.kinds, stations.earlier, strict=True)
-        ]
+        self.standing = self.consequences.standing
 
     @classmethod
     def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
@@ -291,29 +288,29 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def shown(self) -> tuple[Shown, ...]:
         """Return cargo, items and stations, and how many items are dumped."""
-        garbage, stage = self.garbage, self.garbage.stage
-        carrying = garbage.cargo != NOTHING
-        stages = {name: stage == number for number, name in enumerate(("lying", "carried", "done"))}
-        held = {"carrying": carrying}, {"recycled": carrying & (garbage.recycled == 1)}
-        lying, share = Bodies(garbage.positions, stage=stage, lies=LYING), garbage.done / np.maximum(garbage.arrived, 1)
+        done, share = self.garbage.done, self.garbage.done / np.maximum(self.garbage.arrived, 1)
+        return (*self._shown, Shown("done", WORLD, done, "items dumped", {"garbage_done": share}, recorded=False))
+
+    @cached_property
+    def _shown(self) -> tuple[Shown, ...]:
+        """Cargo, items and stations."""
+        garbage, stage, stations = self.garbage, self.garbage.stage, self.settings.stations
+        kinds, about = (
+            zip(stations.kinds, stations.earlier, strict=True),
+            "recycling, dump, further recycling, further dumps",
+        )
+        names = [STATION_CHANNELS[kind] + (f"_{earlier + 1}" if earlier else "") for kind, earlier in kinds]
+        stages = {name: (number, number) for number, name in enumerate(("lying", "carried", "done"))}
+        some, once, there = {"carrying": (0, NO_END)}, {"recycled": (1, 1)}, {"item_stage": (LYING, DONE)}
+        lying, met = Bodies(garbage.positions, stage=stage, lies=LYING), Bodies(self.stations)
         return (
             *self.consequences.shown(),
-            Shown("cargo", ROBOT, garbage.cargo, "the item that the robot carries, -1 for none", held[0]),
-            Shown("recycled", ROBOT, garbage.recycled, "1 where the cargo has been recycled", held[1]),
+            Shown("cargo", ROBOT, garbage.cargo, "the item that the robot carries, -1 for none", some),
+            Shown("recycled", ROBOT, garbage.recycled, "1 where the cargo has been recycled", once),
             Shown("item_stage", "item", stage, "0 lying, 1 carried, 2 dumped, 3 absent", stages),
             Shown("item_leftover", "item", garbage.leftover, "1 where what lies has been recycled already"),
-            Shown(
-                "item", "item", garbage.positions, "where the item lies or was picked", there=stage != ABSENT, met=lying
-            ),
-            Shown(
-                "station",
-                "station",
-                self.stations,
-                "recycling, dump, further recycling, further dumps",
-                names=self._station_names,
-                met=Bodies(self.stations),
-            ),
-            Shown("done", WORLD, garbage.done, "items dumped", {"garbage_done": share}, recorded=False),
+            Shown("item", "item", garbage.positions, "where the item lies or was picked", where=there, met=lying),
+            Shown("station", "station", self.stations, about, names=names, met=met),
         )
 
     def drawn(self) -> tuple[Drawn, ...]:

@@ -49,11 +49,19 @@ def _places(task: Any, *_: Any) -> bool:  # noqa: ANN401
     )
 
 
+def _is_part(part: Any, shape: tuple[int, ...]) -> bool:  # noqa: ANN401
+    """Return whether the global state can have a part of what is shown: a span, or numbers of a shape."""
+    if isinstance(part, tuple):
+        return len(part) == 2 and _all(int, part)
+    return are_numbers(part, *shape) and bool((np.abs(part) <= 1.0).all())
+
+
 def _shown(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
     """Return whether what is shown has finite numbers for each robot, each world, or each thing of each world."""
     if not _all(Shown, answer):
         return False
-    world, counts = task.world, {ROBOT: (task.world.rows,), WORLD: (task.world.worlds,)}
+    world, names = task.world, {one.name for one in answer}
+    counts = {ROBOT: (world.rows,), WORLD: (world.worlds,)}
     for one in answer:
         if not isinstance(one.values, np.ndarray):
             return False
@@ -62,9 +70,9 @@ def _shown(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
         whole = one.values.ndim == 3 or not one.recorded or one.values.dtype.kind in "iub"
         if not (places and whole and are_numbers(one.values, *shape, *one.values.shape[len(shape) :])):
             return False
-        if not all(are_numbers(part, *shape) and (np.abs(part) <= 1.0).all() for part in one.parts.values()):
+        if not all(_is_part(part, shape) for part in one.parts.values()) or not one.where.keys() <= names:
             return False
-    return len({one.name for one in answer}) == len(answer)
+    return len(names) == len(answer)
 
 
 def _drawn(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401

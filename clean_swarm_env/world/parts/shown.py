@@ -15,12 +15,20 @@ from clean_swarm_env.physics.rays import Bodies
 from selforg.arrays import Flags
 
 AnyArray = NDArray[Any]
+Span = tuple[int, int]
+"""Least and largest value."""
 ROBOT, WORLD = "robot", "world"
 SignName = Literal["item", "leftovers", "recycling", "dump"]
 SIGNS: Final = get_args(SignName)
 """Names of the signs that tasks may draw; `drawing.look` says how they look."""
 NO_END: Final = 1 << 30
 """Most that a range of `Drawn.where` has where it has no end."""
+
+
+def within(values: AnyArray, span: Span) -> Flags:
+    """Return which values lie within a span."""
+    flags: Flags = values == span[0] if span[0] == span[1] else (values >= span[0]) & (values <= span[1])
+    return flags
 
 
 class Shown(NamedTuple):
@@ -33,10 +41,10 @@ class Shown(NamedTuple):
     """Whole numbers (R,), (W,) or (W, M), or places (W, M, 2) [m]; the same array all the time if it is recorded."""
     about: str
     """One sentence."""
-    parts: Mapping[str, AnyArray] = {}
-    """What the global state has of it: name -> numbers within [-1, 1]; of places it has x and y."""
-    there: Flags | None = None
-    """(W, M) which things the global state has places of; None: all."""
+    parts: Mapping[str, AnyArray | Span] = {}
+    """What the global state has beside x and y of places: name -> values of which that is 1, or numbers in [-1, 1]."""
+    where: Mapping[str, Span] = {}
+    """Name of a shown array -> values with which the global state has the places; others are 0."""
     names: Sequence[str] = ()
     """(M,) of the things in the global state; AXIS_0, AXIS_1 and so on unless given."""
     met: Bodies | None = None
@@ -56,8 +64,8 @@ class Drawn(NamedTuple):
     at: str
     """`Shown.axis` of things, whose places have the same name, or `robot` for a sign that is carried."""
     sign: SignName
-    where: Mapping[str, tuple[int, int]] = {}
-    """Name of a shown array -> least and largest value with which the sign is drawn."""
+    where: Mapping[str, Span] = {}
+    """Name of a shown array -> values with which the sign is drawn."""
     numbers: Sequence[int] | None = None
     """Numbers of the things; None: all."""
     radius: float = 0.0
