@@ -81,7 +81,7 @@ class Counts:
     def count(self, entered: Ints) -> None:
         """Add the last tick, whose collision events are `entered` (R,), in worlds where it counts."""
         task, period, (idle, counts) = self._worlds.task, self._period.record, self._followed.record[4:6]
-        achieved = task.achieved() if task.achievements else {}
+        achieved = task.achieved()
         for number, achievement in enumerate(task.achievements):
             times = np.where(counts[self._worlds.world.of_row], achieved[achievement.name], 0)
             period.events[number] += times

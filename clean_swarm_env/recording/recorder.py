@@ -17,6 +17,7 @@ from clean_swarm_env.recording.channels import MILLI, Channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
 from clean_swarm_env.recording.sampled import (
+    check_shown,
     floor_arrays,
     mind_arrays,
     networks_of,
@@ -90,7 +91,9 @@ class MissionRecorder:
         self._poses: Floats = np.zeros((worlds.rows, 3))
         self._moving = [thing.places for thing in worlds.task.around if thing.moves or settings.put]
         self._moved: Floats = np.zeros((worlds.worlds, sum(places.shape[1] for places in self._moving), 2))
-        sampled = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
+        self._shown = [one for one in worlds.task.shown() if one.recorded]
+        check_shown(worlds, self._shown)
+        sampled = [*self._pose_arrays(), *floor_arrays(worlds, self._shown), *self._messages.arrays()]
         sampled += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
         sampled += mind_arrays(worlds) if settings.minds else []
         self._inputs: Floats = np.zeros((worlds.rows, len(settings.inputs)))
@@ -268,6 +271,7 @@ class MissionRecorder:
     def _write(self, world: int) -> None:
         """Write the frames of a world that are not in its file yet."""
         if self.frames.waiting(world):
+            check_shown(self.worlds, self._shown)
             notes = {"deposits": self._messages.kinds, "by_hand": self._by_hand}
             self._running[world].add(self.frames.pack(world), notes)
             self._by_hand.clear()

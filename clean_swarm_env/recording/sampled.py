@@ -5,7 +5,7 @@ Shapes: W worlds, N robots a world, R = W * N rows, M items a world, O options, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
 from typing import Any, Literal
 
@@ -40,8 +40,16 @@ PLAN_STEPS = 16
 """Steps of a plan that are kept."""
 
 
-def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
-    """Yield the arrays of robots, held options and the task; the recorder keeps the poses itself."""
+def check_shown(worlds: Worlds, shown: Iterable[Shown]) -> None:
+    """Raise PluginError if the task shows other arrays than those that are recorded."""
+    now = {one.name: one.values for one in worlds.task.shown()}
+    for one in shown:
+        if one.note is None and one.values.__array_interface__ != now[one.name].__array_interface__:
+            raise broken(worlds.task, "shown", f"expected the same array all the time, got a new one of {one.name}")
+
+
+def floor_arrays(worlds: Worlds, shown: Iterable[Shown]) -> Iterator[Sampled]:
+    """Yield the arrays of robots, held options and what the task has shown; the recorder keeps the poses itself."""
     own = [
         Shown("present", ROBOT, worlds.physics.present, "1 where the robot is there, at work or failed"),
         Shown("working", ROBOT, worlds.team.working, "1 where the robot is at work"),
@@ -52,12 +60,7 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
         own.append(Shown("samples", "distance", worlds.collisions.samples[:, :1], about))
     for c in worlds.coordinators:
         own.append(Shown(f"held/{c.model.goal}", ROBOT, c.held, "the option that serves the goal in the robot"))
-    task = worlds.task
-    for one, again in zip(task.shown(), task.shown(), strict=True):
-        if one.recorded and one.note is None and not np.shares_memory(one.values, again.values):
-            raise broken(task, "shown", f"expected the same array all the time, got a new one of {one.name}")
-        own += [one] if one.recorded else []
-    for one in own:
+    for one in (*own, *shown):
         axis = (one.axis, one.values.reshape(worlds.worlds, -1, *one.values.shape[2:]).shape[1])
         if one.values.ndim == 3:
             yield from points(one.name, (axis,), one.values, one.about)

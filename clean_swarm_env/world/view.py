@@ -163,9 +163,14 @@ class TaskView:
 
     @property
     def carrying(self) -> Flags:
-        """Which robots (R,) know that they carry something; none if no option asks for it."""
-        known: Flags = np.zeros(self.rows, dtype=np.bool_)
-        return self.memory[CARRYING].values == 1.0 if CARRYING in self.memory.kinds else known
+        """Which robots (R,) know that they carry something.
+
+        The task says it (`known`) for the baseline, or where no option asks for it.
+        """
+        asked = {CARRYING: self.memory[CARRYING].values} if CARRYING in self.memory.kinds else {}
+        told = self.minds.known() if self.by_baseline or not asked else {}
+        carrying: Flags = {CARRYING: np.zeros(self.rows), **asked, **told}[CARRYING] == 1.0
+        return carrying
 
     @property
     def steers(self) -> Flags:

@@ -15,6 +15,7 @@ from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.explaining import Movements, RobotStep
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.worlds import Worlds
+from selector.documents.errors import within
 from selforg.gradients.store import columns as c
 from selforg.space import Torus
 
@@ -60,6 +61,8 @@ def facts_of(worlds: Worlds, step: RobotStep, unseen: float) -> Facts:
     near = [
         (int(who), float(np.hypot(*space.offsets(places[row], places[who])))) for who in movements.who[row] if who >= 0
     ]
+    with within(f"task {worlds.task.name}: target"):
+        target = worlds.task.target(row, step.network.readings)
     return Facts(
         state=step.state,
         stands=step.stopped_s,
@@ -69,7 +72,7 @@ def facts_of(worlds: Worlds, step: RobotStep, unseen: float) -> Facts:
         heading=atan2(*poses.own[row, 0, [c.POSE_HEADING + 1, c.POSE_HEADING]]),
         causes=tuple(near),
         share=round(float(movements.shares[row, 1]), 3),  # as recordings hold it
-        target=worlds.task.target(row, step.network.readings),
+        target=target,
         unseen=unseen,
     )
 

@@ -120,3 +120,15 @@ def test_what_a_recording_cannot_keep_is_one_line_that_names_the_task(name, kept
     monkeypatch.setattr(task, "shown", lambda self: (Shown(name, "robot", turns if kept else turns.copy(), "turns"),))
     with pytest.raises(ValueError, match=f"Shepherding.shown: expected .*{said}"):
         record_mission(run_of("Shepherding", time_limit=1.0), RecordSettings(tmp_path, name="run"), {})
+
+
+def test_a_shown_array_that_becomes_another_one_while_it_is_recorded_is_one_line(tmp_path, monkeypatch):
+    def grow(self):
+        self.turns = np.append(self.turns, 0)
+
+    task = find_task("Shepherding")
+    monkeypatch.setattr(task, "turns", np.zeros(6, dtype=np.int64), raising=False)
+    monkeypatch.setattr(task, "shown", lambda self: (Shown("load", "robot", self.turns, "turns"),))
+    monkeypatch.setattr(task, "after_moving", grow)
+    with pytest.raises(ValueError, match=r"Shepherding.shown: expected the same array .* of load"):
+        record_mission(run_of("Shepherding", time_limit=1.0), RecordSettings(tmp_path, name="run"), {})

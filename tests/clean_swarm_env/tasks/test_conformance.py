@@ -67,6 +67,7 @@ class Waiting(Task[TaskSettings, TaskState]):
         ({"reward": lambda self: LUCK.random(self.world.rows)}, "AssertionError|same bits"),
         ({"after_moving": lambda self: self.nothing}, "AttributeError: 'Mine' object has no attribute 'nothing'"),
         ({"observe": lambda self: {"near": np.full(self.world.rows, np.nan)}}, "Mine.observe: .* with NaN"),
+        ({"achieved": lambda self: {"passed": self.world.of_row}}, "Mine.achieved: .*, got passed: int64"),
         ({"achievements": PASSED}, "Mine.achieved: expected whole numbers .*, got nothing"),
         (
             {"achievements": PASSED, "achieved": lambda self: {"passed": np.full(self.world.rows, 0.5)}},
@@ -148,6 +149,8 @@ WRONG = {
         lambda self: (Shown("load", "robot", [0], "no array"),),
         lambda self: 2 * (Shown("load", "robot", np.zeros(self.world.rows, int), "twice"),),
         lambda self: (Shown("load", "robot", self.world.of_row, "", {"far": np.full(self.world.rows, 7.0)}),),
+        lambda self: (Shown("load", "robot", self.world.of_row, "", {"far": (0.5, 1)}),),
+        lambda self: (Shown("load", "robot", self.world.of_row, "", where={"nothing": (0, 1)}),),
     ],
     "drawn": [
         lambda self: None, lambda self: (Drawn("nowhere", "item"),), lambda self: (Drawn("robot", "unicorn"),),
@@ -165,6 +168,18 @@ def test_an_answer_that_a_task_may_not_give_is_one_line_that_names_it(part, numb
     with pytest.raises(PluginError, match=rf"Mine\.{part}: expected ") as raised:
         lived(cls)
     assert "\n" not in str(raised.value)
+
+
+def test_a_task_says_what_robots_carry_of_which_no_option_asks(monkeypatch):
+    batch = Batch(
+        mission_of(registered({"known": lambda self: {"carrying": self.world.of_row + 1.0}}, monkeypatch).name)
+    )
+    assert batch.worlds.world.carrying.all()
+    foraging = Batch("Foraging").worlds
+    foraging.minds.known = lambda: {"carrying": np.ones(foraging.rows)}
+    assert not foraging.world.carrying.any()  # a mechanism knows it
+    foraging.world.by_baseline = True
+    assert foraging.world.carrying.all()
 
 
 def lived(cls):

@@ -7,10 +7,13 @@ from math import pi
 import numpy as np
 import pytest
 
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import Cleaning
+from clean_swarm_env.world.explaining import explain_robot
+from selector.documents.errors import DocumentError
 from tests.train.commands import done, refused
 from tests.train.replay.conftest import CONDITIONS
-from train.evaluation.why import Facts, sentence
+from train.evaluation.why import Facts, facts_of, sentence
 
 PATROLLING = Facts("at work", 0.0, ("Patrol",), (1.0, 0.0), (1.0, 0.0), 0.0, (), 0.0, None, 12.0)
 AVOIDING = replace(PATROLLING, causes=((3, 0.6),), command=(0.0, 1.0), target=("recycling", 2.2))
@@ -92,6 +95,15 @@ def test_facts_and_inputs_are_those_of_the_command(opened, explained, recordings
             assert moved == pytest.approx(move["moved"], abs=0.02)
     assert avoided
     assert chosen
+
+
+def test_an_error_in_target_names_the_method():
+    batch = Batch({"task": "Foraging"}, explained=True)
+    batch.reset([1])
+    batch.step(np.zeros(batch.rows, dtype=np.int64))
+    batch.worlds.task.target = lambda row, read: int("no den")
+    with pytest.raises(DocumentError, match=r"^task Foraging: target: .*no den"):
+        facts_of(batch.worlds, explain_robot(batch.worlds, 0), 0.0)
 
 
 def test_what_if_it_goes_on_as_it_did(results, recordings):
