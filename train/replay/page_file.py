@@ -13,7 +13,7 @@ from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
 
-from clean_swarm_env.drawing.look import LOOK, SIGN_OF, legend
+from clean_swarm_env.drawing.look import LOOK, SIGN_OF
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.writing import write_whole
 from train.running.needs import check_file
@@ -55,13 +55,13 @@ def live_page() -> str:
 def _page(title: str, content: str, asked: str) -> str:
     """Return the page with its content; it may connect to `asked`, a source of a content security policy."""
     folder = files("train.replay") / "page"
-    legends = [[asdict(sign) for sign in legend((), signs)] for signs in ((), [*SIGN_OF])]
+    signs = {name: asdict(sign) for name, sign in SIGN_OF.items()}
     wrong, due = LOOK.contact, LOOK.options[0]
     colours = {"ink": LOOK.ink, "paper": LOOK.paper, "faint": LOOK.edge, "wrong": wrong, "due": due}
     parts = {
         "title": f"Clean Swarm: {html.escape(title)}",
         "asked": asked,
-        "look": json.dumps(asdict(LOOK) | {"legends": legends}),
+        "look": json.dumps(asdict(LOOK) | {"signs": signs}),
         "colours": "; ".join(f"--{name}: {colour}" for name, colour in colours.items()),
         "style": (folder / "page.css").read_text(encoding="utf-8"),
         "content": content,

@@ -65,7 +65,7 @@ export function opinionCurves(run, points) {
   return curves;
 }
 
-const EVENT_COLOURS = Object.entries({ found: LOOK.item.colour, recycled: LOOK.stations[0].colour, dumped: LOOK.stations[1].colour, contact: LOOK.contact });
+const EVENT_COLOURS = Object.entries({ found: LOOK.signs.item.colour, recycled: LOOK.signs.recycling.colour, dumped: LOOK.signs.dump.colour, put: LOOK.signs.dump.colour, contact: LOOK.contact });
 
 /** Draw events: a line for each of some kinds. @param {RunEvent[]} events @param {string[]} kinds @param {number} frames @param {HTMLCanvasElement} canvas @param {string} ink */
 export function drawEvents(events, kinds, frames, canvas, ink) {

@@ -1,12 +1,12 @@
 // @ts-check
 /** What follows from a recording: events, counts, who sees whom, and what robots have left behind. */
-import { settingOf, valueAt } from "./recording.js";
+import { loadOf, settingOf, valueAt } from "./recording.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{frame: number, kind: string, robot: number}} RunEvent */
 
 /** Kinds of events, with their words, in the order of the timeline's lines. */
 export const EVENT_WORDS = {
-  found: "item found", recycled: "item recycled", dumped: "item dumped", contact: "contact",
+  found: "item found", recycled: "item recycled", dumped: "item dumped", put: "item put down", contact: "contact",
   stopped: "stopped by a collision", switch: "option switched", replan: "new plan", joined: "robot joined",
   failed: "robot failed or left", hand: "done by hand",
 };
@@ -25,12 +25,8 @@ export function eventsOf(run) {
       if (kind) events.push({ frame: Math.floor(at / robots), kind, robot: at % robots });
     }
   };
-  const stage = run.tracks.get("item_stage");
-  /** @param {number} item @param {number} at */
-  const done = (item, at) => stage && stage.data[Math.floor(at / robots) * stage.columns + item] === 2;
-  watch("cargo", (was, is, at) => (was < 0 && is >= 0 ? "found" : was >= 0 && is < 0 && done(was, at) ? "dumped" : ""));
+  if (run.head.drawn?.some(({ at }) => at === "robot")) carriedOf(run, events);
   watch("standing", (was, is) => (is > was ? "stopped" : ""));
-  watch("recycled", (was, is) => (is > was ? "recycled" : ""));
   watch("contact", (_, is) => (is > 0 ? "contact" : ""));
   watch("working", (was, is) => (is > was ? "joined" : is < was ? "failed" : ""));
   for (const goal of Object.keys(run.head.options)) watch(`held/${goal}`, (was, is) => (was !== is ? "switch" : ""));
@@ -45,6 +41,32 @@ export function eventsOf(run) {
   }
   for (const change of [...run.byHand, ...run.coming]) events.push({ frame: change.tick, kind: "hand", robot: change.robot ?? change.robots?.[0] ?? -1 });
   return events.sort((a, b) => a.frame - b.frame);
+}
+
+/** Add when robots took, changed and put down what they carry; those that put down where things become done have done these. @param {Run} run @param {RunEvent[]} events */
+function carriedOf(run, events) {
+  let before = Array.from({ length: run.head.robots }, (_, robot) => loadOf(run, 0, robot));
+  for (let frame = 1; frame < run.frames; frame++) {
+    const now = before.map((_, robot) => loadOf(run, frame, robot)), done = doneIn(run, frame);
+    /** @type {number[]} */
+    const put = [];
+    now.forEach((load, robot) => {
+      if (load === before[robot]) return;
+      if (!load) put.push(robot);
+      else events.push({ frame, kind: before[robot] ? "recycled" : "found", robot });
+    });
+    for (let k = 0; k < done; k++) events.push({ frame, kind: "dumped", robot: put[k] ?? put[0] ?? -1 });
+    if (!run.head.counted) for (const robot of put) events.push({ frame, kind: "put", robot });
+    before = now;
+  }
+}
+
+/** Return how many things become done at a frame, of those that the recording counts. @param {Run} run @param {number} frame */
+function doneIn(run, frame) {
+  const { name = "", done } = run.head.counted ?? {}, columns = run.tracks.get(name)?.columns ?? 0;
+  let count = 0;
+  for (let k = 0; k < columns; k++) if (valueAt(run, name, frame, k) === done && valueAt(run, name, frame - 1, k) !== done) count++;
+  return count;
 }
 
 /** Return items dumped and collision events up to each frame. @param {Run} run @param {RunEvent[]} all @returns {{items: Float64Array, contacts: Float64Array}} */

@@ -1,17 +1,16 @@
 // @ts-check
-/** What lies under the robots: pheromones, zones, stations, things, walls and items. */
-import { valueAt } from "./recording.js";
+/** What lies under the robots: pheromones, zones, things and walls. */
+import { placesOf, valueAt } from "./recording.js";
 import { shorter } from "./course.js";
 import { LOOK, faded, partsOf } from "./look.js";
 /** @typedef {import("./world.js").WorldView} WorldView */
 /** @typedef {import("./look.js").Colours} Colours */
 
-export const LEFT = LOOK.leftovers.half / LOOK.item.half; // how much smaller leftovers are than items
 export const SMALL = 4; // size of a robot or an item below which it is a square: paths of a thousand discs take too long [pixels]
 const FEW = 200; // items up to which they are never smaller than that
 
 /** Add a diamond to the path. @param {CanvasRenderingContext2D} c @param {number} x @param {number} y @param {number} size */
-export function diamond(c, x, y, size) {
+function diamond(c, x, y, size) {
   c.moveTo(x - size, y);
   c.lineTo(x, y - size);
   c.lineTo(x + size, y);
@@ -74,26 +73,56 @@ export function drawField(view, c, frame) {
     c.drawImage(fieldPicture, x - (width / 2) * view.scale, y - (height / 2) * view.scale, width * view.scale, height * view.scale));
 }
 
-/** @param {WorldView} view @param {CanvasRenderingContext2D} c @param {number} frame */
-export function drawStations(view, c, frame) {
-  if (!view.run.tracks.has("station_x")) return;
-  const { mission } = view.run.head, s = view.scale;
-  const { reach, further_recycling = [], further_dumps = [] } = mission.task?.stations ?? mission.stations; // earlier recordings
-  const [recycling, dump] = LOOK.stations;
-  const stations = [recycling, dump, ...further_recycling.map(() => recycling), ...further_dumps.map(() => dump)];
-  stations.forEach((sign, k) => {
-    view.images(valueAt(view.run, "station_x", frame, k), valueAt(view.run, "station_y", frame, k), reach, (x, y) => {
-      drawArea(c, x, y, reach * s, sign.colour);
-      const half = Math.max(5, sign.half * s);
-      c.fillStyle = sign.colour;
-      c.fillRect(x - half, y - half, 2 * half, 2 * half);
-      c.fillStyle = "#fff";
-      c.font = `${Math.round(1.5 * half)}px sans-serif`;
-      c.textAlign = "center";
-      c.textBaseline = "middle";
-      c.fillText(sign.letter, x, y);
-    });
-  });
+/**
+ * Draw the signs of things: those with an area around them, or the others.
+ * @param {WorldView} view @param {CanvasRenderingContext2D} c @param {number} frame @param {Colours} colours @param {boolean} areas
+ */
+export function drawSigns(view, c, frame, colours, areas) {
+  for (const one of view.run.head.drawn ?? []) {
+    if (one.at === "robot" || one.radius > 0 !== areas) continue;
+    const sign = LOOK.signs[one.sign], places = placesOf(view.run, one, frame);
+    for (const [x, y] of areas ? places : []) view.images(x, y, one.radius, (px, py) => drawArea(c, px, py, one.radius * view.scale, sign.colour));
+    if (sign.letter) for (const [x, y] of places) view.images(x, y, sign.half, (px, py) => drawLettered(view, c, px, py, sign));
+    else drawSmall(view, c, places, sign, colours);
+  }
+}
+
+/** @param {WorldView} view @param {CanvasRenderingContext2D} c @param {number} x @param {number} y [pixels] @param {import("./look.js").Sign} sign */
+function drawLettered(view, c, x, y, sign) {
+  const half = Math.max(5, sign.half * view.scale);
+  c.fillStyle = sign.colour;
+  c.fillRect(x - half, y - half, 2 * half, 2 * half);
+  c.fillStyle = "#fff";
+  c.font = `${Math.round(1.5 * half)}px sans-serif`;
+  c.textAlign = "center";
+  c.textBaseline = "middle";
+  c.fillText(sign.letter, x, y);
+}
+
+/** @param {WorldView} view @param {CanvasRenderingContext2D} c @param {[number, number, number][]} places @param {import("./look.js").Sign} sign @param {Colours} colours */
+function drawSmall(view, c, places, sign, colours) {
+  const whole = Math.max(view.run.head.items > FEW ? 2 : SMALL, LOOK.item.half * view.scale), size = (whole * sign.half) / LOOK.item.half;
+  c.fillStyle = sign.colour;
+  if (whole < SMALL) {
+    for (const [mx, my] of places) {
+      const [x, y] = view.place(mx, my);
+      c.fillRect(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
+    }
+    return;
+  }
+  c.beginPath();
+  for (const [x, y] of places) view.images(x, y, 0.2, (px, py) => shape(c, sign.shape, px, py, size));
+  c.strokeStyle = colours.ink;
+  c.lineWidth = 1;
+  c.fill();
+  c.stroke();
+}
+
+/** Add a shape to the path. @param {CanvasRenderingContext2D} c @param {string} name @param {number} x @param {number} y @param {number} half */
+export function shape(c, name, x, y, half) {
+  if (name === "square") c.rect(x - half, y - half, 2 * half, 2 * half);
+  if (name === "diamond") diamond(c, x, y, half);
+  if (name === "disc") { c.moveTo(x + half, y); c.arc(x, y, half, 0, 7); }
 }
 
 /**
@@ -134,29 +163,6 @@ function drawArea(c, x, y, r, colour) {
   c.lineWidth = 1;
   c.beginPath();
   c.arc(x, y, r, 0, 7);
-  c.fill();
-  c.stroke();
-}
-
-/** @param {WorldView} view @param {CanvasRenderingContext2D} c @param {number} frame @param {Colours} colours */
-export function drawItems(view, c, frame, colours) {
-  const { run } = view, size = Math.max(run.head.items > FEW ? 2 : SMALL, LOOK.item.half * view.scale);
-  c.fillStyle = LOOK.item.colour;
-  if (size < SMALL) {
-    for (let k = 0; k < run.head.items; k++)
-      if (valueAt(run, "item_stage", frame, k) === 0) {
-        const [x, y] = view.place(valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k));
-        c.fillRect(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
-      }
-    return;
-  }
-  c.beginPath();
-  for (let k = 0; k < run.head.items; k++)
-    if (valueAt(run, "item_stage", frame, k) === 0)
-      view.images(valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k), 0.2, (x, y) =>
-        diamond(c, x, y, valueAt(run, "item_leftover", frame, k) ? size * LEFT : size));
-  c.strokeStyle = colours.ink;
-  c.lineWidth = 1;
   c.fill();
   c.stroke();
 }

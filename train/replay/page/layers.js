@@ -9,7 +9,6 @@ const SHOWN_AT_FIRST = ["fields", "paths", "contacts", "numbers", "command", "ad
 
 /** Offer the layers that the runs can show, and a legend of all that there is to see. @param {Run[]} runs */
 export function offerLayers(runs) {
-  const cleans = runs.some((run) => !run.head.things);
   /** @type {[string, import("./look.js").Sign][]} */
   const own = [["fields", LOOK.pheromones], ...LOOK.layers];
   const boxes = own.map(([name, { word }]) => {
@@ -32,7 +31,10 @@ export function offerLayers(runs) {
       const shape = LOOK.marks[k % LOOK.marks.length];
       if (shape) entries.set(model, [keyOf({ ...LOOK.failed, colour: LOOK.ink, shape, half: LOOK.item.half }), `Robots of the model ${model} have this mark.`]);
     });
-  for (const sign of LOOK.legends[cleans ? 1 : 0]) entries.set(sign.word, [keyOf(sign), WORDS[sign.word] ?? sign.word]);
+  const drawn = new Set(runs.flatMap((run) => run.head.drawn?.map(({ sign }) => sign) ?? []));
+  const signs = Object.entries(LOOK.signs).flatMap(([name, sign]) => (drawn.has(name) ? [sign] : []));
+  const areas = runs.some((run) => run.head.things) ? LOOK.areas : [];
+  for (const sign of [LOOK.failed, ...signs, ...areas, LOOK.pheromones]) entries.set(sign.word, [keyOf(sign), WORDS[sign.word] ?? sign.word]);
   if (runs.some((run) => run.head.zones)) entries.set(LOOK.zone.word, [keyOf(LOOK.zone), WORDS.zones]);
   if (runs.some((run) => run.head.walls)) entries.set(LOOK.wall.word, [keyOf(LOOK.wall), WORDS.walls]);
   for (const [name, sign] of LOOK.layers) entries.set(sign.word, [keyOf(sign), WORDS[name]]);

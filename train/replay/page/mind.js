@@ -1,6 +1,6 @@
 // @ts-check
 /** What goes on in one robot, as a panel. */
-import { titleOf, valueAt } from "./recording.js";
+import { loadOf, titleOf, valueAt } from "./recording.js";
 import { shorter } from "./course.js";
 import { LOOK, colourOf, plain } from "./look.js";
 import { TERM_WORDS, optionWord, robotWord } from "./words.js";
@@ -9,7 +9,9 @@ import { inputsOf } from "./policy.js";
 /** @typedef {import("./recording.js").Run} Run */
 
 const STILL = 0.1; // [m] within which a robot stands still
-const CARGO = ["nothing", `an ${LOOK.item.word}`, LOOK.leftovers.word];
+
+/** @param {string} sign of what is carried */
+const carriedWord = (sign) => `${sign === "item" ? "an " : ""}${LOOK.signs[sign].word}`;
 
 /** @param {number} value @param {number} digits */
 const fixed = (value, digits = 2) => value.toFixed(digits);
@@ -86,13 +88,13 @@ export function movementOf(run, frame, robot) {
 export function panelOf(run, frame, robot, beside = "") {
   const { head } = run, parts = [];
   const works = valueAt(run, "working", frame, robot), there = valueAt(run, "present", frame, robot);
-  const cargo = valueAt(run, "cargo", frame, robot) < 0 ? 0 : 1 + valueAt(run, "recycled", frame, robot);
+  const load = loadOf(run, frame, robot), carries = head.drawn?.some(({ at }) => at === "robot");
   parts.push(`<div class="turn"><h2>Robot ${robot}</h2> <button data-turn="-1" title="The robot before (down).">before</button> <button data-turn="1" title="The next robot (up).">next</button></div><p>${plain(titleOf(run, frame))}</p>`);
   if (run.tracks.has("command_x")) parts.push(`<p class="because" data-sentence>${plain(sentenceOf(factsOf(run, frame, robot)))}</p>`);
   parts.push(beside);
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
   parts.push(`<p>It is at <span data-channel="x">${fixed(valueAt(run, "x", frame, robot), 3)}</span> m,
-    <span data-channel="y">${fixed(valueAt(run, "y", frame, robot), 3)}</span> m${run.tracks.has("cargo") ? ` and carries ${CARGO[cargo]}` : ""}.</p>`);
+    <span data-channel="y">${fixed(valueAt(run, "y", frame, robot), 3)}</span> m${carries ? ` and carries ${load ? carriedWord(load) : "nothing"}` : ""}.</p>`);
   if (works) parts.push(`<p data-movement>${movementOf(run, frame, robot)}</p>`);
   for (const [goal, options] of Object.entries(head.options)) parts.push(optionsOf(run, goal, options, frame, robot));
   if (head.networks) {

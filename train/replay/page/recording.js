@@ -11,11 +11,17 @@
  *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
  *   networks?: Record<string, NetworkNames>, models?: number[], walls?: [number, number, number, number][], zones?: [string, number, number, number, number][], shown?: [number, number], field?: number,
  *   things?: Thing[], option_words?: Record<string, string[]>, inputs?: string[],
- *   policies?: Record<string, import("./policy.js").Policy>,
+ *   policies?: Record<string, import("./policy.js").Policy>, drawn?: Drawn[], targets?: Target[], task_words?: TaskWords,
+ *   counted?: {name: string, done: number, about: string},
  *   prices?: {event: number, sample: number, limit: number, left: number, items: number}}} Head; models: number of each robot's model, if they differ; of tasks other than cleaning: field, the longer
  *   side of the ground, or of the rectangle of open land in which robots start [m], and the things
  * @typedef {{channel: string, attraction: number, x: number, y: number, radius: number, moves?: number}} Thing at the start; moves: its
  *   number in the channels of things that move
+ * @typedef {{at: string, where: Record<string, [number, number]>, numbers: number[] | null}} Chosen some of the things or robots: where: name of a channel and its
+ *   least and largest value; numbers: null for all
+ * @typedef {Chosen & {sign: string, radius: number}} Drawn
+ * @typedef {Chosen & {word: string, when: Record<string, boolean>, certain: boolean}} Target when: sensor, and whether it reads more than 0
+ * @typedef {{doing: Record<string, string>, searching: Record<string, string>, sees: string}} TaskWords
  * @typedef {{tick: number, do: string, robot?: number, robots?: number[], strategy?: string}} Change what was done by hand before a frame was decided
  * @typedef {{first: number, frames: number, sizes: [number, number][], deposits?: DepositKind[], by_hand?: Change[], made?: number}} Directory
  * @typedef {{channel: Channel, columns: number, data: Int32Array, room: Int32Array}} Track frame-major: number k of frame t is at
@@ -195,6 +201,23 @@ export function valueAt(run, name, frame, k = 0) {
   const track = run.tracks.get(name);
   return track ? track.room[frame * track.columns + k] / track.channel.scale : 0;
 }
+
+/** Return whether the channels of a thing or a robot have the values of those chosen. @param {Run} run @param {Chosen} chosen @param {number} frame @param {number} k */
+export const fits = (run, { where }, frame, k) => Object.entries(where).every(([name, [least, most]]) => {
+  const value = valueAt(run, name, frame, k);
+  return value >= least && value <= most;
+});
+
+/** Return the places of the chosen things at a frame, with their numbers. @param {Run} run @param {Chosen} chosen @param {number} frame @returns {[number, number, number][]} */
+export function placesOf(run, chosen, frame) {
+  const count = run.tracks.get(`${chosen.at}_x`)?.columns ?? 0, things = run.head.things?.filter(({ channel }) => channel === chosen.at) ?? [];
+  const numbers = (chosen.numbers ?? [...Array(count).keys()]).filter((k) => fits(run, chosen, frame, k));
+  return count ? numbers.map((k) => [valueAt(run, `${chosen.at}_x`, frame, k), valueAt(run, `${chosen.at}_y`, frame, k), k])
+    : things.map(({ x, y, moves }, k) => (moves === undefined ? [x, y, k] : [valueAt(run, "thing_x", frame, moves), valueAt(run, "thing_y", frame, moves), k]));
+}
+
+/** Return the sign of what a robot carries at a frame; undefined for nothing. @param {Run} run @param {number} frame @param {number} robot */
+export const loadOf = (run, frame, robot) => run.head.drawn?.findLast((one) => one.at === "robot" && fits(run, one, frame, robot))?.sign;
 
 /** Return a setting of a robot, by its model where they differ. @param {Run} run @param {number} robot @param {string} key */
 export function settingOf(run, robot, key) {

@@ -1,9 +1,9 @@
 // @ts-check
 /** Robots, and what shows their movement and what they see. */
-import { settingOf, valueAt } from "./recording.js";
+import { loadOf, settingOf, valueAt } from "./recording.js";
 import { seenPairs, shorter } from "./course.js";
 import { LOOK, colourOf, faded } from "./look.js";
-import { LEFT, SMALL, diamond } from "./floor.js";
+import { SMALL, shape } from "./floor.js";
 /** @typedef {import("./world.js").WorldView} WorldView */
 /** @typedef {import("./look.js").Colours} Colours */
 /** @typedef {import("./look.js").Layers} Layers */
@@ -124,17 +124,20 @@ export function drawRobots(view, c, frame, chosen, layers, colours) {
     c.arc(x, y, LOOK.front_length * sizes[i], turn - LOOK.front_angle, turn + LOOK.front_angle);
     c.closePath();
   }
-  if (models) for (const [x, y, i] of all) mark(c, LOOK.marks[models[i] % LOOK.marks.length], x, y, LOOK.mark_half * sizes[i]);
+  if (models) for (const [x, y, i] of all) shape(c, LOOK.marks[models[i] % LOOK.marks.length], x, y, LOOK.mark_half * sizes[i]);
   c.fill();
-  c.beginPath();
-  for (const [x, y, i] of all)
-    if (run.tracks.has("cargo") && valueAt(run, "cargo", frame, i) >= 0)
-      diamond(c, x - Math.cos(view.turn[i]) * LOOK.cargo_behind * sizes[i], y + Math.sin(view.turn[i]) * LOOK.cargo_behind * sizes[i],
-        LOOK.cargo_half * sizes[i] * (valueAt(run, "recycled", frame, i) ? LEFT : 1));
-  c.fillStyle = LOOK.item.colour;
   c.strokeStyle = LOOK.ink;
-  c.fill();
-  c.stroke();
+  for (const [name, sign] of Object.entries(LOOK.signs)) {
+    const loaded = all.filter(([, , i]) => loadOf(run, frame, i) === name);
+    if (!loaded.length) continue;
+    c.fillStyle = sign.colour;
+    c.beginPath();
+    for (const [x, y, i] of loaded)
+      shape(c, sign.shape, x - Math.cos(view.turn[i]) * LOOK.cargo_behind * sizes[i], y + Math.sin(view.turn[i]) * LOOK.cargo_behind * sizes[i],
+        (LOOK.cargo_half * sizes[i] * sign.half) / LOOK.item.half);
+    c.fill();
+    c.stroke();
+  }
   if (layers.contacts) {
     c.strokeStyle = LOOK.contact;
     c.lineWidth = 3;
@@ -153,13 +156,6 @@ export function drawRobots(view, c, frame, chosen, layers, colours) {
   view.discs = all.map(([x, y, i]) => [x, y, sizes[i], i]);
 }
 
-/** Add the mark of a model to the path. @param {CanvasRenderingContext2D} c @param {string} shape @param {number} x @param {number} y @param {number} half */
-function mark(c, shape, x, y, half) {
-  if (shape === "square") c.rect(x - half, y - half, 2 * half, 2 * half);
-  if (shape === "diamond") diamond(c, x, y, half);
-  if (shape === "disc") { c.moveTo(x + half, y); c.arc(x, y, half, 0, 7); }
-}
-
 /**
  * Draw robots that are too small for discs.
  * @param {WorldView} view @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Layers} layers @param {Colours} colours
@@ -176,8 +172,9 @@ function drawSquares(view, c, frame, chosen, layers, colours, groups) {
         c.fillStyle = LOOK.contact;
         c.fillRect(Math.round(x) - 3, Math.round(y) + 4, 7, 2);
       }
-      if (view.run.tracks.has("cargo") && valueAt(view.run, "cargo", frame, i) >= 0) {
-        c.fillStyle = LOOK.item.colour;
+      const load = loadOf(view.run, frame, i);
+      if (load) {
+        c.fillStyle = LOOK.signs[load].colour;
         c.fillRect(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
       }
       if (i === chosen) {

@@ -44,6 +44,7 @@ export const WORDS = {
   found: "A robot has picked an item.",
   recycled: "A robot has brought an item to a recycling station.",
   dumped: "A robot has brought the leftovers of an item to a dump: the item is done.",
+  put: "A robot has put down an item.",
   contact: "Two robots came closer than the first collision distance.",
   stopped: "A collision stops a robot for a while.",
   switch: "A robot holds another option than before.",

@@ -1,9 +1,9 @@
 // @ts-check
 /** The world of a run on a canvas. */
-import { settingOf, valueAt } from "./recording.js";
+import { placesOf, settingOf, valueAt } from "./recording.js";
 import { Field, shorter } from "./course.js";
 import { LOOK } from "./look.js";
-import { drawField, drawItems, drawStations, drawThing, drawWalls, drawZones } from "./floor.js";
+import { drawField, drawSigns, drawThing, drawWalls, drawZones } from "./floor.js";
 import { drawNumbers, drawPaths, drawReach, drawRobots, drawSeen } from "./robots.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {import("./look.js").Colours} Colours */
@@ -101,8 +101,8 @@ export class WorldView {
       if (d < least && d <= Math.max(NEAR, size * this.scale)) [best, least] = [{ kind, number }, d];
     };
     for (const i of this.rows) take("robot", i, this.x[i], this.y[i], settingOf(run, i, "radius"));
-    for (let k = 0; k < run.head.items; k++)
-      if (valueAt(run, "item_stage", frame, k) === 0) take("item", k, valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k), LOOK.item.half);
+    for (const one of run.head.drawn ?? [])
+      if (one.at === "item") for (const [x, y, k] of placesOf(run, one, frame)) take("item", k, x, y, LOOK.item.half);
     return best;
   }
 
@@ -133,12 +133,12 @@ export class WorldView {
     c.fillRect(0, 0, this.wide, this.high);
     if (layers.fields) drawField(this, c, frame);
     drawZones(this, c, colours);
-    drawStations(this, c, frame);
+    drawSigns(this, c, frame, colours, true);
     for (const thing of run.head.things ?? []) drawThing(this, c, thing, frame, share, colours);
     if (layers.paths) drawPaths(this, c, frame, chosen, colours);
     if (layers.seen) drawSeen(this, c, frame, chosen, colours);
     if (layers.reach || layers.view) drawReach(this, c, frame, chosen, layers);
-    drawItems(this, c, frame, colours);
+    drawSigns(this, c, frame, colours, false);
     if (layers.walls) drawWalls(this, c, colours);
     [this.discs, this.numbers] = [[], []];
     drawRobots(this, c, frame, chosen, layers, colours);
