@@ -16,11 +16,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.events import Event, Join
-from clean_swarm_env.config.items import items_of
 from clean_swarm_env.config.known import knowing
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
-from clean_swarm_env.config.tasks import TaskSettings, find_task
+from clean_swarm_env.config.tasks import TaskSettings, find_task, items_of
 from clean_swarm_env.config.types import ArrivalRate, Items, Length, Point, Robots, Scenarios
 from selector.documents.errors import DocumentError, impossible, validated
 from selector.documents.fields import Closed, Label, Name, Positive, Share

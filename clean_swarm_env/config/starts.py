@@ -13,10 +13,9 @@ from typing import Annotated, Final, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config.items import NO_ITEMS, items_of, with_items
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.robots import models_of_rows, of_each
-from clean_swarm_env.config.tasks import TaskSettings
+from clean_swarm_env.config.tasks import NO_ITEMS, TaskSettings, items_of, with_items
 from clean_swarm_env.config.types import ConfigurationError, Point
 from selector.documents.errors import impossible, shown, validated
 from selector.documents.fields import Closed, Positive

@@ -15,7 +15,7 @@ from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.sampled import things_of, walls_shown, zones_shown
-from clean_swarm_env.world.parts.shown import ROBOT, AnyArray, Counted, Drawn, within
+from clean_swarm_env.world.parts.shown import ROBOT, AnyArray, Counted, Drawn, chosen_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
@@ -215,16 +215,12 @@ def signs_of(drawn: Iterable[Drawn], values: Mapping[str, AnyArray], there: Flag
     loads: list[str] = []
     load = np.full(len(there), NOTHING)
     for one in drawn:
-        chosen = np.ones(len(there) if one.at == ROBOT else len(values[one.at]), dtype=np.bool_)
-        for name, span in one.where.items():
-            chosen &= within(values[name], span)
+        chosen = chosen_of(one, values, len(there) if one.at == ROBOT else len(values[one.at]))
         if one.at == ROBOT:
             load[chosen] = len(loads)
             loads.append(one.sign)
         else:
-            numbers = np.flatnonzero(chosen)
-            own = numbers if one.numbers is None else numbers[np.isin(numbers, one.numbers)]
-            signs.append(SignedThings(one.sign, values[one.at][own] - corner, one.radius))
+            signs.append(SignedThings(one.sign, values[one.at][chosen] - corner, one.radius))
     return {"signs": tuple(signs), "loads": tuple(loads), "load": load[there] if loads else None}
 
 

@@ -10,7 +10,7 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.world.parts.shown import ROBOT, WORLD, AnyArray, within
+from clean_swarm_env.world.parts.shown import ROBOT, WORLD, AnyArray, in_span
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.elementary import unit_vectors
@@ -85,11 +85,11 @@ class GlobalState:
         for one in shown:
             parts = course if one.axis == WORLD else found.setdefault(one.axis, {})
             for name, part in one.parts.items():
-                parts[name] = part if isinstance(part, np.ndarray) else within(one.values, part)
+                parts[name] = part if isinstance(part, np.ndarray) else in_span(one.values, part)
             if one.values.ndim == 3:
                 places = self._places(one.values)
                 for name, span in one.where.items():
-                    places[~within(by_name[name], span)] = 0.0
+                    places[~in_span(by_name[name], span)] = 0.0
                 parts["x"], parts["y"] = places[..., 0], places[..., 1]
         found[ROBOT] |= {name: c.held == number for name, (c, number) in self._holds.items()}
         return {axis: parts for axis, parts in found.items() if parts} | {WORLD: course}

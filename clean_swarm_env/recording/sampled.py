@@ -138,13 +138,16 @@ def _movements(robots: int, movements: Movements) -> Iterator[Sampled]:
 
 
 def networks_of(worlds: Worlds) -> dict[str, Any]:
-    """Return the head's entries about networks: names along the axes of their channels, and the words of reasons."""
+    """Return the head's entries about networks: names along the axes of their channels, and what is said of robots."""
     found = {"robot": worlds.network}
     for c in worlds.coordinators:
         names = zip(c.model.options, c.contents, strict=True)
         found |= {f"{c.model.goal}/{name}": content.network for name, content in names}
     found |= {nested.name: nested.network for nested in worlds.minds.nested}
+    task = worlds.task
     return {
+        "task_words": {"doing": task.doing, "searching": task.searching, "sees": task.sees},
+        "destinations": [one._asdict() for one in task.destinations()],
         "terms": BEHAVIOUR_TERMS,
         "reasons": [st.WORDS[code] for code in range(len(st.WORDS))],
         "networks": {prefix: _described(network) for prefix, network in found.items()},

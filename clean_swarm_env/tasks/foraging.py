@@ -1,6 +1,5 @@
 """Foraging: robots find food, bring it to the nest, and lay a trail by which others find it."""
 
-from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
@@ -9,6 +8,7 @@ from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.config.types import Index
 from clean_swarm_env.world.by_hand import WORLD, by_hand, free_place
 from clean_swarm_env.world.parts.measure import Achievement, Measure
+from clean_swarm_env.world.parts.shown import Destination
 from clean_swarm_env.world.parts.things import TaskState, Things, WorldStart
 from clean_swarm_env.world.task import Task
 from selector.documents.fields import Number
@@ -74,12 +74,9 @@ class Foraging(Task[TaskSettings, Food]):
         """Forget what robots in `rows` (K,) carried that are taken away or fail: nobody brings it."""
         self.state.carried[rows] = False
 
-    def target(self, row: int, read: Mapping[str, float]) -> tuple[str, float] | None:
+    def destinations(self) -> tuple[Destination, ...]:
         """Return the nest for a robot with an item, else the nearest food, if it sees any."""
-        world = self.world
-        if read.get("carrying"):
-            return "the nest", world.nearest(row, world.ground.centre[None])
-        return ("food", world.nearest(row, self.state.patches[row // world.robots])) if read.get(self.sees) else None
+        return (Destination("the nest", "nest", {"carrying": True}), Destination("food", "food", {self.sees: True}))
 
     def after_moving(self) -> None:
         """Count the items that robots have put down at the nest."""

@@ -19,6 +19,7 @@ from clean_swarm_env.config.starts import StartsFile
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.parts.measure import Achievement
+from clean_swarm_env.world.parts.shown import Destination, chosen_of
 from clean_swarm_env.world.parts.things import TaskState, Things, WorldStart
 from clean_swarm_env.world.staged import StagedTask
 from clean_swarm_env.world.view import TaskView
@@ -45,9 +46,9 @@ class Task(StagedTask, ABC, Generic[S, T]):
     You may write what there is (`State`, `sizes`, `place`, `things`, `known`), how it goes on (`after_moving`, `done`,
     `bend`, `command`, `command_baseline`), what learners see and get (`observe`, `reward`, `terms`, `achievements` with
     `achieved`, `totals`, `phases` with `phase`), how the task looks (`shown`, `drawn`, `headline`), and what is said of
-    it (`doing`, `searching`, `sees`, `target`, `cost_so_far`, `cost_words`, `kind_of`, `missed`, `excess`). You never
-    need to loop over robots, and will not need the rest: robots start anywhere, nothing else is there, and the mission
-    ends with its time.
+    it (`doing`, `searching`, `sees`, `destinations`, `cost_so_far`, `cost_words`, `kind_of`, `missed`, `excess`). You
+    never need to loop over robots, and will not need the rest: robots start anywhere, nothing else is there, and the
+    mission ends with its time.
 
     A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `play`,
     recordings, states and training then take it as they take cleaning.
@@ -161,9 +162,20 @@ class Task(StagedTask, ABC, Generic[S, T]):
     def target(self, row: int, read: Mapping[str, float]) -> tuple[str, float] | None:
         """Return the place that a robot is going to: a word for it, and the distance [m]; `read`: sensor -> reading.
 
-        The distance is -1 if it is not known.
+        It is the first of the `destinations` that the readings fit. The distance is -1 if it is not known.
         """
+        world = row // self.world.robots
+        values = {one.name: one.values[world] for one in self.shown() if one.values.ndim > 1}
+        for one in self.destinations():
+            if all((read.get(sensor, 0.0) > 0.0) == wanted for sensor, wanted in one.when.items()):
+                places = values[one.at][chosen_of(one, values, len(values[one.at]))]
+                away = self.world.nearest(row, places) if one.certain and len(places) else -1.0
+                return (one.word, away) if len(places) else None
         return None
+
+    def destinations(self) -> tuple[Destination, ...]:
+        """Return the places that robots go to: what `explain` and pages say of a robot, and draw."""
+        return ()
 
     def achieved(self) -> Mapping[str, Ints | Flags]:
         """Return how often each robot achieved something in the last control period: name -> (R,), all of them."""

@@ -13,8 +13,8 @@ from typing import Annotated, Any
 import numpy as np
 
 from clean_swarm_env.config.frames import check_frame
-from clean_swarm_env.config.items import NO_ITEMS, items_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.tasks import NO_ITEMS, items_of
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.physics.rays import Bodies

@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, scenario_name
-from clean_swarm_env.config.items import items_keep_coming
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.config.types import ConfigurationError
 from docs.comparison.headroom import scenario_kinds
 from docs.comparison.manifest import OFF, TOLD, Compared, Manifest

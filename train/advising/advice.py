@@ -14,8 +14,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
-from clean_swarm_env.config.items import items_keep_coming
 from clean_swarm_env.config.load import load_family, random_starts
+from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class

@@ -13,8 +13,8 @@ from typing import Any, Final
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
-from clean_swarm_env.config.items import items_keep_coming
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import Task, task_class

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.items import items_keep_coming
+from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.world.task import Task, task_class
 from selector.documents.trust import BASELINE
 from selforg.arrays import Floats

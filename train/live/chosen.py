@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
-from clean_swarm_env.config.items import item_rows, with_items
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_either, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.task_names import task_names
-from clean_swarm_env.config.tasks import with_changes
+from clean_swarm_env.config.tasks import item_rows, with_changes, with_items
 from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
 from clean_swarm_env.recording.file import SUFFIX
 from clean_swarm_env.recording.reader import RecordedMission

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from clean_swarm_env.config.items import item_rows
+from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch

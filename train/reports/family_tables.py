@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from clean_swarm_env.config.items import items_keep_coming
+from clean_swarm_env.config.tasks import items_keep_coming
 from train.analysis.family_report import FamilyReport
 from train.analysis.intervals import Estimate
 from train.analysis.robustness_report import RobustnessReport

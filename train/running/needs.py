@@ -11,8 +11,8 @@ from math import ceil
 from pathlib import Path
 from shutil import disk_usage
 
-from clean_swarm_env.config.items import item_rows
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.config.types import ConfigurationError
 
 PROCESS, PER_ROBOT, PER_MESSAGE, PER_POSE, PER_ITEM, PER_NUMBER = 200e6, 50e3, 300.0, 64.0, 200.0, 12.0

@@ -7,9 +7,9 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.events import Event, Land, MoveSpots, MoveStations, Respawn
-from clean_swarm_env.config.items import expected_items, items_keep_coming, items_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import Places
+from clean_swarm_env.config.tasks import expected_items, items_keep_coming, items_of
 from clean_swarm_env.tasks.cleaning.garbage import Arrivals
 from clean_swarm_env.tasks.cleaning.site import Site
 from clean_swarm_env.world.agenda import own_streams

@@ -6,8 +6,8 @@
 from typing import Final, NamedTuple
 
 from clean_swarm_env.config.events import Land, Respawn, happening
-from clean_swarm_env.config.items import expected_items, items_keep_coming, items_of
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import expected_items, items_keep_coming, items_of
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from selforg.compiler.decorators import part
 

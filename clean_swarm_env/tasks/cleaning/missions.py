@@ -9,9 +9,9 @@ import numpy as np
 from clean_swarm_env.config.events import Land, MoveSpots, MoveStations, Respawn
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.free_places import check_place
-from clean_swarm_env.config.items import expected_items, rows_only
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import StartsFile
+from clean_swarm_env.config.tasks import expected_items, rows_only
 from clean_swarm_env.config.types import Point
 from clean_swarm_env.tasks.cleaning.draws import Room, draw_events, random_spots, random_stations
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of

@@ -5,9 +5,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config.items import ItemsConfig
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import TaskSettings
+from clean_swarm_env.config.tasks import ItemsConfig, TaskSettings
 from clean_swarm_env.config.types import Point, Wait
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Flag, NonNegative, Positive, Share

@@ -6,12 +6,12 @@ from typing import Annotated, Final
 
 import numpy as np
 
-from clean_swarm_env.config.items import item_rows
+from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.tasks.cleaning.records import FLOOR, FloorRecord
-from clean_swarm_env.tasks.cleaning.settings import settings_of
+from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING, settings_of
 from clean_swarm_env.world.view import TaskView
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
@@ -33,6 +33,7 @@ class Site:
         garbage: the items, and which robot carries which.
         stations: (W, K, 2) places of the stations [m], in the order of `StationsConfig.places`.
         kinds: (K,) kinds of the stations.
+        of_kind: numbers of the stations of each kind.
         packed: the record that compiled code takes.
 
     """
@@ -48,6 +49,7 @@ class Site:
         self.garbage = Garbage(world.worlds, count, world.robots)
         self.stations = np.tile(np.array(task.stations.places), (world.worlds, 1, 1))
         self.kinds = np.array(task.stations.kinds, dtype=np.int64)
+        self.of_kind = [np.flatnonzero(self.kinds == kind).tolist() for kind in (RECYCLING, DUMP)]
         sight = config.diffusion + config.goal_radius + config.view_distance
         own = world.of_each("sight")
         sights, room = np.where(own > 0.0, own, sight), world.of_each("carries").astype(np.int64)

@@ -13,9 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.events import Event
-from clean_swarm_env.config.items import items_keep_coming
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import TASKS
+from clean_swarm_env.config.tasks import TASKS, items_keep_coming
 from clean_swarm_env.physics.rays import Bodies
 from clean_swarm_env.tasks.cleaning import missions
 from clean_swarm_env.tasks.cleaning.cargo import (
@@ -35,7 +34,7 @@ from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more,
 from clean_swarm_env.tasks.cleaning.rounds import Rounds
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
-from clean_swarm_env.world.parts.shown import NO_END, ROBOT, WORLD, Counted, Drawn, Shown
+from clean_swarm_env.world.parts.shown import NO_END, ROBOT, WORLD, Counted, Destination, Drawn, Shown
 from clean_swarm_env.world.parts.things import TaskState, WorldStart
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.task import Task
@@ -237,16 +236,17 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         """Return the part of the cost that no team could avoid [s], because garbage comes when it comes."""
         return unavoidable_cost(self.world.missions[world], self.comings.came(world))
 
-    def target(self, row: int, read: Mapping[str, float]) -> tuple[str, float] | None:
+    def destinations(self) -> tuple[Destination, ...]:
         """Return the nearest station for a robot with an item, else the nearest item, if it sees any."""
-        world, recycled = row // self.world.robots, bool(read["recycled"])
-        if read["carrying"]:
-            stations = self.stations[world, self.site.kinds == recycled]
-            goals = [one.model.goal for one in self.world.minds.coordinators]
-            chosen = len(stations) > 1 and "Transport" in goals
-            return "a dump" if recycled else "recycling", -1.0 if chosen else self.world.nearest(row, stations)
-        lying = self.garbage.positions[world, self.garbage.stage[world] == LYING]
-        return ("an item", self.world.nearest(row, lying)) if read[self.sees] and len(lying) else None
+        moved = any(one.model.goal == "Transport" for one in self.world.minds.coordinators)
+        stations = [
+            Destination(
+                word, "station", {"carrying": True, "recycled": bool(kind)}, {}, numbers, len(numbers) == 1 or not moved
+            )
+            for kind, (word, numbers) in enumerate(zip(("recycling", "a dump"), self.site.of_kind, strict=True))
+        ]
+        item = Destination("an item", "item", {"carrying": False, self.sees: True}, {"item_stage": (LYING, LYING)})
+        return (*stations, item)
 
     def totals(self) -> dict[str, Ints]:
         """Return the items dumped."""
@@ -315,7 +315,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def drawn(self) -> tuple[Drawn, ...]:
         """Return the signs of stations, of items that lie, and of cargo."""
-        recycling, dump = (np.flatnonzero(self.site.kinds == kind).tolist() for kind in range(2))
+        recycling, dump = self.site.of_kind
         fresh, left, some, lies = (0, 0), (1, 1), (0, NO_END), (LYING, LYING)
         reach = self.settings.stations.reach
         return (

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from clean_swarm_env.config.tasks import TaskSettings
-from clean_swarm_env.world.parts.shown import ROBOT, SIGNS, WORLD, Drawn, Shown
+from clean_swarm_env.world.parts.shown import ROBOT, SIGNS, WORLD, Destination, Drawn, Shown
 from clean_swarm_env.world.parts.things import Things
 from selector.coordination.robot_network import RobotNetwork
 from selforg.gradients.buffer import SoBuffer
@@ -75,15 +75,15 @@ def _shown(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
     return len(names) == len(answer)
 
 
+def _is_shown(task: Any, one: Drawn | Destination, *others: str) -> bool:  # noqa: ANN401
+    """Return whether a task shows where something is, or at `others`, and the arrays that choose it."""
+    known = {shown.name: shown.values.ndim for shown in task.shown()}
+    return (one.at in others or known.get(one.at) == 3) and one.where.keys() <= known.keys()
+
+
 def _drawn(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
     """Return whether signs are drawn for what is shown."""
-    known = {one.name: one for one in task.shown()}
-    return _all(Drawn, answer) and all(
-        one.sign in SIGNS
-        and (one.at == ROBOT or (one.at in known and known[one.at].values.ndim == 3))
-        and one.where.keys() <= known.keys()
-        for one in answer
-    )
+    return _all(Drawn, answer) and all(one.sign in SIGNS and _is_shown(task, one, ROBOT) for one in answer)
 
 
 OF_WORLDS: Final = "arrays of finite numbers ({0.world.worlds},) by name"
@@ -169,6 +169,10 @@ TASK_PROMISES: Final[Promises] = {
             answer is None
             or (isinstance(answer, tuple) and _all(str, answer[:1]) and len(answer) == 2 and are_numbers(answer[1]))
         ),
+    ),
+    "destinations": (
+        "a tuple of Destination at places that are shown, `where` shown arrays are",
+        lambda task, answer: _all(Destination, answer) and all(_is_shown(task, one) for one in answer),
     ),
     "achieved": (
         "whole numbers or flags ({0.world.rows},), those of the achievements",

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics.rays import Bodies
-from selforg.arrays import Flags
+from selforg.arrays import Flags, Ints
 
 AnyArray = NDArray[Any]
 Span = tuple[int, int]
@@ -25,7 +25,7 @@ NO_END: Final = 1 << 30
 """Most that a range of `Drawn.where` has where it has no end."""
 
 
-def within(values: AnyArray, span: Span) -> Flags:
+def in_span(values: AnyArray, span: Span) -> Flags:
     """Return which values lie within a span."""
     flags: Flags = values == span[0] if span[0] == span[1] else (values >= span[0]) & (values <= span[1])
     return flags
@@ -74,6 +74,31 @@ class Drawn(NamedTuple):
     def __repr__(self) -> str:
         """Return sign and place, for errors."""
         return f"{self.sign} at {self.at}"
+
+
+class Destination(NamedTuple):
+    """A place that robots go to: the nearest of some of the things that a task shows."""
+
+    word: str
+    at: str
+    """`Shown.axis` of the things, whose places have the same name."""
+    when: Mapping[str, bool]
+    """Sensor of the robot -> whether it then reads more than 0."""
+    where: Mapping[str, Span] = {}
+    """As in `Drawn`."""
+    numbers: Sequence[int] | None = None
+    certain: bool = True
+    """Whether the robot goes to the nearest of them; else nobody knows how far it is."""
+
+
+def chosen_of(one: Drawn | Destination, values: Mapping[str, AnyArray], count: int) -> Ints:
+    """Return the numbers (K,) of the things or robots, `count` in all, that are meant; `values` of a world by name."""
+    flags: Flags = np.ones(count, dtype=np.bool_)
+    for name, span in one.where.items():
+        flags &= in_span(values[name], span)
+    if one.numbers is not None:
+        flags &= np.isin(np.arange(count), one.numbers)
+    return np.flatnonzero(flags)
 
 
 class Counted(NamedTuple):

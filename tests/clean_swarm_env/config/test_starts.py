@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clean_swarm_env.config.frames import frame_of
-from clean_swarm_env.config.items import item_rows
 from clean_swarm_env.config.load import load_experiment, load_mission, random_starts
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import Places, for_start, nearest_distance, random_start, run_seed
+from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import TASKS, ItemsConfig, Task, TaskSettings, TaskState

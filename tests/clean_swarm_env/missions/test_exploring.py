@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.items import with_items
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance
+from clean_swarm_env.config.tasks import with_items
 from selforg.gradients.queries import Filter, Queries
 from tests.clean_swarm_env.courses import begun, coordinated, snapshot, ticked
 

@@ -9,7 +9,18 @@ from gymnasium.utils.env_checker import check_env
 
 import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
 from clean_swarm_env import Batch, clean_swarm_v0
-from clean_swarm_env.tasks import TASKS, Achievement, Drawn, Measure, Shown, Task, TaskSettings, TaskState, Things
+from clean_swarm_env.tasks import (
+    TASKS,
+    Achievement,
+    Destination,
+    Drawn,
+    Measure,
+    Shown,
+    Task,
+    TaskSettings,
+    TaskState,
+    Things,
+)
 from clean_swarm_env.testing import check_task
 from selforg.plugins import PluginError
 from tests.clean_swarm_env.courses import begun
@@ -156,6 +167,7 @@ WRONG = {
         lambda self: None, lambda self: (Drawn("nowhere", "item"),), lambda self: (Drawn("robot", "unicorn"),),
         lambda self: (Drawn("robot", "item", {"load": (0, 1)}),),
     ],
+    "destinations": [lambda self: None, lambda self: (Destination("a den", "den", {}),)],
     "goals": [classmethod(lambda cls, *_: 7), classmethod(lambda cls, *_: ())],
     "__init__": [lambda self, world: None],
 }  # fmt: skip
@@ -189,7 +201,7 @@ def lived(cls):
     while not batch.finished:
         batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
     task = batch.worlds.task
-    task.headline(0), task.target(0, {}), task.totals(), task.cost_so_far(0, task.result())
+    task.headline(0), task.target(0, {}), task.destinations(), task.totals(), task.cost_so_far(0, task.result())
     task.cost_words(batch.mission), task.kind_of(batch.mission), task.shown(), task.drawn()
 
 

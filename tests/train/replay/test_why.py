@@ -59,7 +59,11 @@ def test_the_sentence_follows_the_rules(expected):
 @pytest.mark.long
 def test_the_page_makes_the_same_sentences(opened):
     page = opened()
-    said = page.evaluate("cases => cases.map(replay.sentenceOf)", [asdict(facts) for facts in CASES.values()])
+    words = {"doing": Cleaning.doing, "searching": Cleaning.searching, "sees": Cleaning.sees}
+    said = page.evaluate(
+        "([cases, words]) => cases.map((facts) => replay.sentenceOf(facts, words))",
+        [[asdict(facts) for facts in CASES.values()], words],
+    )
     assert said == list(CASES)
 
 

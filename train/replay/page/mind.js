@@ -90,7 +90,7 @@ export function panelOf(run, frame, robot, beside = "") {
   const works = valueAt(run, "working", frame, robot), there = valueAt(run, "present", frame, robot);
   const load = loadOf(run, frame, robot), carries = head.drawn?.some(({ at }) => at === "robot");
   parts.push(`<div class="turn"><h2>Robot ${robot}</h2> <button data-turn="-1" title="The robot before (down).">before</button> <button data-turn="1" title="The next robot (up).">next</button></div><p>${plain(titleOf(run, frame))}</p>`);
-  if (run.tracks.has("command_x")) parts.push(`<p class="because" data-sentence>${plain(sentenceOf(factsOf(run, frame, robot)))}</p>`);
+  if (run.tracks.has("command_x")) parts.push(`<p class="because" data-sentence>${plain(sentenceOf(factsOf(run, frame, robot), head.task_words))}</p>`);
   parts.push(beside);
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
   parts.push(`<p>It is at <span data-channel="x">${fixed(valueAt(run, "x", frame, robot), 3)}</span> m,

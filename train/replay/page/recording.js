@@ -11,7 +11,7 @@
  *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
  *   networks?: Record<string, NetworkNames>, models?: number[], walls?: [number, number, number, number][], zones?: [string, number, number, number, number][], shown?: [number, number], field?: number,
  *   things?: Thing[], option_words?: Record<string, string[]>, inputs?: string[],
- *   policies?: Record<string, import("./policy.js").Policy>, drawn?: Drawn[], targets?: Target[], task_words?: TaskWords,
+ *   policies?: Record<string, import("./policy.js").Policy>, drawn?: Drawn[], destinations?: Destination[], task_words?: TaskWords,
  *   counted?: {name: string, done: number, about: string},
  *   prices?: {event: number, sample: number, limit: number, left: number, items: number}}} Head; models: number of each robot's model, if they differ; of tasks other than cleaning: field, the longer
  *   side of the ground, or of the rectangle of open land in which robots start [m], and the things
@@ -20,7 +20,7 @@
  * @typedef {{at: string, where: Record<string, [number, number]>, numbers: number[] | null}} Chosen some of the things or robots: where: name of a channel and its
  *   least and largest value; numbers: null for all
  * @typedef {Chosen & {sign: string, radius: number}} Drawn
- * @typedef {Chosen & {word: string, when: Record<string, boolean>, certain: boolean}} Target when: sensor, and whether it reads more than 0
+ * @typedef {Chosen & {word: string, when: Record<string, boolean>, certain: boolean}} Destination when: sensor, and whether it reads more than 0
  * @typedef {{doing: Record<string, string>, searching: Record<string, string>, sees: string}} TaskWords
  * @typedef {{tick: number, do: string, robot?: number, robots?: number[], strategy?: string}} Change what was done by hand before a frame was decided
  * @typedef {{first: number, frames: number, sizes: [number, number][], deposits?: DepositKind[], by_hand?: Change[], made?: number}} Directory

@@ -1,6 +1,6 @@
 // @ts-check
 /** Why a robot moves as it does: facts of a frame, one sentence made of them by rules, and arrows in the world. */
-import { valueAt } from "./recording.js";
+import { placesOf, valueAt } from "./recording.js";
 import { shorter } from "./course.js";
 import { LOOK } from "./look.js";
 /** @typedef {import("./recording.js").Run} Run */
@@ -8,7 +8,7 @@ import { LOOK } from "./look.js";
 /**
  * What the sentence is made of; `train/evaluation/why.py` has the same facts and the same rules. wish, command: [m/s]; heading [rad];
  * causes: robot and distance [m]; share: of the second cause; target: word and distance [m], -1 if it is not known; unseen: time
- * since the robot last saw garbage, -1 for a robot that looks for none [s].
+ * since the robot last saw what it looks for, -1 for one that looks for nothing [s].
  * @typedef {{state: string, stands: number, running: string[], wish: [number, number], command: [number, number], heading: number,
  *   causes: [number, number][], share: number, target: [string, number] | null, unseen: number}} Facts
  */
@@ -16,8 +16,6 @@ import { LOOK } from "./look.js";
 const STRAIGHT = 0.17; // [rad] up to which a robot goes straight on, ten degrees
 const SLOW = 0.05; // [m/s] that a difference of speeds must have to count
 const COUNTS = 0.25; // share from which a second neighbour is named
-const DOING = /** @type {Record<string, string>} */ ({ PickGarbage: "picks an item", Recycle: "recycles its item", Dump: "dumps its leftovers" });
-const PATROLS = ["Patrol", "ExplorationPatrol"];
 const LEAST_LINE = 33; // length from which a line to a neighbour has its share beside it [pixels]
 const AVOIDS = "AvoidCollision";
 
@@ -27,30 +25,21 @@ function reading(run, name, frame, robot) {
   return k < 0 ? NaN : valueAt(run, "robot/readings", frame, robot * sensors.length + k);
 }
 
-/** Return where a robot wants to go, by what it carries and sees: word, place and distance [m]; null without a target. @param {Run} run @param {number} frame @param {number} robot */
+/** Return where a robot wants to go, by what it reads: word, place and distance [m]; null without a target. @param {Run} run @param {number} frame @param {number} robot */
 export function targetOf(run, frame, robot) {
-  if (!run.tracks.has("station_x") || !run.head.networks) return null;
-  const { width, height, mission } = run.head, x = valueAt(run, "x", frame, robot), y = valueAt(run, "y", frame, robot);
-  const carries = reading(run, "carrying", frame, robot), recycled = reading(run, "recycled", frame, robot);
-  const { further_recycling = [], further_dumps = [] } = mission.task?.stations ?? mission.stations;
-  const kinds = [0, 1, ...further_recycling.map(() => 0), ...further_dumps.map(() => 1)];
-  /** @type {[number, number][]} */
-  let places = [];
-  const word = carries ? (recycled ? "a dump" : "recycling") : "an item";
-  if (carries) places = kinds.flatMap((kind, k) => (kind === (recycled ? 1 : 0) ? [[valueAt(run, "station_x", frame, k), valueAt(run, "station_y", frame, k)]] : []));
-  else if (reading(run, "garbage_seen", frame, robot) > 0)
-    for (let k = 0; k < run.head.items; k++)
-      if (valueAt(run, "item_stage", frame, k) === 0) places.push([valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k)]);
-  const far = places.map(([px, py]) => Math.hypot(shorter(px - x, width), shorter(py - y, height)));
-  if (!places.length) return null;
-  const nearest = far.indexOf(Math.min(...far)), certain = !carries || places.length === 1 || !("Transport" in run.head.options);
-  return { word, place: places[nearest], distance: certain ? far[nearest] : -1 };
+  const { width, height, destinations = [] } = run.head, x = valueAt(run, "x", frame, robot), y = valueAt(run, "y", frame, robot);
+  const one = destinations.find(({ when }) => Object.entries(when).every(([sensor, wanted]) => reading(run, sensor, frame, robot) > 0 === wanted));
+  const places = one ? placesOf(run, one, frame) : [], far = places.map(([px, py]) => Math.hypot(shorter(px - x, width), shorter(py - y, height)));
+  if (!one || !places.length) return null;
+  const [px, py] = places[far.indexOf(Math.min(...far))], place = /** @type {[number, number]} */ ([px, py]);
+  return { word: one.word, place, distance: one.certain ? Math.min(...far) : -1 };
 }
 
 /** Return the facts about a robot at a frame. @param {Run} run @param {number} frame @param {number} robot @returns {Facts} */
 export function factsOf(run, frame, robot) {
   const { head } = run, behaviours = head.networks?.robot.behaviours ?? [], most = causesOf(run);
   const x = valueAt(run, "x", frame, robot), y = valueAt(run, "y", frame, robot), target = targetOf(run, frame, robot);
+  const sees = head.task_words?.sees ?? "";
   /** @type {[number, number][]} */
   const causes = [];
   for (let k = 0; k < most; k++) {
@@ -58,7 +47,7 @@ export function factsOf(run, frame, robot) {
     if (who >= 0) causes.push([who, Math.hypot(shorter(valueAt(run, "x", frame, who) - x, head.width), shorter(valueAt(run, "y", frame, who) - y, head.height))]);
   }
   let since = frame;
-  while (since >= 0 && valueAt(run, "present", since, robot) && !(reading(run, "garbage_seen", since, robot) > 0)) since--;
+  while (since >= 0 && valueAt(run, "present", since, robot) && !(reading(run, sees, since, robot) > 0)) since--;
   return {
     state: valueAt(run, "working", frame, robot) ? "at work" : valueAt(run, "present", frame, robot) ? "failed" : "taken away",
     stands: valueAt(run, "standing", frame, robot) * head.period,
@@ -69,15 +58,15 @@ export function factsOf(run, frame, robot) {
     causes,
     share: most > 1 ? valueAt(run, "cause_share", frame, robot * most + 1) : 0,
     target: target && [target.word, target.distance],
-    unseen: Number.isNaN(reading(run, "garbage_seen", frame, robot)) ? -1 : (frame - since) * head.period,
+    unseen: Number.isNaN(reading(run, sees, frame, robot)) ? -1 : (frame - since) * head.period,
   };
 }
 
 /** Return how many neighbours are kept for a robot. @param {Run} run */
 const causesOf = (run) => (run.tracks.get("cause")?.columns ?? 0) / run.head.robots;
 
-/** Return one sentence about what a robot does and because of whom. @param {Facts} facts */
-export function sentenceOf({ state, stands, running, wish, command, heading, causes, share, target, unseen }) {
+/** Return one sentence about what a robot does and because of whom, in the words of a task. @param {Facts} facts @param {import("./recording.js").TaskWords | undefined} words */
+export function sentenceOf({ state, stands, running, wish, command, heading, causes, share, target, unseen }, { doing, searching } = { doing: {}, searching: {}, sees: "" }) {
   if (state !== "at work") return state === "failed" ? "does nothing: it has failed" : "is not there";
   if (stands > 0) return `stands after a collision, for ${stands.toFixed(1)} s more`;
   const to = target && (target[1] < 0 ? target[0] : `${target[0]}, ${target[1].toFixed(1)} m`);
@@ -87,12 +76,12 @@ export function sentenceOf({ state, stands, running, wish, command, heading, cau
     const before = wanted > SLOW ? Math.atan2(wish[1], wish[0]) : heading, turn = shorter(Math.atan2(command[1], command[0]) - before, 2 * Math.PI);
     const does = told < SLOW ? "stops" : turn > STRAIGHT ? "turns left" : turn < -STRAIGHT ? "turns right" : told < wanted - SLOW ? "slows down" : "keeps away";
     const who = `robot ${causes[0][0]}, ${causes[0][1].toFixed(1)} m away${causes.length > 1 && share >= COUNTS ? `, and robot ${causes[1][0]}` : ""}`;
-    return `${does} because of ${who}; would ${to ? `go to ${to}` : "patrol"}`;
+    return `${does} because of ${who}; would ${to ? `go to ${to}` : Object.values(searching)[0] ?? "go on"}`;
   }
-  const done = running.find((name) => name in DOING);
-  if (done) return DOING[done];
+  const done = running.find((name) => name in doing), looking = running.find((name) => name in searching);
+  if (done) return doing[done];
   if (to) return `goes to ${to}`;
-  if (running.some((name) => PATROLS.includes(name))) return `patrols: nothing seen for ${unseen.toFixed(0)} s`;
+  if (looking) return `${searching[looking]}s: nothing seen for ${unseen.toFixed(0)} s`;
   return running.length ? `runs ${running.join(" and ")}` : "does nothing: no behaviour runs";
 }
 
