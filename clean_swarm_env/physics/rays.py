@@ -137,8 +137,7 @@ class Rays:
             meet_discs(rows, fan.words, discs.words)
         if len(walls.record.segments):
             meet_walls(rows, fan.words, walls.words)
-        lengths: Floats = fan.record.lengths[rows]
-        return lengths
+        return fan.record.lengths[rows]
 
 
 @kernel

@@ -87,8 +87,7 @@ def things_of(worlds: Worlds, world: int, *, moving: bool = False) -> Iterator[d
 
 def walls_shown(worlds: Worlds) -> Floats:
     """Return x, y of either end of the walls (K, 4) [m]."""
-    segments: Floats = segments_of(worlds.mission.world) + np.tile(worlds.floor.ground.corner, 2)
-    return segments
+    return segments_of(worlds.mission.world) + np.tile(worlds.floor.ground.corner, 2)
 
 
 def zones_shown(worlds: Worlds) -> list[tuple[str, float, float, float, float]]:
