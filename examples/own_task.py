@@ -50,9 +50,8 @@ class Shepherding(Task[Flocking, Flock]):
 
     def things(self) -> tuple[Things, ...]:
         """Return what robots sense, by the channels that mechanisms read, and what recordings show."""
-        middle = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
         sheep = Things("sheep", self.state.sheep, diffusion=self.settings.fear, moves=True)
-        return (Things("centre", middle, diffusion=20.0, goal_radius=FENCE), sheep)
+        return (Things("centre", self.world.centres, diffusion=20.0, goal_radius=FENCE), sheep)
 
     def after_moving(self) -> None:
         """Let sheep flee from the nearest robot, in all worlds at once."""

@@ -162,8 +162,7 @@ class FamilyConfig(Closed):
             expected = f"a seed, an index and a world from 0 up and a split of {SPLITS}"
             raise ValueError(f"family {self.name!r}: expected {expected}, got {seed}, {index}, {world}, {split!r}")
         own = seed_of(self.name, seed, index, split)
-        sequence = np.random.SeedSequence(own, spawn_key=(SCENARIO,))
-        for_mission, for_start = sequence.spawn(2)
+        for_mission, for_start = np.random.SeedSequence(own, spawn_key=(SCENARIO,)).spawn(2)
         mission = self._mission(np.random.default_rng(for_mission))
         if self.starts and split == "test":
             start = self.starts[index % len(self.starts)]

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from clean_swarm_env.config.types import Point
-from clean_swarm_env.config.world import WorldConfig, wall_around
+from clean_swarm_env.config.world import WallConfig, WorldConfig
 from selector.documents.errors import impossible
 from selforg.arrays import Floats
 from selforg.walls.free_ground import FreeGround
@@ -77,7 +77,8 @@ def robots_that_fit(world: WorldConfig, radius: float, largest: float = 0.0) -> 
 
 def segments_of(world: WorldConfig) -> Floats:
     """Return all walls as segments (K, 4), x and y of either end [m], that around a field included."""
-    around = (wall_around(world.width, world.height),) if world.ground == "walled" else ()
+    corners = ((0.0, 0.0), (world.width, 0.0), (world.width, world.height), (0.0, world.height))
+    around = (WallConfig(corners=corners, closed=True),) if world.ground == "walled" else ()
     return np.concatenate([np.zeros((0, 4)), *(wall.segments for wall in (*world.walls, *around))])
 
 

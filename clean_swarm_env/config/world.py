@@ -36,11 +36,6 @@ class WallConfig(Closed):
         return pieces if self.closed else pieces[:-1]
 
 
-def wall_around(width: float, height: float) -> WallConfig:
-    """Return the wall around a field [m]."""
-    return WallConfig(corners=((0.0, 0.0), (width, 0.0), (width, height), (0.0, height)), closed=True)
-
-
 class ZoneConfig(Closed):
     """A rectangle of the ground in which messages are lost or robots are slow; where zones overlap the worse counts."""
 

@@ -183,9 +183,8 @@ class RecordedCourse:
 
 def drawn_channels(drawn: Iterable[Drawn]) -> dict[str, str]:
     """Return the names of the channels that signs need, and what each has a number for."""
-    found = {name: one.at for one in drawn for name in one.where}
     places = {f"{one.at}_{axis}": one.at for one in drawn if one.at != ROBOT for axis in "xy"}
-    return found | places
+    return {name: one.at for one in drawn for name in one.where} | places
 
 
 def pictured(head: Mapping[str, Any]) -> tuple[str, ...]:

@@ -65,8 +65,7 @@ def pixels_of(canvas: Canvas, side: int = SIDE, *, numbers: bool = True) -> Pixe
     picture = _Picture(canvas, side, numbers)
     renderer = RendererAgg(picture.width, picture.height, DPI)
     picture.draw(renderer)
-    drawn = np.asarray(renderer.buffer_rgba())
-    return np.stack([drawn[:, :, part] for part in range(3)], axis=-1)
+    return np.ascontiguousarray(np.asarray(renderer.buffer_rgba())[:, :, :3])
 
 
 def check_picture(output: Path) -> None:
@@ -153,8 +152,7 @@ class _Picture:
             for _, x, y in self._places(places, max(radius, sign.half)):
                 if radius > 0.0:
                     self._area(x, y, radius, sign.colour)
-                least = LEAST_STATION if sign.letter else 0.0
-                self._sign(sign, x, y, max(sign.half * self._scale, least))
+                self._sign(sign, x, y, max(sign.half * self._scale, LEAST_STATION if sign.letter else 0.0))
 
     def _draw_walls(self) -> None:
         """Draw walls."""
@@ -281,8 +279,7 @@ def trail_colours() -> Pixels:
     """Return the colour (256, 3) of each strength of pheromones."""
     paper, trail = (np.array(to_rgb(colour)) for colour in (LOOK.paper, LOOK.pheromones.colour))
     shares = np.linspace(0.0, LOOK.pheromones.opacity, 256)[:, None]
-    colours = 255.0 * (paper + shares * (trail - paper))
-    return np.asarray(colours.round(), dtype=np.uint8)
+    return np.asarray((255.0 * (paper + shares * (trail - paper))).round(), dtype=np.uint8)
 
 
 def _even(length: float) -> int:

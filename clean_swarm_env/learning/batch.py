@@ -246,8 +246,7 @@ class Batch:
             scenario = replace(scenario, start=start, mission=self.mission)
         self.doing[world] = scenario
         self.worlds.reset(world, scenario.start, scenario.seed, scenario.mission)
-        rows = self.worlds.rows_of(world)
-        self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
+        self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), self.worlds.rows_of(world))
         self.progress.reset(world)
         if self.recorder is not None:
             self.recorder.open(world, {"scenario": scenario.id, "seed": scenario.seed})

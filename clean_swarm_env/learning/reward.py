@@ -150,12 +150,6 @@ def own_rewards(chosen: object) -> OwnRewards | None:
     return rewards
 
 
-def further_of(config: WeightsConfig) -> list[tuple[OwnRewards, float]]:
-    """Return the registered reward terms that have a weight, each with it."""
-    chosen = ((own_rewards(REWARD_TERMS.find(name)), weight) for name, weight in config.__pydantic_extra__.items())
-    return [(function, weight) for function, weight in chosen if function is not None]
-
-
 class Prices(NamedTuple):
     """Weights of the reward by ticks in place of seconds; see `RewardConfig`."""
 
@@ -190,7 +184,8 @@ class Rewards:
         self._own, self._worlds, task = own_rewards(given), worlds, worlds.task
         weights: Any = given.model_dump(exclude_unset=True) if isinstance(given, RewardConfig) else given
         chosen = config_from(weights_of(task), None if self._own else weights, "reward")
-        self._further = further_of(chosen)
+        further = ((own_rewards(REWARD_TERMS.find(name)), weight) for name, weight in chosen.__pydantic_extra__.items())
+        self._further = [(function, weight) for function, weight in further if function is not None]
         paid: dict[str, float] = chosen.model_dump()
         self.weights = paid
         own = [*(paid[name] for name in counted_by(task)[1]), paid["collision"]]

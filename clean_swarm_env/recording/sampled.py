@@ -167,8 +167,7 @@ def _network(
     terms = channel("values", ("term", "behaviour"), shape, MILLI, "the terms of each behaviour")
     yield Sampled(terms, state.values, option)
     for name, (layer, about) in MARKS.items():
-        mark = channel(name, ("behaviour",), (behaviours,), 1, about)
-        yield Sampled(mark, state.marks[:, layer], option)
+        yield Sampled(channel(name, ("behaviour",), (behaviours,), 1, about), state.marks[:, layer], option)
     if option is None:  # the sensors of an option are among those of the robot
         about = "threshold, total activation before the step, and the threshold by which it decided"
         yield Sampled(channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about), state.row_values)

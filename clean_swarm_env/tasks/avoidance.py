@@ -94,8 +94,7 @@ class Crossing(Task[S, E]):
     def bend(self, commands: Commands) -> None:
         """Add the errand to the commands of other mechanisms."""
         adding = ~self.world.steers
-        moving = commands.commanded & adding
-        commands.vectors[adding & ~moving] = 0.0
+        commands.vectors[adding & ~commands.commanded] = 0.0
         commands.vectors[adding] += (self.world.max_speed * self.state.wanted)[adding]
         commands.commanded[adding], commands.in_place[adding] = True, False
 
@@ -107,8 +106,7 @@ class Crossing(Task[S, E]):
     def after_moving(self) -> None:
         """Count the progress of robots."""
         positions, state = self.world.floor.physics.positions, self.state
-        steps = self.world.ground.offsets(state.before, positions)
-        state.advance += (steps * state.wanted).sum(axis=1)
+        state.advance += (self.world.ground.offsets(state.before, positions) * state.wanted).sum(axis=1)
         state.before[:] = positions
 
     @property

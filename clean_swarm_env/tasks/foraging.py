@@ -64,10 +64,9 @@ class Foraging(Task[TaskSettings, Food]):
 
     def things(self) -> tuple[Things, ...]:
         """Return the food and the nest."""
-        nests = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
         return (
             Things("food", self.state.patches, diffusion=0.0, goal_radius=PATCH_RADIUS),
-            Things("nest", nests, diffusion=0.0, goal_radius=NEST_RADIUS),
+            Things("nest", self.world.centres, diffusion=0.0, goal_radius=NEST_RADIUS),
         )
 
     def lose(self, rows: Ints) -> None:

@@ -113,8 +113,7 @@ class CircleFormation(Task[TaskSettings, TaskState]):
 
     def things(self) -> tuple[Things, ...]:
         """Return the beacon."""
-        beacons = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
-        return (Things("centre", beacons, diffusion=5.0, goal_radius=CIRCLE),)
+        return (Things("centre", self.world.centres, diffusion=5.0, goal_radius=CIRCLE),)
 
     def command_baseline(self, commands: Commands) -> None:
         """Stand still."""

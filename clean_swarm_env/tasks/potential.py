@@ -65,9 +65,8 @@ class FollowPotentialField(Task[TaskSettings, Hills]):
 
     def things(self) -> tuple[Things, ...]:
         """Return the gradients of the field."""
-        tops = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
         return (
-            Things("field", tops, diffusion=HOLLOW, goal_radius=SOURCE_RADIUS),
+            Things("field", self.world.centres, diffusion=HOLLOW, goal_radius=SOURCE_RADIUS),
             Things("field", self.state.places, -1, diffusion=HILL),
         )
 
@@ -102,13 +101,11 @@ class FollowMaxPotential(Task[TaskSettings, Sources]):
 
     def things(self) -> tuple[Things, ...]:
         """Return the sources."""
-        reaches = np.array(SOURCE_REACHES)
-        return (Things("field", self.state.places, diffusion=reaches, goal_radius=SOURCE_RADIUS),)
+        return (Things("field", self.state.places, 1, np.array(SOURCE_REACHES), SOURCE_RADIUS),)
 
     def command_baseline(self, commands: Commands) -> None:
         """Go to the source that was nearest at the start, and stop at it."""
-        positions = self.world.floor.physics.positions
-        offsets = self.world.ground.offsets(positions, self.state.nearest)
+        offsets = self.world.ground.offsets(self.world.floor.physics.positions, self.state.nearest)
         away = np.linalg.norm(offsets, axis=1, keepdims=True)
         unit = offsets / np.maximum(away, 1e-12)
         commands.vectors[:] = np.where(away > self._at_source[:, None], self.world.max_speed * unit, 0.0)

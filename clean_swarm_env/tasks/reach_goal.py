@@ -53,8 +53,8 @@ class ReachGoal(Obstacles[BetweenSettings, ObstacleState]):
 
     def things(self) -> tuple[Things, ...]:
         """Return the goal and the obstacles."""
-        goals = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
-        return (Things("goal", goals, diffusion=FIELD, goal_radius=GOAL_AREA_RADIUS), *super().things())
+        goal = Things("goal", self.world.centres, diffusion=FIELD, goal_radius=GOAL_AREA_RADIUS)
+        return (goal, *super().things())
 
     def result(self) -> dict[str, Floats]:
         """Return how far the robots are from the goal, and how many obstacles they have hit."""

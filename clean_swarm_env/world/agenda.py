@@ -6,32 +6,22 @@ They depend only on the seed of the world, not on what robots do: all options th
 from __future__ import annotations
 
 from math import ceil
-from typing import Annotated, Final, Protocol
+from typing import Annotated, Final
 
 import numpy as np
 
 from clean_swarm_env.config.events import Calendar, Event, Fail, Join, Remove, SetDelivery
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.world.mission_end import NO_TICK
+from clean_swarm_env.world.staged import StagedTask
 from clean_swarm_env.world.team_changes import Place, Team
 from clean_swarm_env.world.view import TaskView
 from selforg.arrays import KEPT, Ints, derived
 
 OWN_STREAMS: Final = 0xFFFFFFFF
 """Spawn key of the streams of a world; the keys of its robots' streams are their numbers."""
-NO_TICK: Final = 1 << 62
-"""Tick of what never happens."""
 TOLERANCE: Final = 1e-9
 """Share of a tick by which times of events may be rounded."""
-
-
-class Happening(Protocol):
-    """What a task does when something happens by itself."""
-
-    def come(self, world: int, tick: int) -> int:
-        """Let come to a world what comes by itself up to a tick; return the tick at which more comes."""
-
-    def happen(self, world: int, event: Event) -> None:
-        """Let an event of the task itself happen in a world."""
 
 
 class Agenda:
@@ -50,7 +40,7 @@ class Agenda:
         self._joining: list[Place | None] = []
         self.due = 0
 
-    def run(self, number: int, world: TaskView, task: Happening) -> None:
+    def run(self, number: int, world: TaskView, task: StagedTask) -> None:
         """Apply the events due in the world of a `number`."""
         tick = int(world.ticks[number])
         task.come(number, tick)
@@ -73,7 +63,7 @@ class Agenda:
             team.add(world, place)
         return True
 
-    def _apply(self, event: Event, number: int, world: TaskView, task: Happening) -> None:
+    def _apply(self, event: Event, number: int, world: TaskView, task: StagedTask) -> None:
         team, first = world.team, number * world.robots
         if isinstance(event, Join):
             self._joining += [*event.places, *[None] * (event.robots - len(event.places))]
@@ -94,7 +84,7 @@ class Agendas:
     _agendas: Annotated[list[Agenda | None], "W", KEPT]
     _due: Annotated[Ints, "1", derived(0)]  # tick of the batch at which something happens next in any world
 
-    def __init__(self, world: TaskView, task: Happening) -> None:
+    def __init__(self, world: TaskView, task: StagedTask) -> None:
         self._world, self._task = world, task
         self._agendas = [None] * world.worlds
         self._due = np.array([NO_TICK])

@@ -1,8 +1,12 @@
 """The end of a mission: its task is done, or its time is over."""
 
+from typing import Final
+
 from clean_swarm_env.config.mission import MissionConfig
 from selforg.compiler.decorators import part
 
+NO_TICK: Final = 1 << 62
+"""Tick of what never happens."""
 RUNNING, COMPLETED, TIME_OVER = range(3)
 """States of a mission."""
 

@@ -18,7 +18,7 @@ from clean_swarm_env.config.events import Event
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskKind
 from clean_swarm_env.physics.rays import Bodies
-from clean_swarm_env.world.agenda import NO_TICK
+from clean_swarm_env.world.mission_end import NO_TICK
 from clean_swarm_env.world.parts.measure import Measure
 from clean_swarm_env.world.parts.promises import TASK_PROMISES
 from clean_swarm_env.world.parts.shown import NO_END, ROBOT, Counted, Drawn, Shown
@@ -191,8 +191,8 @@ class StagedTask(TaskKind, ABC):
         """Return how long the mission of a world has lasted if it is done, else its time limit [s]."""
         if not self.done()[world]:
             return self.world.missions[world].time_limit
-        ticks = max(int(self.world.ticks[world]) - 1, 0)  # the last thing was done at the beginning of its period
-        return ticks * self.world.period
+        # The last thing was done at the beginning of its period.
+        return max(int(self.world.ticks[world]) - 1, 0) * self.world.period
 
     # ---- what others show
 

@@ -112,6 +112,11 @@ class TaskView:
         return float(self.ground.distances(self.minds.poses.positions[row], places).min())
 
     @property
+    def centres(self) -> Floats:
+        """The middle of the ground in each world, as the place of a thing (W, 1, 2) [m]."""
+        return np.broadcast_to(self.ground.centre, (self.worlds, 1, 2))
+
+    @property
     def positions(self) -> Floats:
         """Positions of the robots (W, N, 2) [m]."""
         return self.by_world(self.floor.physics.positions)

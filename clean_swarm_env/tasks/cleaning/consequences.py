@@ -56,24 +56,21 @@ class Consequences:
     def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
         config, rate = settings_of(mission).consequences, mission.world.control_rate
         self.active = config.stop > 0.0 or config.back_off > 0.0 or config.drop
-        self.standing: Ints = np.zeros(rows, dtype=np.int64)
-        self.collisions: Ints = np.zeros(rows, dtype=np.int64)
-        self.harmless: Ints = np.zeros(worlds, dtype=np.int64)
-        self._away: Floats = np.zeros((rows, 2))
-        speeds = np.tile(mission.of_each("max_speed"), worlds)
+        self.harmless = np.zeros(worlds, dtype=np.int64)
         self._packed: Packed[Consequence] = CONSEQUENCE.pack(
             Consequence(
-                standing=self.standing,
-                collisions=self.collisions,
-                away=self._away,
+                standing=np.zeros(rows, dtype=np.int64),
+                collisions=np.zeros(rows, dtype=np.int64),
+                away=np.zeros((rows, 2)),
                 harmless=self.harmless,
                 lost=np.zeros(rows, dtype=np.int64),
                 stop=round(config.stop * rate),
                 back_off=round(config.back_off * rate),
-                back_speed=0.5 * speeds,
+                back_speed=0.5 * np.tile(mission.of_each("max_speed"), worlds),
                 drop=int(config.drop),
             )
         )
+        self.standing, self.collisions = self._packed.record.standing, self._packed.record.collisions
 
     def shown(self) -> tuple[Shown, ...]:
         """Return what there is to show of robots; nothing where collisions have no consequences."""

@@ -18,15 +18,15 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import Places
-from clean_swarm_env.world.agenda import NO_TICK
+from clean_swarm_env.world.mission_end import NO_TICK
+from clean_swarm_env.world.parts.things import TaskState
 from selforg.arrays import KEPT, Floats, Ints, Within
-from selforg.declared import make_arrays
 
 LYING, CARRIED, DONE, ABSENT = range(4)
 NOTHING = -1
 
 
-class Garbage:
+class Garbage(TaskState):
     """Items of W worlds with M items and N robots each; rows are robots, R = W * N."""
 
     positions: Annotated[Floats, "W M 2", KEPT]  # where an item lies or was picked [m]
@@ -44,22 +44,17 @@ class Garbage:
 
     def __init__(self, worlds: int, items: int, robots: int) -> None:
         self.robots = robots
-        make_arrays(self, W=worlds, M=items, R=worlds * robots)
+        super().__init__({"W": worlds, "M": items, "R": worlds * robots})
         self.cargo[:] = self.under[:] = NOTHING
 
     def place(self, world: int, positions: Floats) -> None:
         """Put the items of a world at `positions` (up to M, 2) [m], in the first rows; no robot carries anything."""
-        self.positions[world] = 0.0
+        rows = slice(world * self.robots, (world + 1) * self.robots)
+        self.reset(world, rows)
         self.positions[world, : len(positions)] = positions
         self.stage[world] = ABSENT
         self.stage[world, : len(positions)] = LYING
-        self.leftover[world] = self.paid[world] = self.found[world] = 0
-        self.under[world] = NOTHING
-        rows = slice(world * self.robots, (world + 1) * self.robots)
-        self.cargo[rows] = NOTHING
-        self.recycled[rows] = self.blind[rows] = 0
-        self.leg[rows] = 0.0
-        self.done[world] = 0
+        self.under[world] = self.cargo[rows] = NOTHING
         self.arrived[world] = len(positions)
 
     def arrive(self, world: int, position: Floats) -> bool:

@@ -60,8 +60,7 @@ def draw_scenario(
         spots = random_spots(int(rng.integers(family.spots[0], family.spots[1] + 1)), room, rng)
     events = draw_events(family.changes, room, robots, len(spots), family.mission.time_limit, rng)
     lying = {"count": items, "respawn": respawn, "spots": spots, "capacity": _rows_of_items(family)}
-    garbage = task.garbage.model_copy(update=lying)
-    drawn = {"garbage": garbage, "stations": stations}
+    drawn = {"garbage": task.garbage.model_copy(update=lying), "stations": stations}
     if family.harmless > 0.0:
         harmless = bool(rng.uniform() < family.harmless)
         drawn["consequences"] = task.consequences.model_copy(update={"harmless": harmless})

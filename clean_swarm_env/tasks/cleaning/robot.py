@@ -105,13 +105,13 @@ def coordinating_more(mission: MissionConfig) -> MissionConfig:
 
 
 def network_of_robots(
-    mission: MissionConfig, coordinators: Sequence[CoordinatorModel], directories: Sequence[Path]
+    mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
 ) -> RobotNetwork:
     """Return the network of all documents of a mission's robots."""
     network, networks = mission.network, {}
     for name, by in documents_of(mission).items():
         named = network.model_copy(update={"robot": name})
-        networks[name] = robot_network(named, coordinators, directories, by)
+        networks[name] = robot_network(named, models, directories, by)
     return merged_networks(networks)
 
 

@@ -5,10 +5,9 @@ Items and stations are in `site`; behaviours carry out what compiled stages of t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
@@ -39,8 +38,6 @@ from clean_swarm_env.world.parts.things import TaskState, WorldStart
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.view import TaskView
-from selector.coordination.model import CoordinatorModel
-from selector.coordination.robot_network import RobotNetwork
 from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.gradients.buffer import SoBuffer
@@ -82,7 +79,8 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     thinks_when_driven = always_acts = False
     mission = {"name": "cleaning", "knowledge": "cleaning"}
     check, frame_settings = staticmethod(missions.check), staticmethod(missions.frame_settings)
-    draw_scenario = staticmethod(missions.draw_scenario)
+    draw_scenario, opened = staticmethod(missions.draw_scenario), staticmethod(coordinating_more)
+    goals, robot = staticmethod(goals_of), staticmethod(network_of_robots)
 
     def __init__(self, world: TaskView) -> None:
         super().__init__(world)
@@ -93,23 +91,6 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         self.rounds = Rounds(world, self.site, self.movers) if world.mission.world.has_walls else None
         self.cargo_memory = CargoMemory(world.memory)
         self.standing = self.consequences.standing
-
-    @classmethod
-    def goals(cls, mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, ...]:
-        """Return the goals that the robots' documents coordinate."""
-        return goals_of(mission, directories)
-
-    @classmethod
-    def opened(cls, mission: MissionConfig) -> MissionConfig:
-        """Return the mission whose robots coordinate all goals that they could."""
-        return coordinating_more(mission)
-
-    @classmethod
-    def robot(
-        cls, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
-    ) -> RobotNetwork:
-        """Return the network of the robots' documents."""
-        return network_of_robots(mission, models, directories)
 
     @classmethod
     def buffers(cls, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:

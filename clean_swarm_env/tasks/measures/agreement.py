@@ -45,6 +45,5 @@ def rounds_by_calls(hears: Flags, values: Floats, rng: np.random.Generator, most
     for rounds in range(most):
         if (known == best).all():
             return rounds
-        asked = np.array([rng.choice(near) for near in neighbours])
-        known = np.maximum(known, known[asked])
+        known = np.maximum(known, known[np.array([rng.choice(near) for near in neighbours])])
     return most
