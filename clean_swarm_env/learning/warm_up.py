@@ -79,7 +79,8 @@ def run_through(batch: Any) -> None:  # noqa: ANN401  (a Batch, which stands abo
 
 def compile_listed() -> None:
     """Say that the kernels are being compiled, and compile those of the list, with other processes where it can."""
-    announce()
+    if os.environ.get(SILENCED) != "1":
+        print(COMPILING, file=sys.stderr, flush=True)
     count = min(usable_cpus(), MOST_PROCESSES) - 1
     if count < 1 or PLAIN or not Path(sys.executable).name.startswith("py"):  # else it may be any program
         return
@@ -117,12 +118,6 @@ def compile_share(claims: str, parent: int = 0) -> None:
 def usable_cpus() -> int:
     """Return the number of CPUs that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def announce() -> None:
-    """Print on the standard error that the kernels are being compiled."""
-    if os.environ.get(SILENCED) != "1":
-        print(COMPILING, file=sys.stderr, flush=True)
 
 
 def compiled_before() -> bool:

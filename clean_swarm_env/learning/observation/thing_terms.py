@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
@@ -83,7 +81,9 @@ class TaskTerm(Term):
     def __init__(self, observed: Observed) -> None:
         super().__init__(observed)
         self.components = tuple(
-            part for name, values in observed.worlds.task.observe().items() for part in component_names(name, values)
+            part
+            for name, values in observed.worlds.task.observe().items()
+            for part in ((name,) if values.ndim == 1 else [f"{name}_{k}" for k in range(values.shape[1])])
         )
 
     def write(self, rows: Ints, out: Floats) -> None:
@@ -92,11 +92,6 @@ class TaskTerm(Term):
             values = np.concatenate(shown, axis=1).T
             check_answer(self.observed.worlds.task, "observe", values, out.shape)
             out[:] = np.clip(values, -1.0, 1.0)
-
-
-def component_names(name: str, values: Floats) -> Sequence[str]:
-    """Return the names of the components of values (R,) or (R, K), which are numbered from 0."""
-    return (name,) if values.ndim == 1 else [f"{name}_{k}" for k in range(values.shape[1])]
 
 
 def in_own_frame(vectors: Floats, headings: Floats) -> Floats:
