@@ -5,6 +5,7 @@ Sources and files are read, not run: importing what registers names takes second
 
 import re
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Annotated
 
@@ -112,15 +113,19 @@ def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None
     for kind, name in given.items():
         if name is not None:
             (named_file if kind == "families" else find_file)(kind, name, directories)
-    family = given.get("families") or ""  # knowledge of the user's own may have further options
-    ours = not (directories or named_plugins() or installed() or is_import(family) or is_path("families", family))
+    family, knowledge = (
+        given.get("families") or "",
+        given.get("knowledge") or "",
+    )  # those of the user may have more options
+    theirs = is_import(family) or is_path("families", family) or is_path("knowledge", knowledge)
+    ours = not (directories or named_plugins() or installed() or theirs)
     for text in strategies or ():
         where = f"--strategy {text}: "
         kind, _, names = (text if ":" in text.partition("=")[0] else text.partition("=")[2] or text).partition(":")
         if kind == "models":
             check_named(configs, [own for pair in names.split(";") if (own := pair.partition("=")[2])], **given)
         if kind == FILED_KINDS[0] and ours:
-            _check_options(where, names, given.get("knowledge"))
+            _check_options(where, names)
         for name in names.split("+") if kind in FILED_KINDS[1:] else ():
             if name.endswith(FOREIGN_ENDINGS):
                 check_there(Path(name), where=where)
@@ -130,14 +135,13 @@ def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None
             raise ConfigurationError(where + unknown("strategy", kind, tuple(known)))
 
 
-def _check_options(where: str, names: str, knowledge: str | None) -> None:
-    """Raise the error of an option that no expert knowledge of ours, and not the one that is given, has words for."""
-    files = [*files_of("knowledge").values(), *([find_file("knowledge", knowledge)] if knowledge else [])]
-    text = "\n".join(path.read_text(encoding="utf-8", errors="replace") for path in files)
+def _check_options(where: str, names: str) -> None:
+    """Raise the error of an option that no expert knowledge of ours has."""
+    goals = chain(*(read_mapping(path)["goals"].values() for path in files_of("knowledge").values()))
+    known = {option.get("name", option.get("configuration")) for own in goals for option in own}
     for name in names.split("+"):
-        if name not in text:
-            known = sorted(set(re.findall(r"(?:name|configuration): ([\w.-]+)", text)))
-            raise ConfigurationError(where + unknown("option", name, known))
+        if name not in known:
+            raise ConfigurationError(where + unknown("option", name, sorted(known)))
 
 
 def names_of(kind: str, directories: Sequence[Path], *, told: bool = True) -> dict[str, str]:

@@ -20,6 +20,7 @@ MISTAKES = [
     ("evaluate crowded --strategy policy:none.zip", "none.zip: cannot be read"),
     ("evaluate --condition Repulsion", "unknown condition 'Repulsion'"),
     ("evaluate crowded --strategy fixed:Nope+ExplorationPatrol", "unknown option 'Nope'"),
+    ("evaluate crowded --strategy fixed:OR", "did you mean 'ORCA'"),
     ("evaluate crowded --strategy mine=fixed:ORCAA", "did you mean 'ORCA'"),
     ("evaluate crowded --strategy models:fly=fixed:Nope;go=fixed:ORCA", "unknown option 'Nope'"),
     ("evaluate crowded --strategy models:fly=policy:nope.zip", "nope.zip: cannot be read"),
