@@ -19,6 +19,8 @@ from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult
 from selector.documents.errors import DocumentError
 from selector.documents.plain import short
+from selector.strategies.problem import Problem
+from selforg.arrays import Ints
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import Decider, DeciderMaker
 from train.deciders.named import FIXED, NamedDecider, decider_named
@@ -94,7 +96,7 @@ class TrialTask:
         known = {self.condition: self.named.network} if self.named.network else {}
         about = {"experiment": self.experiment, "condition": self.condition}
         settings = replace(self.settings, record=self.record and replace(self.record, about=about, policies=known))
-        for place, result in self.trials(self.scenarios, self.named.build, settings):
+        for place, result in self.trials(self.scenarios, self.decider, settings):
             before, began = time.perf_counter(), before
             yield self.finished(self.scenarios[place], result, before - began)
 
@@ -121,6 +123,10 @@ class TrialTask:
         seen, action = named.observation(usual_terms(self.first.mission)), ActionConfig(mode=named.mode)
         return TrialSettings(named.decides(self.goal), TASK_SCENARIOS, seen, self.directories, self.record, action)
 
+    def decider(self, problem: Problem, teams: Ints) -> Decider:
+        """Return the decider of the member."""
+        return self.named.build(problem, teams)
+
     def team(self, **settings: Any) -> tuple[Batch, DecidedGoal, Decider]:  # noqa: ANN401  (those of Batch)
         """Return a world, what is decided in it, and the decider; an error of one line if they do not fit."""
         own = self.settings
@@ -132,7 +138,7 @@ class TrialTask:
             **settings,
         )
         decided = DecidedGoal(batch, own.goal)
-        decider = self.named.build(decided.problem, np.zeros(batch.rows, dtype=np.int64))
+        decider = self.decider(decided.problem, np.zeros(batch.rows, dtype=np.int64))
         decided.check(decider)
         return batch, decided, decider
 

@@ -11,7 +11,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import Cleaning
 from clean_swarm_env.world.explaining import explain_robot
 from selector.documents.errors import DocumentError
-from tests.train.commands import done, refused
+from tests.train.commands import done
 from tests.train.replay.conftest import CONDITIONS
 from train.evaluation.why import Facts, facts_of, sentence
 
@@ -123,10 +123,9 @@ def test_what_if_it_goes_on_as_it_did(results, recordings):
         assert len(foretold) > 5
 
 
-def test_what_if_needs_a_decider(tmp_path):
+def test_what_if_takes_the_runs_of_an_experiment(tmp_path):
     done("evaluate", "--scenarios", 1, "--workers", 1, "--output", tmp_path / "run")
-    line = refused("explain", tmp_path / "run", "--robot", 0, "--time", 1, "--what-if")
-    assert "--what-if: expected a run of a family, or of a decider that decides in each period" in line
+    assert "the next 5 s if it took" in done("explain", tmp_path / "run", "--robot", 0, "--time", 1, "--what-if")
 
 
 @pytest.mark.page
