@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.families import scenario_name
+from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selforg.arrays import Floats
@@ -145,6 +146,15 @@ class Advice:
         return any((one.ratio or 1.0) <= 1.0 - WORTH_LEARNING and p is not None and p < ALPHA for one, p in told)
 
     @property
+    def unjudged(self) -> str:
+        """Why the best that is held is not what a selector must beat; empty where it is."""
+        if self.search.left_out:
+            return f"{len(self.search.left_out)} options were not tried"
+        by_chance = self.ratio(RANDOM) if RANDOM in self.costs else None
+        cheaper = by_chance is not None and shown_cheaper(by_chance, by_chance.p)
+        return "a random choice costs less than what is held" if cheaper else ""
+
+    @property
     def sentences(self) -> list[str]:
         """The advice in a few sentences."""
         evaluation = self.evaluation
@@ -183,7 +193,8 @@ class Advice:
         variants = f" and {found.variants} variants of their numbers" if found.variants else ""
         given = len(evaluation.family.starts)
         starts = f"missions from its {given} start{'s' * (given > 1)}" if given else "starts"
-        cost = f"{amount(mean.value)} s a mission{interval_words(mean.ci95, amount)} on {found.starts} fresh {starts}"
+        each = "an item" if items_keep_coming(evaluation.mission) else "a mission"
+        cost = f"{amount(mean.value)} s {each}{interval_words(mean.ci95, amount)} on {found.starts} fresh {starts}"
         begin = f"{evaluation.family.name}: hold {self._words(found.winner)}: {cost}, the best of {of}{variants}."
         if not self.left:
             return begin
@@ -231,6 +242,8 @@ class Advice:
     @property
     def _worth(self) -> str:
         learn = "`--learn` trains one for this mission and judges it the same way"
+        if (self.better or self.gains) and (why := self.unjudged):
+            return f"Whether a selector is worth it here is not known: {why}; --minutes gives more time."
         if self.better:
             return f"So a selector is worth it here: {self.better[0]} is shown to be better than the best that is held."
         if self.gains:
@@ -292,7 +305,7 @@ class Advice:
             "by_kind": None if self.by_kind is None else self.by_kind.content,
             "stopped": dict(self.stopped),
             "better": self.better,
-            "worth_it": bool(self.better or self.gains),
+            "worth_it": bool(self.better or self.gains) and not self.unjudged,
             "missions": len(self.done),
             "cpu_s": round(sum(map(seconds_of, self.done.values())), 1),
         }

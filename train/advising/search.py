@@ -124,6 +124,8 @@ class AdviceSearch:
             own = self.rounds[-1].best_of_kinds.values()
             arms = self._race("numbers", list(dict.fromkeys((*arms[:2], *own, *more, *kept))), count, kept)
             variants = len(more)
+        if not self._cheaper(arms[0], experts := arm_of(self.opened.experts)):
+            arms, leader = [experts, *(arm for arm in arms if arm != experts)], experts
         kinds = self.rounds[-1].best_of_kinds
         choosers = self._choosers()
         finalists = (arms[0], *(arm for arm in portfolio(joint, arms[0]) if arm != arms[0]))[:FINALISTS]
@@ -131,6 +133,13 @@ class AdviceSearch:
         each = self._price * self.entrants(arms[0], finalists, choosers)
         starts = int(np.clip((self.budget - self._spent) / each, LAST_FEWEST, LAST_MOST))
         return SearchResult(arms[0], leader, finalists, choosers, variants, starts, kinds)
+
+    def _cheaper(self, arm: str, other: str) -> bool:
+        """Return whether an arm cost less by more than the error of the mean, on all starts that both did."""
+        both = [one for one in self.rounds if {arm, other} <= {*one.arms}]
+        costs = np.concatenate([one.costs[[one.arms.index(arm), one.arms.index(other)]] for one in both], axis=1)
+        saved = costs[1] - costs[0]
+        return bool(saved.mean() > saved.std() / np.sqrt(len(saved)))
 
     @property
     def leads(self) -> str:

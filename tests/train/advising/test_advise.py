@@ -20,6 +20,7 @@ from selforg.plugins import PluginError
 from tests.train.commands import command, done, refused
 from train.advising import advice, opening, search
 from train.advising.evaluation import AdviceEvaluation
+from train.advising.report import RANDOM, Advice, Ratio
 from train.live.chosen import chosen
 from train.request import Request
 from train.running.finished_runs import runs_of
@@ -188,6 +189,18 @@ def test_a_task_of_one_option_has_nothing_to_choose(tmp_path):
     code, out, err = command("advise", "FindBarycenter", "--minutes", 0.1, "--force", "--workers", 1)
     assert code == 0, err
     assert "there is nothing to choose" in out
+
+
+def test_no_selector_is_worth_it_beside_a_search_without_time_or_one_that_chance_beats():
+    noise = np.random.default_rng(0).uniform(0.9, 1.1, 20)
+    for left_out, chance, why in (
+        ({"a", "b"}, 2.0, "2 options were not tried"),
+        (set(), 0.5, "a random choice costs less than what is held"),
+        (set(), 2.0, ""),
+    ):
+        ratio = Mock(return_value=Ratio.of(chance * noise, noise[::-1].copy()))
+        report = Mock(search=Mock(left_out=left_out), costs={RANDOM: 0.0}, ratio=ratio)
+        assert Advice.unjudged.fget(report) == why
 
 
 def test_how_many_missions_are_to_come_follows_from_the_budget(tmp_path, monkeypatch):

@@ -113,6 +113,19 @@ def test_what_is_named_is_near_the_best_of_all_pairs_and_not_above_the_experts_c
     assert near >= 18
 
 
+def test_the_experts_choice_is_held_where_nothing_is_shown_to_be_cheaper():
+    """Ways to explore make no difference, and each other way to avoid costs a little more than the experts'."""
+    above = 0
+    for seed in range(20):
+        wide, costs = invented(seed)
+        expert = wide.experts["Avoid"]
+        costs |= {"Explore": dict.fromkeys(costs["Explore"], 20.0), "Avoid": dict.fromkeys(costs["Avoid"], 11.0)}
+        costs["Avoid"][expert] = 10.0
+        _, found = Missions(wide, costs, seed).found(minutes=0.7)
+        above += expert not in found.winner
+    assert above <= 6
+
+
 def test_a_goal_races_again_beside_better_partners():
     near = 0
     for seed in range(10):
