@@ -103,7 +103,7 @@ def write_results(folder: Path) -> None:
     """Write the results of an evaluation, and the recording of one of its runs."""
     words = [word for strategy in STRATEGIES for word in ("--strategy", strategy)]
     words += ["--goal", "ExplorationPatrol", "--scenarios", "2", "--seed", str(SEED), "--workers", "1"]
-    code = run("evaluate", "--family", "family.yaml", *words, "--output", "all")
+    code = run("evaluate", "family.yaml", *words, "--output", "all")
     assert code == 0
     (folder / "results").mkdir()
     for name in KEPT:
