@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
-from train.evaluation.trial_task import TrialTask, scenario_named
 
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.load import load_family
@@ -25,7 +24,9 @@ from train.advising.evaluation import AdviceEvaluation
 from train.advising.opening import OpenedMission, document_of, open_mission
 from train.deciders.named import FIXED
 from train.evaluation import pipeline
+from train.evaluation.scenarios import scenario_named
 from train.request import Request
+from train.running.trial_task import TrialTask
 
 COMMAND = "python -m docs.comparison.advised"
 RESULTS = Path(__file__).with_name("advised.json")
