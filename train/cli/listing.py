@@ -139,7 +139,7 @@ def _check_options(where: str, names: str) -> None:
     """Raise the error of an option that no expert knowledge of ours has."""
     goals = chain(*(read_mapping(path)["goals"].values() for path in files_of("knowledge").values()))
     known = {option.get("name", option.get("configuration")) for own in goals for option in own}
-    for name in names.split("+"):
+    for name in filter(None, names.split("+")):
         if name not in known:
             raise ConfigurationError(where + unknown("option", name, sorted(known)))
 

@@ -50,7 +50,7 @@ def test_a_file_names_no_code_in_a_program(canary):
         load_experiment("own.yaml")
     assert not canary()
     with reading_files(trust=True):
-        assert load_experiment("own.yaml").conditions[0].strategy.name == "bird:Own"
+        assert load_experiment("own.yaml").conditions[0].strategy == "bird:Own"
     assert canary()
 
 
