@@ -205,11 +205,8 @@ class HeadroomEvaluation(FamilyEvaluation):
         chosen = {
             name: option for name, option in zip(names, options.tolist(), strict=True) if (name, condition) not in done
         }
-        left, found = list(chosen), list[TrialTask]()
-        for first in range(0, len(left), TASK_SCENARIOS):
-            part = [self._drawn(name) for name in left[first : first + TASK_SCENARIOS]]
-            found.append(ChosenTask(**vars(self.task(part, condition, "")), chosen=chosen))
-        return found
+        task = self.task([self._drawn(name) for name in chosen], condition, "")
+        return ChosenTask(**vars(task), chosen=chosen).parts()
 
     @cache  # noqa: B019  (an evaluation lives as long as its process)
     def _kinds(self, split: Split) -> NDArray[np.str_]:

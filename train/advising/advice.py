@@ -214,7 +214,7 @@ class Advising(Evaluation):
         return record.mistake(self.family.name, self.request.seed, self.family.largest)
 
     def expected(self, done: Done) -> int:
-        """Return how many missions the budget lasts for, by what those cost that are done."""
+        """Return how many missions the budget lasts for, at the mean price of those so far."""
         spent = sum(map(self.price, done.values()))
         return round(len(done) * self.budget / spent) if spent > 0.0 else 0
 
@@ -289,8 +289,5 @@ class Advising(Evaluation):
         """Return the tasks of scenarios of an arm."""
         family = self.opened.with_knowledge(self.file_of(arm))
         seed, own = self.request.seed, self.directories
-        drawn = [scenario_named(family, seed, name) for name in names]
-        return [
-            AdviceTask(family.name, seed, tuple(drawn[k : k + TASK_SCENARIOS]), arm, arm, self.goal, directories=own)
-            for k in range(0, len(drawn), TASK_SCENARIOS)
-        ]
+        drawn = tuple(scenario_named(family, seed, name) for name in names)
+        return AdviceTask(family.name, seed, drawn, arm, arm, self.goal, directories=own).parts()
