@@ -18,11 +18,11 @@ from rich.console import Console
 
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.deciders.named import FIXED
 from docs.figures.stored import ROOT, record
 from selector.documents.fields import JOINT
 from train.advising.evaluation import AdviceEvaluation
 from train.advising.opening import OpenedMission, document_of, open_mission
-from train.deciders.named import FIXED
 from train.evaluation import pipeline
 from train.evaluation.scenarios import scenario_named
 from train.request import Request

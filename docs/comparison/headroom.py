@@ -26,6 +26,9 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
+from clean_swarm_env.deciders.decider import Decider, TeamsDecider
+from clean_swarm_env.deciders.machines import FixedDecider
+from clean_swarm_env.deciders.named import FIXED
 from clean_swarm_env.learning.warm_up import usable_cpus
 from clean_swarm_env.tasks import Cleaning
 from clean_swarm_env.world.task import task_class
@@ -38,9 +41,6 @@ from train.analysis.intervals import Ratio
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
 from train.analysis.verdict import unfinished_sentence
-from train.deciders.decider import Decider, TeamsDecider
-from train.deciders.machines import FixedDecider
-from train.deciders.named import FIXED
 from train.evaluation.base import Done
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.pipeline import evaluate

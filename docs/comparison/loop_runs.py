@@ -9,11 +9,11 @@ import numpy as np
 from clean_swarm_env.config.families import Split, scenario_name
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.deciders.named import FIXED
 from docs.comparison.headroom import race
 from docs.comparison.loop import LoopedFamily, LoopedMissions, LoopManifest
 from docs.comparison.running import run
 from selforg.arrays import Floats
-from train.deciders.named import FIXED
 from train.evaluation.entrants import RANDOM
 from train.evaluation.pipeline import mission_score
 from train.running.finished_runs import JOURNAL, runs_of

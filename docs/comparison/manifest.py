@@ -5,9 +5,9 @@ from typing import Annotated
 from pydantic import Field
 
 from clean_swarm_env.config.types import Scenarios
+from clean_swarm_env.deciders.named import FIXED
 from selector.documents.fields import Closed, DocumentName, JointName, Name
 from train.analysis.verdict import RANDOM
-from train.deciders.named import FIXED
 
 BEST = "best"
 """Label of the cheaper of the fixed options of a family: chosen on one half of the scenarios, judged on the other."""

@@ -13,13 +13,13 @@ from clean_swarm_env.config.families import FamilyConfig, Scenario, scenario_nam
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.named import FIXED, MACHINE, POLICY
 from docs.comparison.headroom import scenario_kinds
 from docs.comparison.manifest import OFF, TOLD, Compared, Manifest
 from docs.comparison.running import run, written
 from docs.figures.stored import ROOT
 from selector.documents.find import load_file
 from selector.documents.writing import write_whole
-from train.deciders.named import FIXED, MACHINE, POLICY
 from train.evaluation.scenarios import scenario_named
 from train.learning.config import TrainingConfig
 from train.running.trial_task import TASK_SCENARIOS, TrialTask

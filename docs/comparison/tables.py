@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from clean_swarm_env.deciders.named import FIXED
 from docs.comparison.claims import Claim, claims_of
 from docs.comparison.manifest import BEST, OFF, TOLD, Manifest
 from docs.comparison.missions import Judged
@@ -15,7 +16,6 @@ from train.analysis.flips import ALPHA
 from train.analysis.intervals import Interval, Ratio, heavy_tailed, share_interval
 from train.analysis.strategy_comparison import BestFixed
 from train.analysis.verdict import RANDOM
-from train.deciders.named import FIXED
 from train.reports.text_table import EMPTY_CELL, interval_cell, markdown_table
 
 RESAMPLES = 10_000

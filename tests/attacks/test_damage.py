@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.deciders.models import ModelDecider
 from clean_swarm_env.drawing.canvases import RecordedCourse
 from clean_swarm_env.drawing.picture import FORMATS, write_picture
 from clean_swarm_env.drawing.video import write_video
@@ -22,7 +23,6 @@ from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from tests.attacks.targets import Target, attack, damaged, put, read_or_refused, recorded
 from tests.train.live.sessions import SMALL, play_of
-from train.deciders.models import ModelDecider
 from train.evaluation.repeat import record_run
 from train.evaluation.scenarios import experiment_tasks
 from train.live.session import Session

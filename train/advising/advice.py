@@ -16,6 +16,7 @@ from tempfile import TemporaryDirectory
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.load import load_family, random_starts
 from clean_swarm_env.config.tasks import items_keep_coming
+from clean_swarm_env.deciders.named import FIXED, MACHINE, POLICY, decider_named
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
@@ -29,7 +30,6 @@ from train.advising.opening import OpenedMission, document_of, open_mission, var
 from train.advising.rounds import Lacking, needed
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.verdict import RANDOM
-from train.deciders.named import FIXED, MACHINE, POLICY, decider_named
 from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import Entrant, check_fit
 from train.evaluation.pipeline import mission_score

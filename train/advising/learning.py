@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from clean_swarm_env.deciders.named import POLICY
 from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selector.documents.reading import as_yaml
@@ -25,7 +26,6 @@ from train.advising.report import Advice, shown_cheaper, times
 from train.advising.scores import options_known
 from train.analysis.family_report import ratio_of, unfinished_of
 from train.analysis.flips import ALPHA
-from train.deciders.named import POLICY
 from train.evaluation import pipeline
 from train.evaluation.family import FamilyEvaluation
 from train.learning.config import TrainingConfig, load_training

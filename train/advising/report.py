@@ -17,6 +17,8 @@ import numpy as np
 
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.tasks import items_keep_coming
+from clean_swarm_env.deciders.named import FIXED, MACHINE, decider_named
+from clean_swarm_env.deciders.unseen import untrained
 from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selforg.arrays import Floats
@@ -27,8 +29,6 @@ from train.analysis.flips import ALPHA
 from train.analysis.intervals import TOLD, Estimate, Ratio, about_number, corrected_ps
 from train.analysis.strategy_comparison import cross_fitted
 from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left
-from train.deciders.named import FIXED, MACHINE, decider_named
-from train.deciders.unseen import untrained
 from train.evaluation.base import Done
 from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family

@@ -7,12 +7,12 @@ from itertools import chain
 import numpy as np
 
 from clean_swarm_env.config.families import scenario_name
+from clean_swarm_env.deciders.named import FIXED
 from selector.documents.fields import JOINT
 from selector.knowledge import LearnedScore, LearnedScores, Option
 from train.advising.report import Advice
 from train.advising.rounds import Round
 from train.advising.search import held_by
-from train.deciders.named import FIXED
 
 
 def learned_from_rounds(advice: Advice) -> LearnedScores:

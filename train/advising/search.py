@@ -22,12 +22,12 @@ from scipy.stats import rankdata
 
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.types import AVOIDANCE
+from clean_swarm_env.deciders.named import FIXED
 from selector.documents.fields import JOINT
 from selector.knowledge import ENOUGH, Option
 from selforg.arrays import Flags
 from train.advising.opening import OpenedMission
 from train.advising.rounds import Round, filled_up, needed, portfolio
-from train.deciders.named import FIXED
 from train.running.runs import RunKey, RunRecord
 
 LOOK_STARTS = 8

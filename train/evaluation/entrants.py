@@ -10,6 +10,9 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.named import FILED, FIXED, decider_named
+from clean_swarm_env.deciders.unseen import decided_and_held, remarks_of, undecided
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import usual_terms
 from clean_swarm_env.learning.observation.observer import Observer
@@ -18,9 +21,6 @@ from selector.documents.errors import within
 from selector.documents.fields import JOINT
 from selector.documents.trust import BASELINE
 from train.analysis.verdict import RANDOM
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.named import FILED, FIXED, decider_named
-from train.deciders.unseen import decided_and_held, remarks_of, undecided
 
 UNTAUGHT = "has learned nothing and learns nothing; --learn, or `clean-swarm train bandit`, teaches it"
 """What is said of a strategy that could learn."""

@@ -14,12 +14,12 @@ from rich.table import Table
 from rich.text import Text
 
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.strategies import PolicyDecider
+from clean_swarm_env.deciders.what_if import WhatIf
 from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, explain_robot
 from selforg.arrays import Flags
 from selforg.network.explanation import Explanation, condition_tree, header, table
 from selforg.space import Torus
-from train.deciders.strategies import PolicyDecider
-from train.deciders.what_if import WhatIf
 from train.evaluation.repeat import Deciding, steps_until
 from train.evaluation.why import facts_of, sentence
 from train.running.trial_task import TrialTask

@@ -15,6 +15,8 @@ from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, Scen
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family, own_mission
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
@@ -22,8 +24,6 @@ from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.robustness_report import RobustnessReport, durations_over
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.named import decider_named
 from train.evaluation.base import Done, Evaluation
 from train.evaluation.entrants import UNTAUGHT, check_fit, check_goals, entrants_of, remarks_on, with_baselines
 from train.evaluation.scenarios import scenario_named, variants_of

@@ -13,11 +13,11 @@ from rich.console import Console
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.deciders.named import FIXED
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.task import task_class
 from selector.store.exact_sums import REWARD_LIMIT
-from train.deciders.named import FIXED
 from train.evaluation.base import Evaluation
 from train.evaluation.family import FamilyEvaluation
 from train.reports.knowledge_tables import learned_scores

@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.decider import Decider
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.recording.file import SUFFIX, blocks_of
@@ -22,8 +24,6 @@ from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text
 from selector.documents.writing import writing_to
 from selforg.registry import unknown
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.decider import Decider
 from train.evaluation.base import DIGEST, Identity
 from train.evaluation.scenarios import experiment_tasks, scenario_named
 from train.running.finished_runs import JOURNAL, runs_of

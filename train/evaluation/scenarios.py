@@ -8,7 +8,7 @@ from pathlib import Path
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, Scenario, Split, place_of
 from clean_swarm_env.config.starts import for_start, run_seed
-from train.deciders.named import decider_named
+from clean_swarm_env.deciders.named import decider_named
 from train.running.runs import RunKey
 from train.running.trial_task import TrialTask
 from train.running.trials import each_trial

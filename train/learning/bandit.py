@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from clean_swarm_env.deciders.decider import DeciderMaker, columns_of
+from clean_swarm_env.deciders.strategies import StrategyDecider
 from clean_swarm_env.learning.joined import Joined
 from selector.documents.arrays import Arrays, check_same_names, load_arrays, save_arrays
 from selector.documents.errors import shown, validated, within
@@ -24,8 +26,6 @@ from selector.strategies.registry import StrategySpec
 from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
-from train.deciders.decider import DeciderMaker, columns_of
-from train.deciders.strategies import StrategyDecider
 from train.learning.credit import Credit
 from train.learning.training import Checkpoint, Training, expert_knowledge
 

@@ -19,14 +19,14 @@ from typing import Annotated, TypeVar
 import numpy as np
 from pydantic import Field
 
+from clean_swarm_env.deciders.decider import DeciderMaker
+from clean_swarm_env.deciders.machines import MachineDecider
 from selector.documents.fields import Closed
 from selector.documents.reading import as_yaml
 from selector.strategies.machine_file import MachineState, StateMachine, Transition
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
-from train.deciders.decider import DeciderMaker
-from train.deciders.machines import MachineDecider
 from train.learning.config import DesignConfig
 from train.learning.members import Drawing, MembersTraining, ObservationScale
 from train.learning.racing import race

@@ -16,13 +16,13 @@ from pathlib import Path
 
 import numpy as np
 
+from clean_swarm_env.deciders.decider import DeciderMaker
+from clean_swarm_env.deciders.strategies import PolicyDecider
 from selector.documents.fields import Closed, Number
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy, save_policy
 from selector.strategies.streams import normals
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
-from train.deciders.decider import DeciderMaker
-from train.deciders.strategies import PolicyDecider
 from train.learning.config import EsConfig
 from train.learning.members import Drawing, MembersTraining, check_lengths
 

@@ -20,13 +20,13 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.deciders.decider import DeciderMaker, TeamsDecider
+from clean_swarm_env.deciders.machines import FixedDecider
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, NonNegative, Number
 from selector.documents.reading import read_json
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
-from train.deciders.decider import DeciderMaker, TeamsDecider
-from train.deciders.machines import FixedDecider
 from train.learning.config import MembersConfig
 from train.learning.training import Checkpoint, Training, judged
 from train.running.runs import RunKey, RunRecord

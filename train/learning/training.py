@@ -22,13 +22,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.deciders.decided_goal import AskedGoal, DecidedGoal
+from clean_swarm_env.deciders.decider import DeciderMaker
 from clean_swarm_env.world.mission import MissionResult
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Number
 from selector.knowledge import Knowledge, load_knowledge
 from selector.store import RewardSums
-from train.deciders.decided_goal import AskedGoal, DecidedGoal
-from train.deciders.decider import DeciderMaker
 from train.learning.config import TrainingConfig
 from train.learning.credit import Paid
 from train.learning.curriculum import Curriculum

@@ -16,6 +16,9 @@ import numpy as np
 from pydantic import Field
 
 from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.deciders.decided_goal import option_named
+from clean_swarm_env.deciders.decider import Decider, DeciderMaker
+from clean_swarm_env.deciders.strategies import StrategyDecider
 from clean_swarm_env.world.mission import MissionResult
 from selector.documents.errors import shown, validated
 from selector.documents.fields import JOINT, Closed, Number
@@ -23,9 +26,6 @@ from selector.documents.reading import json_value, read_text
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec
 from selforg.arrays import Ints
-from train.deciders.decided_goal import option_named
-from train.deciders.decider import Decider, DeciderMaker
-from train.deciders.strategies import StrategyDecider
 from train.running.trials import TrialSettings, run_trials
 
 VALIDATION_FILE = "validation.json"

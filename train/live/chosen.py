@@ -15,6 +15,8 @@ from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.config.tasks import item_rows, with_changes, with_items
 from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
+from clean_swarm_env.deciders.named import FIXED, POLICY, decider_named
+from clean_swarm_env.deciders.unseen import decided_and_held, remarks_of, undecided, unseen
 from clean_swarm_env.recording.file import SUFFIX
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.by_hand import Change
@@ -24,8 +26,6 @@ from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
-from train.deciders.named import FIXED, POLICY, decider_named
-from train.deciders.unseen import decided_and_held, remarks_of, undecided, unseen
 from train.evaluation.base import DIGEST
 from train.running.run_folder import fingerprints, held_files
 

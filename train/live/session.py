@@ -13,6 +13,10 @@ from pydantic import ValidationError
 
 from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.decider import Decider
+from clean_swarm_env.deciders.named import FIXED, LEARNED, MACHINE, POLICY, NamedDecider, decider_named
+from clean_swarm_env.deciders.what_if import WhatIf, actions_of
 from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig, usual_terms
@@ -27,10 +31,6 @@ from selector.documents.plain import short
 from selector.strategies.registry import STRATEGIES
 from selforg.arrays import Ints
 from selforg.registry import unknown
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.decider import Decider
-from train.deciders.named import FIXED, LEARNED, MACHINE, POLICY, NamedDecider, decider_named
-from train.deciders.what_if import WhatIf, actions_of
 from train.evaluation.base import DIGEST
 from train.live.chosen import SPARE_ROBOTS, PlayedMission, usual
 

@@ -8,13 +8,13 @@ from collections.abc import Iterable
 import numpy as np
 
 from clean_swarm_env.config.tasks import items_keep_coming
+from clean_swarm_env.deciders.named import FIXED, MACHINE, POLICY
 from train.analysis.family_report import FamilyReport
 from train.analysis.intervals import Estimate
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, StrategyComparison
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
-from train.deciders.named import FIXED, MACHINE, POLICY
 from train.reports.ranking_table import first_columns, measures_grids, ranking_table
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 

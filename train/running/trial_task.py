@@ -12,6 +12,9 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.decider import Decider, DeciderMaker
+from clean_swarm_env.deciders.named import FIXED, NamedDecider, decider_named
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import usual_terms
@@ -21,9 +24,6 @@ from selector.documents.errors import DocumentError
 from selector.documents.plain import short
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.decider import Decider, DeciderMaker
-from train.deciders.named import FIXED, NamedDecider, decider_named
 from train.running.runs import RunKey, RunRecord
 from train.running.trials import TrialSettings, each_trial
 

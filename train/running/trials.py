@@ -13,13 +13,13 @@ import numpy as np
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.frames import grouped
+from clean_swarm_env.deciders.decided_goal import AskedGoal, DecidedGoal
+from clean_swarm_env.deciders.decider import DeciderMaker
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult
-from train.deciders.decided_goal import AskedGoal, DecidedGoal
-from train.deciders.decider import DeciderMaker
 from train.running.pulse import tell
 
 MOST_WORLDS = 32

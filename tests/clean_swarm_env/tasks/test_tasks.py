@@ -11,13 +11,13 @@ from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.task_names import task_stories
 from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.decider import BaselineDecider
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import TASKS, Measure
 from selector.knowledge import load_knowledge
 from tests.clean_swarm_env.courses import begun
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.decider import BaselineDecider
 
 FOURTEEN = {
     "ReachGoal", "CollectiveExploration", "FormationControl", "CircleFormation", "Foraging", "IndividualExploration",

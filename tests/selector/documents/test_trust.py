@@ -15,6 +15,7 @@ from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_experiment, load_family, load_mission
+from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.joined import family_batches
 from clean_swarm_env.learning.observation.config import ObservationConfig
@@ -22,7 +23,6 @@ from selector.documents.errors import DocumentError
 from selector.documents.imported import imported, source_of
 from selector.documents.trust import Permission, current_permission, permission_of, permitting, reading_files
 from selector.strategies.registry import spec_from_text
-from train.deciders.named import decider_named
 from train.running.processes import Processes
 
 CANARY = "from pathlib import Path\nPath('sang').touch()\nfrom selector.strategies.unlearned import MaxScore as Own\n"

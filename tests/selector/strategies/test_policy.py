@@ -4,13 +4,13 @@ import re
 import numpy as np
 import pytest
 
+from clean_swarm_env.deciders.strategies import PolicyDecider
 from selector.documents.errors import DocumentError
 from selector.knowledge import Definition
 from selector.strategies.policy_file import Network, TrainedPolicy, load_policy, save_policy
 from selector.strategies.problem import Problem
 from tests.selector.refusing import refusal
 from tests.selector.strategies.policies import exported, untrained
-from train.deciders.strategies import PolicyDecider
 
 OPTIONS, OBSERVATIONS = ("a", "b", "c"), tuple(f"x{k}" for k in range(7))
 PROBLEM = Problem("Goal", OPTIONS, np.zeros(3), OBSERVATIONS)

@@ -5,13 +5,13 @@ import pytest
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from selector.knowledge import load_knowledge
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
 from tests.paths import TRAINED
 from tests.train.learning.trainings import written
-from train.deciders.named import decider_named
 from train.evaluation.entrants import entrants_of, remarks_on, with_baselines
 from train.learning.config import load_training
 from train.learning.curriculum import Curriculum

@@ -10,6 +10,9 @@ import pytest
 
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.models import LOADERS
+from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
@@ -18,9 +21,6 @@ from selector.strategies.problem import Problem
 from selector.strategies.registry import spec_from_text
 from tests.paths import TRAINED
 from tests.selector.strategies.policies import untrained
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.models import LOADERS
-from train.deciders.named import decider_named
 from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on
 from train.evaluation.family import FamilyEvaluation
 from train.evaluation.repeat import steps_of

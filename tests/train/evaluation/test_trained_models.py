@@ -8,12 +8,12 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.models import ModelDecider, TrainedOn, remembered, write_names
+from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.models import ModelDecider, TrainedOn, remembered, write_names
-from train.deciders.named import decider_named
 from train.evaluation.family import FamilyEvaluation
 from train.request import Request
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from clean_swarm_env.deciders.machines import FixedDecider
 from tests.train.learning.trainings import job, written
-from train.deciders.machines import FixedDecider
 from train.learning.config import load_training
 from train.learning.es import EsTraining
 from train.learning.training import LEAST_EXCESS, judged, score_of

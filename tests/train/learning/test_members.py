@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.deciders.decider import TeamsDecider
+from clean_swarm_env.deciders.machines import FixedDecider, MachineDecider
 from selector.documents.errors import DocumentError
 from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.policy_file import Network, load_policy
 from selector.strategies.problem import Problem
 from tests.train.learning.trainings import job, unvalidated, written
-from train.deciders.decider import TeamsDecider
-from train.deciders.machines import FixedDecider, MachineDecider
 from train.learning.bandit import BanditTraining
 from train.learning.config import DesignConfig, load_training
 from train.learning.design import DesignTraining, MachineSpace

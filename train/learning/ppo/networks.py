@@ -18,7 +18,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy
 
-LEAST = -1e9
+UNABLE = -1e9
 """Output of an option that cannot be taken."""
 
 
@@ -82,7 +82,7 @@ class ActorLayers(MlpExtractor):
 
 
 class MaskedLayer(torch.nn.Module):
-    """A linear layer whose first outputs are those of options; they are LEAST where an option cannot be taken.
+    """A linear layer whose first outputs are those of options; they are UNABLE where an option cannot be taken.
 
     Its inputs end with a flag for each option.
     """
@@ -95,7 +95,7 @@ class MaskedLayer(torch.nn.Module):
         """Return the outputs."""
         hidden, able = inputs[:, : -self._options], inputs[:, -self._options :]
         outputs = self.linear(hidden)
-        options = torch.where(able > 0.0, outputs[:, : self._options], LEAST)
+        options = torch.where(able > 0.0, outputs[:, : self._options], UNABLE)
         return torch.hstack((options, outputs[:, self._options :]))
 
 

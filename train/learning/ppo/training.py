@@ -20,6 +20,9 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
+from clean_swarm_env.deciders.decided_goal import named_goal
+from clean_swarm_env.deciders.decider import DeciderMaker
+from clean_swarm_env.deciders.strategies import PolicyDecider
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.joined import each_option
 from clean_swarm_env.learning.observation.config import ObservationConfig
@@ -29,9 +32,6 @@ from selector.documents.fields import JOINT
 from selector.strategies.policy_file import TrainedPolicy, save_policy
 from selforg.arrays import Flags
 from selforg.registry import unknown
-from train.deciders.decided_goal import named_goal
-from train.deciders.decider import DeciderMaker
-from train.deciders.strategies import PolicyDecider
 from train.learning.config import CreditConfig
 from train.learning.credit import Credit
 from train.learning.ppo.networks import RobotPolicy, exported

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import Cleaning
 from selector.documents.errors import DocumentError
 from tests.selector.strategies.policies import exported
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.named import decider_named
 
 GROUPS = [{"model": "quick", "count": 3, "max_speed": 1.0}, {"model": "slow", "count": 2, "max_speed": 0.5}]
 MISSION = {"base": "exploring", "robots": GROUPS}

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from clean_swarm_env.deciders.decider import OptionDecider
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.strategies.machine_file import StateMachine
 from selector.strategies.problem import Problem
 from selector.strategies.streams import Keys, row_keys, uniforms
 from selforg.arrays import Ints
-from train.deciders.decider import OptionDecider
 
 
 class FixedDecider(OptionDecider):

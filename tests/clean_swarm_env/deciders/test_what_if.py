@@ -5,8 +5,8 @@ from itertools import count
 import numpy as np
 import pytest
 
+from clean_swarm_env.deciders.what_if import FORETOLD
 from tests.train.live.sessions import SMALL, ordered, play_of, served
-from train.deciders.what_if import FORETOLD
 from train.live.chosen import chosen
 from train.live.session import Session
 

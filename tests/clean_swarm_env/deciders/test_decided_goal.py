@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from clean_swarm_env.deciders.decided_goal import DecidedGoal, named_goal, option_named
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError
-from train.deciders.decided_goal import DecidedGoal, named_goal, option_named
 
 BOTH = ("ExplorationPatrol", "AvoidCollision")
 

@@ -24,6 +24,7 @@ from gymnasium import Space
 from numpy.typing import NDArray
 
 from clean_swarm_env.borders.spaces import NAMES, preferred
+from clean_swarm_env.deciders.decider import Decided, Decider, columns_of, mode_of
 from clean_swarm_env.learning.actions import Mode, checked_vectors
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.arrays import check_known
@@ -33,7 +34,6 @@ from selector.documents.trust import check_trust
 from selector.documents.writing import write_whole
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
-from train.deciders.decider import Decided, Decider, columns_of, mode_of
 
 SPACE_TYPE = ":type:"
 """Key of the kind of a space."""

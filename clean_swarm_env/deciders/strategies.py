@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from clean_swarm_env.deciders.decider import Decided, Decider, OptionDecider, columns_of
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
@@ -17,7 +18,6 @@ from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec
 from selector.strategies.streams import row_keys
 from selforg.arrays import Floats, Ints
-from train.deciders.decider import Decided, Decider, OptionDecider, columns_of
 
 
 class StrategyDecider(OptionDecider):

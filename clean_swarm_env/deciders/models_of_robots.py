@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from clean_swarm_env.deciders.decider import DeciderMaker, OptionDecider
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
-from train.deciders.decider import DeciderMaker, OptionDecider
 
 FLAG = "model_"
 """What begins the names of the components that say of which model a robot is."""

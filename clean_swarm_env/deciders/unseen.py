@@ -8,11 +8,11 @@ from typing import Any
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.deciders.named import NamedDecider
 from clean_swarm_env.world.task import task_class
 from selector.coordination.model import CoordinatorModel
 from selector.documents.fields import JOINT
 from selector.documents.find import files_of
-from train.deciders.named import NamedDecider
 
 
 def remarks_of(

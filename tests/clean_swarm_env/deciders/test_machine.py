@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.decider import OptionDecider
+from clean_swarm_env.deciders.machines import MachineDecider
+from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.yaml_values import yaml_value
 from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.problem import Problem
 from tests.pages import blocks
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.decider import OptionDecider
-from train.deciders.machines import MachineDecider
-from train.deciders.named import decider_named
 from train.running.trials import run_trials
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.zeros(3), ("near", "far"))

@@ -3,9 +3,9 @@
 import pytest
 
 from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.deciders.named import decider_named
+from clean_swarm_env.deciders.unseen import unseen
 from selector.strategies.policy_file import find_policy, load_policy
-from train.deciders.named import decider_named
-from train.deciders.unseen import unseen
 from train.live.chosen import AVOIDING, TRAINED, chosen, remarks, usual, with_room
 
 

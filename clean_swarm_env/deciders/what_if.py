@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.decider import Decider
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission_end import RUNNING
 from selector.documents.fields import JOINT
 from selforg.arrays import Ints
-from train.deciders.decided_goal import DecidedGoal
-from train.deciders.decider import Decider
 
 FORETOLD: Final = 5.0
 """Time that is foretold [s]."""

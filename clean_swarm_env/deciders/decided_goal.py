@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.types import AVOIDANCE
+from clean_swarm_env.deciders.decider import Decider
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
@@ -28,7 +29,6 @@ from selector.knowledge import unknown_option
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
-from train.deciders.decider import Decider
 
 AskedGoal = str | Sequence[str] | None
 """Which goals are decided: one, several joined by `+`, those of a sequence that there are, or the usual one."""

@@ -13,6 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.decided_goal import AskedGoal, option_named
+from clean_swarm_env.deciders.decider import BaselineDecider, Decider, DeciderMaker, mode_of
+from clean_swarm_env.deciders.machines import MachineDecider
+from clean_swarm_env.deciders.models import LOADERS, ModelDecider, remembered
+from clean_swarm_env.deciders.models_of_robots import ByModelDecider
+from clean_swarm_env.deciders.strategies import PolicyDecider, StrategyDecider
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from selector.documents.arrays import check_known
@@ -27,12 +33,6 @@ from selector.strategies.policy_file import described, find_policy, load_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named, named_in, spec_from_text
 from selforg.arrays import Ints
-from train.deciders.decided_goal import AskedGoal, option_named
-from train.deciders.decider import BaselineDecider, Decider, DeciderMaker, mode_of
-from train.deciders.machines import MachineDecider
-from train.deciders.models import LOADERS, ModelDecider, remembered
-from train.deciders.models_of_robots import ByModelDecider
-from train.deciders.strategies import PolicyDecider, StrategyDecider
 
 FIXED, POLICY, LEARNED, MACHINE, VELOCITY = FILED_KINDS
 BY_MODEL = "models"
