@@ -136,14 +136,14 @@ def ppo_one_file() -> float:
     vars(example).update(MINIBATCH=MINIBATCH, print=lambda *_: printed.append(process_time()))
     sys.argv[1:] = ["--updates", "3", "--worlds", str(WORLDS)]
     example.main()
-    return 2 * STEPS * Batch(worlds=WORLDS, family="table1").rows / (printed[-1] - printed[0])
+    return 2 * STEPS * Batch(worlds=WORLDS, family="table1-starts").rows / (printed[-1] - printed[0])
 
 
 def pufferlib_ppo() -> Callable[[], float]:
     """Return the same contestant for PufferLib's trainer, without its table on the screen."""
     with warnings.catch_warnings():  # it makes errors of warnings
         example, pufferl = import_module("pufferlib_ppo"), import_module("pufferlib.pufferl")
-    robots = example.Robots(Batch(worlds=WORLDS, family="table1"))
+    robots = example.Robots(Batch(worlds=WORLDS, family="table1-starts"))
     width, options = robots.observations.shape[1], int(robots.single_action_space.n)
     policy = example.ActorCritic({"actor": example.network(width, options), "critic": example.network(width, 1)})
     sys.argv[1:] = []  # load_config reads them
@@ -163,7 +163,7 @@ def pufferlib_ppo() -> Callable[[], float]:
 
 def beside_others() -> dict[str, dict[str, float]]:
     """Return decisions for each CPU-hour beside those of other learners, and effective ones; prints them."""
-    contestants = {"train ppo": training(CountingTraining, "table1", "table"), "ppo_one_file": ppo_one_file}
+    contestants = {"train ppo": training(CountingTraining, "table1-starts", "table"), "ppo_one_file": ppo_one_file}
     if find_spec("pufferlib") is None:
         print("PufferLib is not installed: left out")
     else:

@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt benchmarl==1.5.2 torchrl==0.11.1 .
 python examples/benchmarl_task.py mappo --frames 60000
-clean-swarm evaluate table1 --strategy policy:benchmarl.pt --scenarios 10  (velocity: after masac)
+clean-swarm evaluate table1-starts --strategy policy:benchmarl.pt --scenarios 10  (velocity: after masac)
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt '.[train]'
 python examples/ppo_one_file.py --updates 40
-clean-swarm evaluate table1 --strategy fixed --strategy policy:ppo_one_file.pt --scenarios 10
+clean-swarm evaluate table1-starts --strategy fixed --strategy policy:ppo_one_file.pt --scenarios 10
 """
 
 import argparse
@@ -29,7 +29,7 @@ def main() -> None:
     parser.add_argument("--worlds", type=int, default=16)
     given = parser.parse_args()
     torch.manual_seed(1)
-    envs = RobotVectorEnv(given.worlds, family="table1")
+    envs = RobotVectorEnv(given.worlds, family="table1-starts")
     width, options = envs.single_observation_space.shape[0], int(envs.single_action_space.n)
     actor, critic = network(width, options), network(width, 1)
     weights = [*actor.parameters(), *critic.parameters()]

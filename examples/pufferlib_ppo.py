@@ -3,7 +3,7 @@
 pip install -c constraints.txt gym==0.26.2 psutil==7.2.2 pyro-ppl==1.9.2 rich-argparse==1.8.0 torch setuptools .
 NO_OCEAN=1 pip install --no-deps --no-build-isolation pufferlib==3.0.0  # docs/environment.md#pufferlib
 python examples/pufferlib_ppo.py --updates 40
-clean-swarm evaluate table1 --strategy fixed --strategy policy:pufferlib_ppo.pt --scenarios 10
+clean-swarm evaluate table1-starts --strategy fixed --strategy policy:pufferlib_ppo.pt --scenarios 10
 """
 
 import argparse
@@ -66,7 +66,7 @@ def main() -> None:
     given = parser.parse_args()
     sys.argv[1:] = []  # load_config reads them, too
     torch.manual_seed(1)
-    robots = Robots(Batch(worlds=given.worlds, family="table1"))
+    robots = Robots(Batch(worlds=given.worlds, family="table1-starts"))
     width, options = robots.observations.shape[1], int(robots.single_action_space.n)
     policy = ActorCritic({"actor": network(width, options), "critic": network(width, 1)})
     settings = SAME | PLAIN | {"total_timesteps": given.updates * STEPS * robots.num_agents}

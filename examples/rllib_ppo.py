@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt 'ray[rllib]==2.60.0' torch .
 python examples/rllib_ppo.py --iterations 20
-clean-swarm evaluate table1 --strategy fixed --strategy policy:rllib_ppo.pt --scenarios 10
+clean-swarm evaluate table1-starts --strategy fixed --strategy policy:rllib_ppo.pt --scenarios 10
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt stable-baselines3==2.9.2 sb3-contrib==2.9.2 '.[train]'
 python examples/sb3_maskable_ppo.py --steps 200000
-clean-swarm evaluate table1 --strategy fixed --strategy policy:sb3_maskable_ppo.zip --scenarios 10
+clean-swarm evaluate table1-starts --strategy fixed --strategy policy:sb3_maskable_ppo.zip --scenarios 10
 """
 
 import argparse
@@ -20,7 +20,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--steps", type=int, default=200_000)
     steps = parser.parse_args().steps
-    envs = VecMonitor(RobotVecEnv(worlds=16, family="table1", action={"serves": SERVES}))
+    envs = VecMonitor(RobotVecEnv(worlds=16, family="table1-starts", action={"serves": SERVES}))
     model = MaskablePPO("MlpPolicy", envs, n_steps=64, batch_size=1024, gamma=0.98, seed=1, device="cpu", verbose=1)
     model.learn(steps)
     model.save("sb3_maskable_ppo.zip")

@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt stable-baselines3==2.9.2 '.[train]'
 python examples/sb3_ppo.py --steps 200000
-clean-swarm evaluate table1 --strategy fixed --strategy policy:sb3_ppo.zip --scenarios 10
+clean-swarm evaluate table1-starts --strategy fixed --strategy policy:sb3_ppo.zip --scenarios 10
 python examples/sb3_ppo.py --velocity --family crowded
 clean-swarm evaluate crowded --strategy fixed:ORCA --strategy policy:sb3_ppo.zip --scenarios 10
 
@@ -24,7 +24,7 @@ def main() -> None:
     """Train and save `sb3_ppo.zip`, and the normalisation beside it."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--steps", type=int, default=200_000)
-    parser.add_argument("--family", default="table1")
+    parser.add_argument("--family", default="table1-starts")
     parser.add_argument("--limit", type=float, default=300.0)
     parser.add_argument("--velocity", action="store_true")
     parser.add_argument("--seed", type=int, default=1)

@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt stable-baselines3==2.9.2 '.[train]'
 python examples/sb3_sac.py --steps 100000
-clean-swarm evaluate table1 --strategy fixed --strategy velocity:sb3_sac.zip --scenarios 10
+clean-swarm evaluate table1-starts --strategy fixed --strategy velocity:sb3_sac.zip --scenarios 10
 """
 
 import argparse

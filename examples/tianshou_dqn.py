@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt tianshou==2.0.1 .
 python examples/tianshou_dqn.py --epochs 10
-clean-swarm evaluate table1 --strategy fixed --strategy policy:tianshou_dqn.pt --scenarios 10
+clean-swarm evaluate table1-starts --strategy fixed --strategy policy:tianshou_dqn.pt --scenarios 10
 """
 
 import argparse

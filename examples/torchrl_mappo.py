@@ -2,7 +2,7 @@
 
 pip install -c constraints.txt torchrl==0.14.1 .
 python examples/torchrl_mappo.py --frames 60000
-clean-swarm evaluate table1 --strategy fixed --strategy policy:torchrl_mappo.pt --scenarios 10
+clean-swarm evaluate table1-starts --strategy fixed --strategy policy:torchrl_mappo.pt --scenarios 10
 """
 
 import argparse

@@ -129,6 +129,8 @@ class FamilyConfig(Closed):
     """Start configurations of the split "test", taken in turn; random ones if empty, as in the split "train"."""
     scenarios: Scenarios = 100
     """Number of scenarios of an evaluation."""
+    draws_as: Name | None = None
+    """Name whose scenarios these are, as one that the family had; its own unless given."""
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
@@ -161,7 +163,7 @@ class FamilyConfig(Closed):
         if split not in SPLITS or min(seed, index, world) < 0:
             expected = f"a seed, an index and a world from 0 up and a split of {SPLITS}"
             raise ValueError(f"family {self.name!r}: expected {expected}, got {seed}, {index}, {world}, {split!r}")
-        own = seed_of(self.name, seed, index, split)
+        own = seed_of(self.draws_as or self.name, seed, index, split)
         for_mission, for_start = np.random.SeedSequence(own, spawn_key=(SCENARIO,)).spawn(2)
         mission = self._mission(np.random.default_rng(for_mission))
         if self.starts and split == "test":

@@ -21,6 +21,9 @@ from selector.documents.find import find_file, is_path
 from selector.documents.reading import read_mapping
 from selector.documents.trust import reading_files
 
+OF_ROBUSTNESS = {"disturbances", "strategies"}
+"""Keys of an experiment that compares strategies, in place of conditions."""
+
 
 def load_experiment(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> ExperimentConfig:
     """Return the experiment of a name or of a path to a YAML file, its mission and start configurations resolved."""
@@ -30,43 +33,43 @@ def load_experiment(name_or_path: str, directories: Sequence[Path] = (), *, trus
 
 
 def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> RobustnessConfig | None:
-    """Return the experiment of a name or path if it compares strategies; else None, for it has conditions.
-
-    Each of its disturbances has its whole mission.
-    """
+    """Return the experiment of a name or path if it compares strategies; else None, for it has conditions."""
     path = find_file("experiments", name_or_path, directories)
-    content = _resolved(read_mapping(path), path, directories)
-    if not content.keys() & {"disturbances", "strategies"}:
-        return None
-    given = content.get("disturbances")
-    for each in given if isinstance(given, list) else ():
-        if isinstance(each, dict) and isinstance(content["mission"], dict):
-            changes = each.get("mission", {})
-            each["mission"] = with_changes(content["mission"], changes) if isinstance(changes, dict) else changes
-    return validated(RobustnessConfig, content, shown(path))
+    content = read_mapping(path)
+    return _robustness(content, path, directories) if content.keys() & OF_ROBUSTNESS else None
 
 
 def load_family(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> FamilyConfig:
     """Return the family of a name or of a path to a YAML file, its mission and start configurations resolved.
 
-    The name of a mission or of a task, or the path of a mission, is that of its family, too: its random starts.
+    The name of a mission, a task or an experiment is that of its family, too: its random starts.
     """
-    found = load_either(name_or_path, directories, trust=trust)
+    found = load_named(name_or_path, directories, trust=trust)
     return found if isinstance(found, FamilyConfig) else random_starts(found)
 
 
-def load_either(
+def load_named(
     name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False
 ) -> FamilyConfig | MissionConfig:
-    """Return the family of a name or of a path to a YAML file; the mission, if it is that of a mission or of a task."""
-    path = named_file("families", name_or_path, directories)
+    """Return the mission or the family of a name or of a path to a YAML file.
+
+    The name of a task is that of its own mission, that of an experiment the mission on which it compares; with start
+    configurations of its own, or disturbances, an experiment is a family.
+    """
+    path = named_file(name_or_path, directories)
     if path is None:
-        return load_mission(name_or_path, directories, trust=trust)
-    content = read_mapping(path)
+        return own_mission(name_or_path)
+    content, where = read_mapping(path), shown(path)
     with reading_files(trust=trust):
+        if content.keys() & OF_ROBUSTNESS:
+            return _robustness(content, path, directories)
+        if "conditions" in content:
+            known = validated(ExperimentConfig, _resolved(content, path, directories), where)
+            given = {"name": known.name, "description": known.description, "mission": known.mission}
+            return validated(FamilyConfig, given | {"starts": known.starts}, where) if known.starts else known.mission
         if content.keys() & {"mission", "description"}:
-            return validated(FamilyConfig, _resolved(content, path, directories), shown(path))
-        return validated(MissionConfig, _with_own_knowledge(content, path), shown(path))
+            return validated(FamilyConfig, _resolved(content, path, directories), where)
+        return validated(MissionConfig, _with_own_knowledge(content, path), where)
 
 
 def random_starts(mission: MissionConfig) -> FamilyConfig:
@@ -79,7 +82,7 @@ def load_mission(
     name_or_path: str, directories: Sequence[Path] = (), where: str = "", *, trust: bool = False
 ) -> MissionConfig:
     """Return the mission of a name or of a path to a YAML file; `where` starts the line of an unknown one."""
-    if (path := named_file("missions", name_or_path, directories, where)) is None:
+    if (path := named_file(name_or_path, directories, where, ("missions",))) is None:
         return own_mission(name_or_path)
     with reading_files(trust=trust):
         return validated(MissionConfig, _with_own_knowledge(read_mapping(path), path), shown(path))
@@ -89,6 +92,17 @@ def own_mission(task: str) -> MissionConfig:
     """Return the mission that a task has of its own."""
     name = find_task(task).name
     return validated(MissionConfig, {"name": name, "task": name}, f"task {name}")
+
+
+def _robustness(content: dict[str, Any], path: Path, directories: Sequence[Path]) -> RobustnessConfig:
+    """Return an experiment that compares strategies; each of its disturbances has its whole mission."""
+    content = _resolved(content, path, directories)
+    given = content.get("disturbances")
+    for each in given if isinstance(given, list) else ():
+        if isinstance(each, dict) and isinstance(content["mission"], dict):
+            changes = each.get("mission", {})
+            each["mission"] = with_changes(content["mission"], changes) if isinstance(changes, dict) else changes
+    return validated(RobustnessConfig, content, shown(path))
 
 
 def _resolved(content: dict[str, Any], path: Path, directories: Sequence[Path]) -> dict[str, Any]:

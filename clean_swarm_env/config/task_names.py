@@ -1,9 +1,10 @@
-"""Names of tasks, missions and families, found without importing any task, which takes a second."""
+"""Names of tasks, missions, families and experiments, found without importing any task, which takes a second."""
 
 import ast
 from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from typing import Final
 
@@ -19,7 +20,7 @@ TASK: Final = "task"
 TASKS_HOME: Final = "clean_swarm_env.tasks"
 """The package whose import registers our tasks."""
 KIND_WORDS: Final = {"missions": "mission", "families": "family", "experiments": "experiment"}
-"""Kind -> what one is called; a name of one kind means something wherever one of a later kind is expected."""
+"""Kind of file that gives missions -> what one is called; names are looked for in this order."""
 OWN_TASK: Final = "; a task of your own: --import MODULE or FILE.py"
 """What follows the error of an unknown name."""
 
@@ -55,8 +56,10 @@ def task_names() -> tuple[str, ...]:
     return tuple(task_stories())
 
 
-def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> Path | None:
-    """Return the file of a kind of `KIND_WORDS`; None where a task has the name, or a file of a kind before it.
+def named_file(
+    name_or_path: str, directories: Sequence[Path] = (), where: str = "", kinds: Sequence[str] = tuple(KIND_WORDS)
+) -> Path | None:
+    """Return the file of a name, of the first of some `kinds` that has it; None where only a task has the name.
 
     Raises:
         DocumentError: nothing has the name; `where` starts the line, which lists the known names.
@@ -67,12 +70,16 @@ def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), w
 
         registered(name_or_path, import_module(TASKS_HOME).TASKS)
         return None
-    found = files_of(kind, directories)
-    if name_or_path in found or is_path(kind, name_or_path):
-        return find_file(kind, name_or_path, directories, where)
-    kinds = [*KIND_WORDS][: [*KIND_WORDS].index(kind) + 1]
-    known = dict.fromkeys((*(name for each in kinds for name in files_of(each, directories)), *task_names()))
-    if name_or_path in known:
+    if is_path("missions", name_or_path):
+        return find_file("families" if "families" in kinds else "missions", name_or_path, directories, where)
+    files = {kind: files_of(kind, directories) for kind in kinds}
+    for found in files.values():
+        if name_or_path in found:
+            return found[name_or_path]
+    if name_or_path in (names := task_names()):
         return None
-    called = ", ".join(KIND_WORDS[each] for each in kinds)
+    called, known = (
+        ", ".join(word for kind, word in KIND_WORDS.items() if kind in kinds),
+        dict.fromkeys(chain(*files.values(), names)),
+    )
     raise DocumentError(where + unknown(f"{called} or task", name_or_path, tuple(known)) + OWN_TASK)

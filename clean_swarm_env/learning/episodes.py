@@ -16,9 +16,9 @@ from pydantic import Field
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
 from clean_swarm_env.config.known import knowing
+from clean_swarm_env.config.load import load_named
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.given import (
     GivenFamily,
@@ -33,7 +33,6 @@ from clean_swarm_env.learning.given import (
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.fields import Closed, Flag
-from selector.documents.find import files_of
 from selector.documents.trust import reading_files
 from selforg.plugins import import_named
 
@@ -178,7 +177,7 @@ class EnvSettings(TypedDict, total=False):
 def episodes_of(mission: GivenMission | None = None, settings: EnvSettings | None = None) -> Episodes:
     """Return the episodes of a mission, "table1" unless given, or of the family that the settings name.
 
-    The name of a family does in place of a mission, too, unless a mission or a task has it.
+    A name may also be that of a family or of an experiment: `load_named`.
     """
     chosen = settings or {}
     import_named(chosen.get("imports", ()))
@@ -187,8 +186,9 @@ def episodes_of(mission: GivenMission | None = None, settings: EnvSettings | Non
             return episodes_of(mission, {**chosen, "trust": False})
     family, directories = chosen.get("family"), directories_from(chosen.get("directories"))
     size = chosen.get("size")
-    if family is None and isinstance(mission, str) and _is_family(mission, directories):
-        family, mission = mission, None
+    if family is None and isinstance(mission, str | os.PathLike):
+        found = load_named(os.fspath(mission), directories)
+        family, mission = (found, None) if isinstance(found, FamilyConfig) else (None, found)
     if family is None:
         for name in ("split", "size"):
             if chosen.get(name) is not None:
@@ -202,12 +202,6 @@ def episodes_of(mission: GivenMission | None = None, settings: EnvSettings | Non
     _check_size(drawn, size)
     known = drawn.model_copy(update={"mission": _changed(drawn.mission, chosen, directories)})
     return Episodes(known, chosen.get("split", "train"), size)
-
-
-def _is_family(name: str, directories: tuple[Path, ...]) -> bool:
-    """Return whether a family has the name, and neither a mission nor a task."""
-    others = (*files_of("missions", directories), *task_names())
-    return name in files_of("families", directories) and name not in others
 
 
 def _check_size(family: FamilyConfig, size: Size | None) -> None:

@@ -1,7 +1,7 @@
 """Advice beside an exhaustive search, which tells whether `advise` names a pair that is as good as the best of all.
 
-    python -m docs.comparison.advised all table1 random-bumpers scouts      # every pair on 100 starts
-    python -m docs.comparison.advised repeat table1 --minutes 1 --seeds 20  # advice with other seeds on these starts
+    python -m docs.comparison.advised all table1-starts random-bumpers scouts      # every pair on 100 starts
+    python -m docs.comparison.advised repeat table1-starts --minutes 1 --seeds 20  # advice with other seeds on these starts
     python -m docs.comparison.advised table  # the tables of docs/tutorials/advise.md
 
 Pairs that cost more than twice the best after 20 starts stop there. Results are kept in docs/comparison/advised.json.
@@ -73,7 +73,7 @@ def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) 
             arm = f"{FIXED}:{JOINT.join(said['held'].values())}"
             told = {name: said[name] for name in ("starts", "missions", "cpu_s", "better", "worth_it", "hindsight")}
             told |= {"seed": seed, "arm": arm}
-            if known:
+            if "excess_s" in known:
                 own = known["excess_s"].get(arm, [])
                 if len(own) < STARTS:
                     own = excesses(evaluation.opened, arm, evaluation.file_of(arm), range(STARTS))

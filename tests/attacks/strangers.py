@@ -51,7 +51,7 @@ def hostile_files(folder: Path) -> list[Path]:
             "disturbances": [{"kind": "lost", "level": "1", "mission": {"delivery": {"loss": 1.0}}}],
         },
         "training/own.yaml": {
-            "tasks": [{"family": "table1"}],
+            "tasks": [{"family": "table1-starts"}],
             "observation": {"terms": [{"name": "canary:Term"}]},
             "checkpoints": 1,
             "decisions": 10,
@@ -98,7 +98,7 @@ def _results(folder: Path) -> list[Path]:
     experiment = load_experiment("table1").model_dump(mode="json")
     conditions = [{"name": "a", "strategy": OWN}]
     members = ("canary:Own", "policy:evil.zip", "velocity:evil.pt")
-    family = load_family("table1").model_dump(mode="json")
+    family = load_family("table1-starts").model_dump(mode="json")
     family["mission"] |= {"time_limit": SHORT["time_limit"]}
     digests = [_digest(folder / "canary.py"), _digest(folder / "evil.zip", folder / "evil.pkl")]
     digests += [_digest(folder / "evil.pt", folder / "evil.pkl")]

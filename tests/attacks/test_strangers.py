@@ -9,6 +9,7 @@ import typer
 from tests.attacks.strangers import hostile_files
 from tests.train.commands import command, run
 from train.cli.app import app
+from train.live.conductor import Conductor
 
 DOCUMENTS = ("--config", "--starts", "--knowledge", "--store", "--configs")
 """Options that take a file."""
@@ -43,6 +44,7 @@ def calls(words, command, path, folder):
     options = {opt: p for p in command.params for opt in p.opts if opt.startswith("--")}
     needed = [word for opt, p in options.items() if p.required and opt not in DOCUMENTS for word in (opt, GIVEN[opt])]
     needed += ["--config", path] if "--config" in options else []
+    needed += ["--missions", 100] if "--missions" in options else []
     arguments = [GIVEN.get(p.name, path) for p in command.params if not p.opts[0].startswith("-")]
     if arguments or needed:
         yield [*words, *arguments, *needed]
@@ -67,6 +69,7 @@ def run_silently(strange, monkeypatch, capsys, tmp_path):
     monkeypatch.setenv("CLEAN_SWARM_STORE", str(tmp_path / "own.sqlite"))
     (folder / "sang").unlink(missing_ok=True)
     monkeypatch.delitem(sys.modules, "canary", raising=False)
+    monkeypatch.setattr(Conductor, "run", lambda self: None)  # a play goes on until Ctrl-C
 
     def run_words(*words):
         code, _, err = command(*words)

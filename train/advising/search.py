@@ -42,7 +42,7 @@ FINALISTS = 3
 """Arms with which a race ends."""
 JAMMED = 10
 """Starts after which an arm stops that left half of them unfinished, if another one did not."""
-BUDGET_SHARES = {"goals": 0.35, "together": 0.15, "numbers": 0.12, "choosers": 0.06}
+BUDGET_SHARES = {"goals": 0.35, "together": 0.15, "numbers": 0.12, "duel": 0.06, "choosers": 0.06}
 """Part of the budget for each part of the search; the last round gets the rest."""
 FEWEST_STARTS, MOST_STARTS = 2, 32
 """Bounds of the starts of a round."""
@@ -124,9 +124,9 @@ class AdviceSearch:
             own = self.rounds[-1].best_of_kinds.values()
             arms = self._race("numbers", list(dict.fromkeys((*arms[:2], *own, *more, *kept))), count, kept)
             variants = len(more)
-        if not self._cheaper(arms[0], experts := arm_of(self.opened.experts)):
-            arms, leader = [experts, *(arm for arm in arms if arm != experts)], experts
         kinds = self.rounds[-1].best_of_kinds
+        winner, leader = self._duel(arms[0], leader)
+        arms = [winner, *(arm for arm in arms if arm != winner)]
         choosers = self._choosers()
         finalists = (arms[0], *(arm for arm in portfolio(joint, arms[0]) if arm != arms[0]))[:FINALISTS]
         finalists = tuple(dict.fromkeys((*finalists, *kinds.values())))
@@ -134,12 +134,27 @@ class AdviceSearch:
         starts = int(np.clip((self.budget - self._spent) / each, LAST_FEWEST, LAST_MOST))
         return SearchResult(arms[0], leader, finalists, choosers, variants, starts, kinds)
 
+    def _duel(self, winner: str, leader: str) -> tuple[str, str]:
+        """Return the winner and the leader, or what is held in their place unless they are clearly cheaper.
+
+        Of many arms that are as good, one was cheaper by luck; so the winner meets the leader, whose numbers it varies,
+        and the experts' choice again.
+        """
+        experts = arm_of(self.opened.experts)
+        if len(arms := list(dict.fromkeys((winner, leader, experts)))) > 1:
+            self._round("duel", arms, self._starts(BUDGET_SHARES["duel"], len(arms)))
+            winner = winner if self._cheaper(winner, leader) else leader
+            winner, leader = (winner, leader) if self._cheaper(winner, experts) else (experts, experts)
+        return winner, leader
+
     def _cheaper(self, arm: str, other: str) -> bool:
-        """Return whether an arm cost less by more than the error of the mean, on all starts that both did."""
+        """Return whether an arm cost less by twice the error of the mean, on all starts that both did."""
+        if arm == other:
+            return True
         both = [one for one in self.rounds if {arm, other} <= {*one.arms}]
         costs = np.concatenate([one.costs[[one.arms.index(arm), one.arms.index(other)]] for one in both], axis=1)
         saved = costs[1] - costs[0]
-        return bool(saved.mean() > saved.std() / np.sqrt(len(saved)))
+        return bool(saved.mean() > 2.0 * saved.std() / np.sqrt(len(saved)))
 
     @property
     def leads(self) -> str:

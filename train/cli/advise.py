@@ -53,7 +53,7 @@ def advise_command(
         if not 0.0 < value <= MOST_MINUTES:
             raise ConfigurationError(f"{name}: expected a positive number up to {MOST_MINUTES:g}, got {value:g}")
     check_whole({"--missions": (missions, LEAST_MISSIONS, MOST_MISSIONS)})
-    check_named(given.directories, families=mission, knowledge=given.values["knowledge"])
+    check_named(given.directories, name=mission, knowledge=given.values["knowledge"])
     from train.advising.evaluation import AdviceEvaluation  # these import SciPy and Numba
     from train.evaluation import pipeline
     from train.running.run_folder import default_directory

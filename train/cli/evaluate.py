@@ -57,11 +57,15 @@ def evaluate_command(
         expected = "expected 1 with --learn, where missions learn in turn"
         raise ConfigurationError(f"--workers: {expected}, got {values['workers']}")
     compared = strategy or values["knowledge"] or world_seeds > 1
-    path = None if compared or Path(name).is_dir() else named_file("experiments", name, given.directories)
+    path = (
+        None
+        if compared or Path(name).is_dir()
+        else named_file(name, given.directories, kinds=("experiments", "missions", "families"))
+    )
     of_experiments = {"--starts": starts, "--condition": condition}
     if path is None or not OF_EXPERIMENTS & read_mapping(path).keys():
         _check_absent("with an experiment, and no strategies,", of_experiments)
-        check_named(given.directories, strategy, families=name, knowledge=values["knowledge"])
+        check_named(given.directories, strategy, name=name, knowledge=values["knowledge"])
         path = None
     elif condition and (known := conditions_in(path)):
         for one in condition:

@@ -112,12 +112,9 @@ def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None
     directories = tuple(configs or ())
     for kind, name in given.items():
         if name is not None:
-            (named_file if kind == "families" else find_file)(kind, name, directories)
-    family, knowledge = (
-        given.get("families") or "",
-        given.get("knowledge") or "",
-    )  # those of the user may have more options
-    theirs = is_import(family) or is_path("families", family) or is_path("knowledge", knowledge)
+            _ = named_file(name, directories) if kind == "name" else find_file(kind, name, directories)
+    # those of the user may have more options
+    theirs = is_import(given.get("name") or "") or any(is_path("knowledge", name or "") for name in given.values())
     ours = not (directories or named_plugins() or installed() or theirs)
     for text in strategies or ():
         where = f"--strategy {text}: "

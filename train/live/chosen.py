@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.config.known import knowledge_of
-from clean_swarm_env.config.load import load_either, load_mission
+from clean_swarm_env.config.load import load_named
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.task_names import task_names
+from clean_swarm_env.config.task_names import KIND_WORDS, task_names
 from clean_swarm_env.config.tasks import item_rows, with_changes, with_items
 from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
 from clean_swarm_env.deciders.named import FIXED, POLICY, decider_named
@@ -128,7 +129,7 @@ def chosen(name: str, number: int, seed: int, strategy: str | None, directories:
         if strategy is not None:
             raise ConfigurationError("--strategy: expected none, because the recording says who chose")
         return again(RecordedMission(Path(name)))
-    found = (load_mission if name in files_of("missions", directories) else load_either)(name, directories)
+    found = load_named(name, directories)
     if isinstance(found, FamilyConfig):
         scenario = found.scenario(seed, number - 1, "test")
     else:
@@ -170,5 +171,5 @@ def _models(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[Coor
 
 
 def playable(directories: tuple[Path, ...]) -> list[str]:
-    """Return the names of all missions, families and tasks."""
-    return sorted({*files_of("missions", directories), *files_of("families", directories), *task_names()})
+    """Return the names of all missions, families, experiments and tasks."""
+    return sorted({*task_names(), *chain(*(files_of(kind, directories) for kind in KIND_WORDS))})

@@ -37,7 +37,7 @@ def test_names_strings_and_paths_are_taken_alike(tmp_path):
     for directories in (tmp_path, str(tmp_path), [tmp_path], [str(tmp_path)]):
         assert Batch(knowledge="mine", directories=directories).options == shipped
     assert Batch(knowledge=tmp_path / "knowledge" / "mine.yaml").mission.knowledge.endswith("mine.yaml")
-    assert Batch(family=SHIPPED / "families" / "table1.yaml").robots == 5
+    assert Batch(family=SHIPPED / "families" / "table1-starts.yaml").robots == 5
 
 
 WRONG = [

@@ -65,7 +65,11 @@ def test_wrong_actions_are_named_and_nothing_moves(actions, message):
 @pytest.mark.parametrize(
     ("call", "error", "message"),
     [
-        (lambda make: make("tabel1"), ConfigurationError, r"unknown mission or task 'tabel1'.*table1"),
+        (
+            lambda make: make("tabel1"),
+            ConfigurationError,
+            r"unknown mission, family, experiment or task 'tabel1'.*table1",
+        ),
         (lambda make: make(render_mode="ansi"), ValueError, "expected None or 'human' or 'rgb_array', got 'ansi'"),
         (lambda make: make().step({}), RuntimeError, "call reset first"),
         (lambda make: make(max_cycles=0), ValueError, "max_cycles: expected a whole number of at least 1, got 0"),

@@ -7,8 +7,9 @@ import pytest
 
 from clean_swarm_env.config.families import SPLITS, FamilyConfig, place_of, seed_of
 from clean_swarm_env.config.frames import check_frame, grouped
-from clean_swarm_env.config.load import load_family, load_mission
+from clean_swarm_env.config.load import load_experiment, load_family, load_mission
 from clean_swarm_env.config.starts import for_start, nearest_distance
+from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
@@ -29,34 +30,43 @@ def test_scenarios_are_the_same_again_and_all_different(name):
     assert drawn == [again.scenario(3, index, split) for split in SPLITS for index in range(20)]
     assert len({scenario.seed for scenario in drawn}) == len({(s.id) for s in drawn}) == 40
     starts = {scenario.start.robots for scenario in drawn}
-    assert len(starts) == (25 if name == "table1" else 40)
+    assert len(starts) == (25 if name == "table1-starts" else 40)
     for scenario in drawn:
         for_start(scenario.mission, scenario.start)  # robots and items on the torus, solid robots apart
 
 
-@pytest.mark.parametrize(
-    ("name", "digest"),
-    [
-        ("continuous", 978469770),
-        ("crowded", 2563779510),
-        ("random", 1192068226),
-        ("shifting", 297865550),
-        ("sparse", 357777485),
-        ("unseen", 3150438572),
-        ("table1", 1602162840),
-        ("continuous-bumpers", 3723175218),
-        ("crowded-bumpers", 3569131695),
-        ("random-bumpers", 2958000314),
-        ("shifting-bumpers", 3735841617),
-        ("sparse-bumpers", 3013880565),
-        ("unseen-bumpers", 4227120394),
-        ("bumpers-or-not-1", 2524771815),
-        ("clustered", 3990978693),
-        ("hotspots", 132852503),
-        ("seasons-1", 2938303589),
-    ],
-)
-def test_accepted_families_are_frozen(name, digest):
+DIGESTS = {
+    "bumpers-or-not-1": 2524771815,
+    "clustered": 3990978693,
+    "continuous": 978469770,
+    "continuous-bumpers": 3723175218,
+    "crowded": 2563779510,
+    "crowded-bumpers": 3569131695,
+    "crowded-exploring": 3252743544,
+    "hotspots": 132852503,
+    "random": 1192068226,
+    "random-bumpers": 2958000314,
+    "rare": 1013042312,
+    "seasons-1": 2938303589,
+    "shifting": 297865550,
+    "shifting-bumpers": 3735841617,
+    "sparse": 357777485,
+    "sparse-bumpers": 3013880565,
+    "table1-starts": 1602162840,
+    "unseen": 3150438572,
+    "unseen-bumpers": 4227120394,
+    "unseen-exploring": 860417804,
+    "yards": 1012170900,
+    "disturbed-crowd": 4078497553,
+    "robustness": 2798611050,
+    "scout-options": 3431050193,
+    "swapped-scouts": 3545816099,
+}
+"""Family, or experiment with disturbances -> digest of 40 of its scenarios as they were first accepted."""
+
+
+@pytest.mark.parametrize("name", DIGESTS)
+def test_accepted_families_are_frozen(name):
     """A changed family gets a new name: docs/families.md."""
     family, found = load_family(name), 0
     for scenario in [family.scenario(3, k, split) for split in ("train", "test") for k in range(20)]:
@@ -67,7 +77,15 @@ def test_accepted_families_are_frozen(name, digest):
         harm = mission.task.consequences.stop, mission.task.consequences.harmless
         drawn = scenario.seed, start.robots, start.items, events, world, task, harm, mission.contact_cost
         found = zlib.crc32(repr(drawn).encode(), found)
-    assert found == digest
+    assert found == DIGESTS[name]
+
+
+def test_one_name_means_one_thing():
+    """No two files of missions have one name; an experiment may have that of the mission on which it compares."""
+    assert set(FAMILIES) <= DIGESTS.keys()
+    missions, names = {*files_of("missions"), *task_names()}, {*files_of("experiments")}
+    assert not set(FAMILIES) & (missions | names)
+    assert {name: load_experiment(name).mission.name for name in names & missions} == {"table1": "table1"}
 
 
 @pytest.mark.parametrize("name", FAMILIES)

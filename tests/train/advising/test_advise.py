@@ -108,7 +108,7 @@ def test_what_is_best_for_each_kind_of_start_is_judged_on_the_last_round(tmp_pat
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["nowhere"], "unknown mission, family or task 'nowhere'"),
+        (["nowhere"], "unknown mission, family, experiment or task 'nowhere'"),
         (["table1", "--minutes", 0], "--minutes: expected a positive number"),
         (["table1", "--minutes", "nan"], "--minutes: expected a positive number"),
         (["table1", "--missions", 5], "--missions: expected a whole number of at least 100"),

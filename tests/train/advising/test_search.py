@@ -30,7 +30,7 @@ def invented(seed, *, learned=None):
         )
     known = Knowledge(table, learned=learned(costs) if learned else {})
     experts = {goal: max(own, key=lambda one: one.score).name for goal, own in table.items()}
-    return OpenedMission(load_family("table1"), known, experts, {}, {}), costs
+    return OpenedMission(load_family("table1-starts"), known, experts, {}, {}), costs
 
 
 def cost_of(arm, costs):
@@ -123,7 +123,7 @@ def test_the_experts_choice_is_held_where_nothing_is_shown_to_be_cheaper():
         costs["Avoid"][expert] = 10.0
         _, found = Missions(wide, costs, seed).found(minutes=0.7)
         above += expert not in found.winner
-    assert above <= 6
+    assert above <= 2
 
 
 def test_a_goal_races_again_beside_better_partners():

@@ -118,7 +118,7 @@ def _experiment(path: Path, **changes: object) -> Path:
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["tabel1"], "unknown mission, family, experiment or task 'tabel1' (known: bumpers, cleaning-patrol"),
+        (["tabel1"], "unknown mission, family, experiment or task 'tabel1' (known: "),
         (["none.yaml"], "none.yaml: no such file"),
         (
             ["--condition", "Gradient"],

@@ -160,13 +160,13 @@ def constant(folder, batch, options, vector):
 
 
 def test_a_policy_that_steers_corrects_or_both_is_evaluated_as_what_it_gives(folder, ahead):
-    plain, driven = Batch(family="table1"), Batch("table1", action={"mode": "velocity"})
+    plain, driven = Batch(family="table1-starts"), Batch("table1", action={"mode": "velocity"})
     options = plain.options["AvoidCollision"]
     Path("ahead.const").write_text("0.75 0.125")  # the same in float32
     steering = constant(folder, driven, (), [0.75, 0.125])
     still, moved = (constant(folder, plain, options, vector) for vector in ([0.0, 0.0], [0.3, 0.0]))
-    request = Request("table1", (ahead, steering, f"fixed:{options[1]}", still, moved), 3, scenarios=2)
-    tasks = FamilyEvaluation(request, short("table1")).tasks({})[:5]
+    request = Request("table1-starts", (ahead, steering, f"fixed:{options[1]}", still, moved), 3, scenarios=2)
+    tasks = FamilyEvaluation(request, short("table1-starts")).tasks({})[:5]
     assert [task.named.mode for task in tasks] == ["velocity", "velocity", "option", "both", "both"]
     runs = [[record.result for record in task.run()] for task in tasks]
     assert runs[0] == runs[1]

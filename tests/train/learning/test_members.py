@@ -48,7 +48,7 @@ def test_each_mission_follows_its_member_and_notes_what_it_sees():
 
 
 def test_the_missions_that_a_dead_worker_left_keep_their_members_and_places():
-    scenarios = tuple(load_family("table1").scenario(0, index, "train") for index in range(3))
+    scenarios = tuple(load_family("table1-starts").scenario(0, index, "train") for index in range(3))
     task = MemberTask(tuple(zip((4, 5, 6), scenarios, map(always, range(3)), strict=True)), TrialSettings())
     assert task.keys == tuple(zip(("train-1", "train-2", "train-3"), "456", strict=True))
     left = task.without({task.keys[1]})

@@ -61,7 +61,7 @@ def test_policies_and_strategies_of_ones_own_take_part(own):
     assert [kept[name][0].split()[0] for name in kept] == own_and_others
     records = [record for task in evaluation.tasks(set()) for record in task.run()]
     assert [record.condition for record in records] == own_and_others
-    with pytest.raises(DocumentError, match="unknown mission, family or task 'small'"):
+    with pytest.raises(DocumentError, match="unknown mission, family, experiment or task 'small'"):
         FamilyEvaluation(Request("small", ("policy:mine",), 0, 1))
 
 

@@ -54,7 +54,7 @@ def test_a_port_in_use_is_one_line(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (("crowdet",), "unknown mission, family or task 'crowdet'"),
+        (("crowdet",), "unknown mission, family, experiment or task 'crowdet'"),
         (("table1", "--speed", "0"), "speed: expected a number from 0.01 to 1000"),
         (("table1", "--strategy", "policy:none"), "none"),
         (("table1", "--port", "70000"), "--port: expected a whole number of at most 65535, got 70000"),
