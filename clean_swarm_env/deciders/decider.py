@@ -32,8 +32,9 @@ class Decided(NamedTuple):
 class Decider(ABC):
     """Base class: decides for R rows at a time.
 
-    `reset` is called when rows begin a mission, `decide` once in each decision period. A new decider is a class that
-    implements `_decide`, or `_choose` of an `OptionDecider`:
+    `reset` is called when rows begin a mission, `decide` once in each decision period, `update` when rewards of earlier
+    decisions are known. A new decider is a class that implements `_decide`, or `_choose` of an `OptionDecider`, and, if
+    it learns, `update`:
 
     >>> class Nearest(OptionDecider):
     ...     def _choose(self, observations):
@@ -69,6 +70,9 @@ class Decider(ABC):
     def opinions(self) -> Floats:
         """Return what each row thought of each option (R, O) when it last decided: 1 for the one that it took."""
         return np.eye(len(self.problem.options))[self._last.options]
+
+    def update(self, options: Ints, rewards: Floats, observations: Observations) -> None:  # noqa: B027  (many learn nothing)
+        """Learn from the rewards (R,) of the options (R,) that rows took with what they saw (R, F)."""
 
     @abstractmethod
     def _decide(self, observations: Observations) -> Decided:

@@ -51,8 +51,8 @@ class NamedDecider:
     """Makes it for a problem with all components of the observation; DocumentError if it does not fit."""
     digest: str = ""
     """Digest of the file that is named; empty without one."""
-    spec: Callable[[], StrategySpec] | None = None
-    """Returns the strategy, if it is one that needs no observation and no file."""
+    strategy: str = ""
+    """Name of the strategy, if it is one that needs no observation and no file."""
     mode: Mode = "option"
     """What it gives: options, movement vectors, or both."""
     goal: str = ""
@@ -80,7 +80,7 @@ class NamedDecider:
     @property
     def learns(self) -> bool:
         """Whether it is a strategy that could learn, and has learned nothing."""
-        return self.spec is not None and named(self.spec().name).can_learn()
+        return bool(self.strategy) and named(self.strategy).can_learn()
 
     @property
     def goals(self) -> tuple[str, ...]:
@@ -98,12 +98,6 @@ class NamedDecider:
             return validated(ObservationConfig, self.sees or {"terms": self.terms}, self.text, own=True)
         further = [term for term in self.further if term not in usual]
         return ObservationConfig().of((*usual, *further), driven=self.mode == "velocity")
-
-    def strategy(self) -> StrategySpec:
-        """Return the strategy that chooses once in a mission; ConfigurationError for any other decider."""
-        if self.spec is None:
-            raise ConfigurationError(f"--learn: {self.text}: expected a strategy that chooses once in a mission")
-        return self.spec()
 
 
 def decider_named(text: str, directories: Sequence[Path] = ()) -> NamedDecider:
@@ -152,19 +146,17 @@ def _strategy(text: str, *_: object) -> NamedDecider:
         return StrategyDecider(spec_from_text(text), problem, teams)
 
     digest = _sha256(source_of(own, "strategy")) if is_import(own) else ""
-    return NamedDecider(text, build, digest, partial(spec_from_text, text))
+    return NamedDecider(text, build, digest, own)
 
 
 def _option(text: str, name: str, _: Sequence[Path]) -> NamedDecider:
     """Return what always takes the same option; of options joined for several goals, the best that has those named."""
 
-    def fixed(option: str = name) -> StrategySpec:
-        return validated(StrategySpec, {"name": "Fixed", "parameters": {"option": option}}, f"{FIXED}:{option}")
-
     def build(problem: Problem, teams: Ints) -> Decider:
-        return StrategyDecider(fixed(option_named(problem, name)), problem, teams)
+        spec = StrategySpec(name="Fixed", parameters={"option": option_named(problem, name)})
+        return StrategyDecider(spec, problem, teams)
 
-    return NamedDecider(text, build, spec=fixed)
+    return NamedDecider(text, build, strategy="Fixed")
 
 
 def _learned(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:

@@ -21,7 +21,7 @@ from selforg.arrays import Floats, Ints
 
 
 class StrategyDecider(OptionDecider):
-    """A strategy that decides in every decision period, and does not learn.
+    """A strategy that decides in every decision period; it learns where it is told rewards.
 
     Args:
         spec: the strategy.
@@ -58,6 +58,10 @@ class StrategyDecider(OptionDecider):
         thought = np.repeat(known.min(axis=1, keepdims=True), len(self.problem.options), axis=1)
         thought[:, self._places] = known
         return thought
+
+    def update(self, options: Ints, rewards: Floats, observations: Observations) -> None:
+        """Let the strategy learn."""
+        self.strategy.update(options, rewards, observations[:, self._columns].astype(np.float64))
 
     def _choose(self, observations: Observations) -> Ints:
         self._context = observations[:, self._columns].astype(np.float64)

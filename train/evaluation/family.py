@@ -15,12 +15,13 @@ from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, Scen
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family, own_mission
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
 from clean_swarm_env.deciders.named import decider_named
+from clean_swarm_env.deciders.strategies import StrategyDecider
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
-from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from train.analysis.family_report import FamilyRuns, family_report_of
 from train.analysis.robustness_report import RobustnessReport, durations_over
@@ -142,16 +143,18 @@ class FamilyEvaluation(Evaluation):
             return "this family has no such scenario"
         return record.mistake(self.family.name, self.request.seed, self.family.largest)
 
-    def choosers(self) -> dict[str, DecisionStrategy]:
-        """Return the strategy of each member: with one row, it chooses one option for the whole team and mission."""
-        directories, alone = self.request.directories, np.zeros(1, dtype=np.int64)
+    def choosers(self) -> dict[str, StrategyDecider]:
+        """Return the decider of each member: with one row, it chooses one option for the whole team and mission."""
+        found, directories, alone = dict[str, StrategyDecider](), self.request.directories, np.zeros(1, dtype=np.int64)
         problem = Problem.of(knowledge_of(self.mission, directories), self.goal)
-        return {
-            condition: decider_named(member, directories)
-            .strategy()
-            .build(problem, row_keys(np.random.SeedSequence([self.request.seed, k]), 1), alone)
-            for k, (condition, member) in enumerate(self._members())
-        }
+        for k, (condition, member) in enumerate(self._members()):
+            named = decider_named(member, directories)
+            decider = named.build(problem, alone) if named.strategy else None
+            if not isinstance(decider, StrategyDecider):
+                raise ConfigurationError(f"--learn: {member}: expected a strategy that chooses once in a mission")
+            decider.strategy.reseed(alone, row_keys(np.random.SeedSequence([self.request.seed, k]), 1))
+            found[condition] = decider
+        return found
 
     def _members(self) -> list[tuple[str, str]]:
         """Return the condition and the name of each member of all entrants."""

@@ -115,7 +115,7 @@ def _count(tasks: Sequence[TrialTask]) -> int:
 def _lessons(
     evaluation: FamilyEvaluation, results: Results, settings: RecordSettings | None
 ) -> Generator[RunRecord, None, None]:
-    """Run one mission after the other, each with options that its strategies choose and then learn from.
+    """Run one mission after the other, each with an option that its decider chooses and then learns from.
 
     The store gets the score of a run once the run is on the disk. Scores of kept runs that it lacks are given first:
     the command was killed, or the disk was full, in between.
@@ -125,9 +125,9 @@ def _lessons(
     choosers, choices, given = evaluation.choosers(), "", set()
     held = memory.held()
     for scenario in evaluation.scenarios:
-        for condition, strategy in choosers.items():
-            chosen = strategy.select(NO_CONTEXT)
-            option = strategy.problem.options[chosen[0]]
+        for condition, decider in choosers.items():
+            chosen = decider.decide(NO_CONTEXT).options
+            option = decider.problem.options[chosen[0]]
             drawn = evaluation.scenario(evaluation.family, scenario)
             task = replace(evaluation.task([drawn], condition, f"{FIXED}:{option}"), goal=evaluation.goal)
             kept = done.get((scenario, condition))
@@ -145,7 +145,7 @@ def _lessons(
                 else:
                     memory.give([(evaluation.goal, option, score)])
             given.add((scenario, option))
-            strategy.update(chosen, np.array([score]), NO_CONTEXT)
+            decider.update(chosen, np.array([score]), NO_CONTEXT)
 
 
 def mission_score(mission: MissionConfig, cost: float) -> float:

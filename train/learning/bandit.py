@@ -9,6 +9,7 @@ Shapes: R rows, which are the robots of all worlds.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +23,6 @@ from selector.documents.errors import shown, validated, within
 from selector.knowledge import learned_from
 from selector.strategies.learned_file import save_strategy
 from selector.strategies.problem import Problem
-from selector.strategies.registry import StrategySpec
-from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.learning.credit import Credit
@@ -46,15 +45,14 @@ class BanditTraining(Training):
         expert = expert_knowledge(self.curriculum.batches[0].mission, self.job.directories)
         known = expert.with_learned(learned_from(self.job.folder.learned, "manifest: learned"))
         self.problem = Problem.of(known, whole.goal, settings.context)
-        self.strategy = self._built(settings.strategy, self._joined.world_of)
+        keys = row_keys(np.random.SeedSequence(0), self._joined.rows)  # others for each checkpoint
+        self.strategy = settings.strategy.build(self.problem, keys, self._joined.world_of)
         self._best = self.strategy.learned()
 
     def export(self, command: str) -> Path:
         """Write the best strategy so far and return the file."""
-        one = self._built(self.settings.learned, np.zeros(1, dtype=np.int64))
-        one.load_learned(of_one_world(self._best))
         path = self.job.folder.path / STRATEGY
-        save_strategy(path, one)
+        save_strategy(path, self._decider(self._best, self.goal.problem, np.zeros(1, dtype=np.int64)).strategy)
         return path
 
     def _learn(self) -> dict[str, Any]:
@@ -90,18 +88,13 @@ class BanditTraining(Training):
         return {"missions": len(self._costs)}
 
     def _decider_maker(self) -> DeciderMaker:
-        learned = of_one_world(self.strategy.learned())
+        return partial(self._decider, self.strategy.learned())
 
-        def decider(problem: Problem, teams: Ints) -> StrategyDecider:
-            own = StrategyDecider(self.settings.learned, problem, teams, features=self.settings.context)
-            own.strategy.load_learned(learned)
-            return own
-
+    def _decider(self, learned: Arrays, problem: Problem, teams: Ints) -> StrategyDecider:
+        """Return what decides as the first world has learned to."""
+        decider = StrategyDecider(self.settings.learned, problem, teams, features=self.settings.context)
+        decider.strategy.load_learned({name: array[:1] for name, array in learned.items()})
         return decider
-
-    def _built(self, spec: StrategySpec, teams: Ints) -> DecisionStrategy:
-        keys = row_keys(np.random.SeedSequence([self.job.seed, 3]), len(teams))
-        return spec.build(self.problem, keys, teams)
 
     def _learned(self) -> Arrays:
         return self.strategy.learned()
@@ -127,8 +120,3 @@ class BanditTraining(Training):
                 self.strategy.load_learned(own)
         self._best = parts["best"]
         return content
-
-
-def of_one_world(learned: Arrays) -> Arrays:
-    """Return the learned arrays of the first world alone."""
-    return {name: array[:1] for name, array in learned.items()}
