@@ -29,7 +29,7 @@ from train.running.run_folder import CHOSEN_OPTIONS, default_directory
 from train.running.runs import RunRecord
 from train.running.trial_task import TrialTask
 
-NO_CONTEXT = np.zeros((1, 0))
+NO_CONTEXT = np.zeros((1, 0), dtype=np.float32)
 """Context of the one row of a strategy that chooses for a whole mission."""
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
+
+from train import WITH_PARENT
 
 
 def trained(words: Sequence[str], folders: Mapping[int, Path], workers: int) -> Iterator[int]:
@@ -25,10 +28,18 @@ def trained(words: Sequence[str], folders: Mapping[int, Path], workers: int) -> 
 
     def train(seed: int) -> int:
         command = [sys.executable, "-m", "clean_swarm_env", *words, "--seed", str(seed), "--output", str(folders[seed])]
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,  # which ends with this process
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, WITH_PARENT: "1"},
+        )
         running.append(process)
-        said = process.communicate()[1]
-        if process.returncode:
+        assert process.stderr is not None
+        said = process.stderr.read()
+        if process.wait():
             raise SystemExit(said.strip().rpartition("\n")[2])
         return seed
 

@@ -175,7 +175,7 @@ def test_an_interrupted_training_ends_the_others_and_says_how_to_go_on(tmp_path,
     from train.advising import learning
     from train.learning import seeds
 
-    process = Mock(communicate=Mock(side_effect=KeyboardInterrupt))
+    process = Mock(stderr=Mock(read=Mock(side_effect=KeyboardInterrupt)))
     monkeypatch.setattr(seeds.subprocess, "Popen", Mock(return_value=process))
     monkeypatch.setattr(learning, "training_of", Mock(return_value=Mock(model_dump=Mock(return_value={}))))
     request = Request("yard", words=("clean-swarm", "advise", "yard", "--learn"), output=tmp_path)
