@@ -2,9 +2,6 @@
 
 import sys
 
-WITH_PARENT = "CLEAN_SWARM_WITH_PARENT"
-"""Environment variable: the command ends when its standard input does, which a parent holds open, also when killed."""
-
 
 def play(task: type) -> None:
     """Play with a task of your own in the browser, as `clean-swarm play NAME`; its file calls this with the class."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -113,13 +114,14 @@ class PolicyDecider(Decider):
         """Return the probabilities (R, O) of the network."""
         return shares(self._outputs)
 
-    def moves(self, row: int) -> dict[str, dict[str, Any]]:
-        """Return for each goal the likeliest option of a row when it last decided, its probability, and the inputs.
+    def moves(self, seen: Mapping[str, float]) -> dict[str, dict[str, Any]]:
+        """Return for each goal the likeliest option of a robot that sees something, its probability, and the inputs.
 
         `moved`: by how much each input made it likelier than the input's mean does.
         """
         spec, told = self._spec, {}
-        cases = np.tile(self._seen[row], (len(spec.observations) + 1, 1))
+        inputs = {name: seen[name] for name in spec.observations}
+        cases = np.tile([*inputs.values()], (len(spec.observations) + 1, 1))
         cases[np.arange(len(spec.observations)) + 1, np.arange(len(spec.observations))] = spec.mean
         heads = self._network.heads(cases)["options"]
         for goal, outputs, numbers, _ in self._heads:
@@ -130,14 +132,13 @@ class PolicyDecider(Decider):
             told[goal] = {
                 "option": spec.goals[goal][known[chosen]],
                 "probability": float(likely[0, chosen]),
-                "inputs": dict(zip(spec.observations, self._seen[row].tolist(), strict=True)),
+                "inputs": inputs,
                 "moved": dict(zip(spec.observations, moved, strict=True)),
             }
         return told
 
     def _decide(self, observations: Observations) -> Decided:
-        self._seen = observations[:, self._columns].astype(np.float64)
-        heads = self._network.heads(self._seen)
+        heads = self._network.heads(observations[:, self._columns].astype(np.float64))
         self._outputs = np.zeros((self._rows, len(self.problem.options)))
         taken = self._outputs.copy()
         for k, (_, outputs, numbers, hold) in enumerate(self._heads):

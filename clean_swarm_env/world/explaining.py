@@ -74,8 +74,8 @@ class RobotStep:
         return own | network | inside
 
 
-def explain_robot(worlds: Worlds, row: int) -> RobotStep:
-    """Return what the robot of a row decided in the last control period.
+def explain_robot(worlds: Worlds, row: int, step: int | None = None) -> RobotStep:
+    """Return what the robot of a row decided in the last control period, or in that to which the worlds were put back.
 
     Raises:
         ValueError: the worlds note no reasons, or have not begun, or the robot has not joined yet.
@@ -84,7 +84,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
     if not worlds.network.explained:
         raise ValueError("explain: expected worlds with explained=True, got worlds that note no reasons")
     world = row // worlds.robots
-    step = int(worlds.ticks[world]) - 1
+    step = int(worlds.ticks[world]) - 1 if step is None else step
     if step < 0:
         raise ValueError("explain: expected a world that has run a control period, got one at its beginning")
     robot, time = row % worlds.robots, round(step * worlds.period, 9)

@@ -5,8 +5,8 @@ import signal
 import sys
 from threading import Thread
 
-from train import WITH_PARENT
 from train.cli.interruption import Interruption
+from train.running import WITH_PARENT
 
 
 def main() -> None:

@@ -5,9 +5,8 @@ Libraries that take seconds are imported inside the functions, so that help is q
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -22,7 +21,7 @@ from train.cli.options import (
     check_whole,
     error_console,
 )
-from train.cli.repeat import ConditionOption, ScenarioOption, repeating
+from train.cli.repeat import ConditionOption, ScenarioOption, recording_at
 
 if TYPE_CHECKING:
     from clean_swarm_env.drawing.canvases import RecordedCourse
@@ -73,13 +72,10 @@ def course_of(run: Path, scenario: str | None, condition: str | None) -> Iterato
     """Give the course of a recording, or of a run in a directory of results, which is repeated if need be."""
     from clean_swarm_env.drawing.canvases import RecordedCourse, pictured
     from clean_swarm_env.recording.reader import RecordedMission
-    from train.evaluation.repeat import recording_of
     from train.running.needs import most_numbers
 
-    with TemporaryDirectory() as folder:
-        with repeating(run, scenario, condition) if run.is_dir() else nullcontext():
-            recording = recording_of(run, scenario, condition, Path(folder), minds=False)
-        yield RecordedCourse(RecordedMission(recording, pictured, most_numbers()))
+    with recording_at(run, scenario, condition, minds=False) as path:
+        yield RecordedCourse(RecordedMission(path, pictured, most_numbers()))
 
 
 FASTEST = 1000.0

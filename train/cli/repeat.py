@@ -1,9 +1,10 @@
-"""`clean-swarm explain`, `record` and `replay`: repeat a run of an evaluation to see its decisions."""
+"""`clean-swarm explain`, `record` and `replay`: a run from its recording, or done again."""
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
+from shutil import copyfile
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
@@ -32,12 +33,15 @@ def explain_command(
     what_if: Annotated[bool, typer.Option("--what-if", help="Show the robot's next 5 s under each option.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Repeat a run up to a time and explain what a robot decided then, what it planned, and why."""
+    """Explain what a robot decided at a time, what it planned, and why; a run without a recording is repeated."""
     check_there(run)
-    from train.evaluation import explain as explaining  # imports Numba
+    from clean_swarm_env.recording.reader import RecordedMission  # these import Numba
+    from train.evaluation import explain as explaining
+    from train.running.needs import most_numbers
 
-    with repeating(run, scenario, condition, time) as task:
-        explained = explaining.explained(task, robot, time, ahead=what_if)
+    with recorded(run, scenario, condition, time) as (task, path):
+        recording = RecordedMission(path, most=most_numbers())
+        explained = explaining.explained(task, recording, robot, time, ahead=what_if)
     if json:
         typer.echo(explaining.as_json(*explained))
     else:
@@ -51,13 +55,16 @@ def record_command(
     condition: ConditionOption = None,
     minds: Annotated[bool, typer.Option(help="Record what the robots' networks decide, too.")] = True,
 ) -> None:
-    """Repeat a run and record it: docs/recordings.md describes the file."""
+    """Write the recording of a run; a run without one is repeated. docs/recordings.md describes the file."""
     check_there(run)
-    from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
-    from train.evaluation.repeat import record_run
+    from clean_swarm_env.recording.reader import RecordedMission  # these import Numba
+    from train.evaluation.repeat import check_output
 
-    with repeating(run, scenario, condition) as task:
-        recording = RecordedMission(record_run(task, output, minds=minds), ())
+    check_output(output)
+    with recorded(run, scenario, condition, minds=minds, output=output) as (_, path):
+        if path != output:
+            copyfile(path, output)
+    recording = RecordedMission(output, ())
     typer.echo(f"{recording.frames} steps of {recording.head['robots']} robots in {output}")
 
 
@@ -77,35 +84,55 @@ def replay_command(
     """Write a page that plays a run, or two side by side; runs without a recording are repeated."""
     check_there(*runs)
     from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
-    from train.evaluation.repeat import recording_of
     from train.replay.page_file import write_page
 
     conditions: list[str | None] = [*condition] if condition else [None]
     chosen = runs * 2 if len(runs) == 1 and len(conditions) == 2 else runs
     if len(chosen) > 2 or len(conditions) not in (1, len(chosen)):
         raise ConfigurationError("replay: expected one or two runs, and a condition for each or for all")
-    recordings = []
-    with TemporaryDirectory() as folder:
-        for run, name in zip(chosen, conditions * (len(chosen) // len(conditions)), strict=True):
-            with repeating(run, scenario, name) if run.is_dir() else nullcontext():
-                recordings.append(RecordedMission(recording_of(run, scenario, name, Path(folder)), ()))
-        write_page(recordings, html)
+    named = zip(chosen, conditions * (len(chosen) // len(conditions)), strict=True)
+    with ExitStack() as stack:
+        paths = [stack.enter_context(recording_at(run, scenario, name)) for run, name in named]
+        write_page([RecordedMission(path, ()) for path in paths], html)
     typer.echo(f"{html}: open it in a browser")
 
 
 @contextmanager
-def repeating(run: Path, scenario: str | None, condition: str | None, until: float = math.inf) -> Iterator["TrialTask"]:
-    """Give the task of a run, and show the progress while it is repeated up to a time [s].
+def recorded(
+    run: Path,
+    scenario: str | None,
+    condition: str | None,
+    until: float = math.inf,
+    *,
+    minds: bool = True,
+    output: Path | None = None,
+) -> Iterator[tuple["TrialTask", Path]]:
+    """Give the task of a run in a directory of results, and its recording, with or without minds.
 
-    The standard error says which versions have changed since the run.
+    A run that has none is repeated up to a time [s], and recorded in `output`, or for a while. The standard error says
+    at the end which was done, and with what versions that have changed since the run.
     """
-    from train.evaluation.repeat import changed_versions, task_of  # imports Numba
+    from train.evaluation.repeat import changed_versions, record_run, recording_of, task_of  # these import Numba
     from train.running.commands import progress
+    from train.running.run_folder import RECORDINGS
 
     task = task_of(run, scenario, condition)
-    changed = changed_versions(run)
-    if changed:
-        error_console().print(f"note: the course may differ from the one then: {', '.join(changed)}", markup=False)
-    with progress("repeating the run", 1) as update:
-        update(most=min(until, task.first.mission.time_limit))
-        yield task
+    path = recording_of(task, run, minds=minds)
+    told = f"read from {path}"
+    with TemporaryDirectory() as folder:
+        if path is None:
+            changed = changed_versions(run)
+            told = f"run again: {run / RECORDINGS} has no recording of it" + minds * " with --minds"
+            told += f"; the course may differ from the one then: {', '.join(changed)}" if changed else ""
+            with progress("repeating the run", 1) as update:
+                update(most=min(until, task.first.mission.time_limit))
+                path = record_run(task, output or Path(folder) / "run.swarm", minds=minds, until=until)
+        yield task, path
+    error_console().print(told, markup=False)
+
+
+@contextmanager
+def recording_at(run: Path, scenario: str | None, condition: str | None, *, minds: bool = True) -> Iterator[Path]:
+    """Give a recording, or that of a run in a directory of results; see `recorded`."""
+    with recorded(run, scenario, condition, minds=minds) if run.is_dir() else nullcontext((None, run)) as (_, path):
+        yield path

@@ -16,12 +16,16 @@ from rich.text import Text
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.strategies import PolicyDecider
 from clean_swarm_env.deciders.what_if import WhatIf
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.sampled import floor_arrays, mind_arrays
 from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, explain_robot
+from clean_swarm_env.world.mission import period_of
+from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Flags
 from selforg.network.explanation import Explanation, condition_tree, header, table
 from selforg.space import Torus
-from train.evaluation.repeat import Deciding, steps_until
-from train.evaluation.why import facts_of, sentence
+from train.evaluation.repeat import steps_of
+from train.evaluation.why import Numbers, facts_of, sentence
 from train.running.trial_task import TrialTask
 
 STATES: Final = {"failed": "it has failed: its body stays", "taken away": "it has been taken away"}
@@ -34,47 +38,102 @@ Inside = Coordinated | Nested
 
 
 def explained(
-    task: TrialTask, robot: int, time: float, *, ahead: bool = False
+    task: TrialTask, recording: RecordedMission, robot: int, time: float, *, ahead: bool = False
 ) -> tuple[dict[str, Any], RobotStep, dict[str, Any]]:
-    """Repeat a run up to `time` [s]; return what run it is, what the robot decided then, and what led to it.
+    """Return what run a recording with minds is of, what a robot decided at a time [s], and what led to it.
 
     The latter is `stayed_s`, how long the robot has stayed within `STILL` of where it is [s], and `running_s`, how long
     each behaviour that runs has been running, the step included [s]; beside it the `sentence`, the `facts` in it, and
-    what a `policy` saw of the robot; with `ahead`, the next seconds under each option, `what_if`.
+    what a `policy` saw of the robot; with `ahead`, the next seconds under each option, `what_if`, for which the run is
+    repeated.
     """
-    count = task.first.mission.rows
+    count, period = task.first.mission.rows, recording.period
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
     names = {"experiment": task.experiment, "scenario": task.first.id, "condition": task.condition, "seed": task.seed}
-    places, running = [np.array(place[:2]) for place in task.first.start.robots[robot : robot + 1]], []
-    unseen: list[bool] = []
-    latest: list[Deciding] = []
-    for worlds in steps_until(task, time, latest):
-        if robot >= worlds.team.joined[0]:
-            continue
-        if not places:  # it has just joined
-            places.append(worlds.minds.poses.positions[robot].copy())
-        places.append(worlds.physics.positions[robot].copy())
-        running.append(worlds.network.executing[robot] == 1)
-        seen = worlds.network.model.sensor_index.get(worlds.task.sees, -1)
-        unseen.append(seen < 0 or worlds.network.readings[robot, seen] == 0.0)
-    step, period = explain_robot(worlds, robot), worlds.period
-    ways = Torus(*worlds.extent).offsets(places[-2], np.array(places[:-1]))
+    frame = frame_at_time(recording, time)
+    now, there = at_frame(recording, frame), recording["present"][: frame + 1].astype(np.bool_)
+    batch, _, decider = task.team(source=lambda _: task.first, explained=True)
+    batch.reset()
+    worlds = batch.worlds
+    worlds.team.joined[0] = 1 + int(np.flatnonzero(there.any(axis=0)).max())
+    put_back(worlds, recording, frame, robot)
+    step = explain_robot(worlds, robot, frame)
+    own = slice(int(there[:, robot].argmax()), frame + 1), robot  # since it joined
+    places = np.stack([recording["x"][own], recording["y"][own]], axis=1)
+    ways = Torus(*worlds.extent).offsets(places[-1], places)
     stayed = _latest(np.linalg.norm(ways, axis=1) < STILL) - 1
-    ran = {
-        behaviour.name: round(_latest(np.array(running)[:, b]) * period, 9)
-        for b, behaviour in enumerate(worlds.network.model.behaviours)
-        if running[-1][b]
-    }
-    facts = facts_of(worlds, step, round(_latest(np.array(unseen)) * period, 9))
+    running = recording["robot/running"][own] == 1
+    behaviours = enumerate(recording.head["networks"]["robot"]["behaviours"])
+    ran = {name: round(_latest(running[:, b]) * period, 9) for b, name in behaviours if running[-1, b]}
+    seen = worlds.network.model.sensor_index.get(worlds.task.sees, -1)
+    unseen = _latest((recording["robot/readings"][own][:, seen] == 0.0) | (seen < 0))
+    facts = facts_of(worlds, step, now, round(unseen * period, 9))
     told: dict[str, Any] = {"sentence": sentence(facts, type(worlds.task)), "facts": asdict(facts), "policy": {}}
-    for one in latest:
-        told["policy"] = one.decider.moves(robot) if isinstance(one.decider, PolicyDecider) else {}
+    if isinstance(decider, PolicyDecider):
+        told["policy"] = decider.moves(dict(zip(recording.head["inputs"], now["input"][robot].tolist(), strict=True)))
     if ahead:
-        (one,) = latest
+        one = next(one for one in steps_of(task) if one.batch.worlds.ticks[0] == frame + 1)
         what_if = WhatIf(one.batch, one.decided, task.settings.observation, task.directories)
         told["what_if"] = what_if.options(robot, one.decider, one.observations, np.full(count, -1))
     return names, step, {"stayed_s": round(stayed * period, 9), "running_s": ran, **told}
+
+
+def frame_at_time(recording: RecordedMission, time: float) -> int:
+    """Return the number of the frame in which a time [s] lies.
+
+    Raises:
+        ConfigurationError: the mission was not running at this time; the text says when it ended.
+
+    """
+    frame, result = period_of(time, 1.0 / recording.period), recording.result
+    if frame < 0:
+        raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
+    if frame >= recording.frames:
+        assert result is not None
+        how = "was completed after" if result["completed"] else "ended uncompleted at its time limit of"
+        raise ConfigurationError(f"--time {time:g}: this mission {how} {result['duration_s']:g} s")
+    return frame
+
+
+def at_frame(recording: RecordedMission, frame: int) -> dict[str, Numbers]:
+    """Return the values of all channels in a frame."""
+    own = slice(frame, frame + 1)
+    return {name: one.values(recording.whole(name)[own])[0] for name, one in recording.channels.items()}
+
+
+def put_back(worlds: Worlds, recording: RecordedMission, frame: int, robot: int) -> None:
+    """Make the only world of a mission as it was in a frame of its recording, as far as a robot is explained from it.
+
+    Wishes of the robot's networks are in no recording: they follow from what it read.
+    """
+    now, row, network = at_frame(recording, frame), np.array([robot]), worlds.network
+    sampled = [*floor_arrays(worlds, [one for one in worlds.task.shown() if one.recorded]), *mind_arrays(worlds)]
+    other = [one.channel.name for one in sampled if recording.channels.get(one.channel.name) != one.channel]
+    if other:
+        raise ConfigurationError(
+            f"{recording.path}: {other[0]}: expected the channels of this version; record it again"
+        )
+    worlds.minds.poses.positions[:] = np.stack([now["x"], now["y"]], axis=1)
+    for coordinator in worlds.coordinators:
+        coordinator.hold(np.arange(worlds.rows), now[f"held/{coordinator.model.goal}"])
+    network.readings[:] = now["robot/readings"]
+    inside = [content.network for coordinator in worlds.coordinators for content in coordinator.contents]
+    for inner in inside:
+        columns = [network.model.sensor_index[sensor.name] for sensor in inner.model.sensors]
+        inner.readings[:] = network.readings[:, columns]
+    for nested in worlds.minds.nested:
+        nested.network.readings[:] = now[f"{nested.name}/readings"]
+    for every in (network, *inside, *(nested.network for nested in worlds.minds.nested)):
+        every.step(row)
+    for one in sampled:
+        one.values[:] = now[one.channel.name].reshape(one.values.shape)
+    if network.state.planned:
+        plan, length = now["robot/plan"][robot].tolist(), now["robot/plan_length"][robot]
+        network.set_plan(robot, plan[:length] if length >= 0 else None, max(now["robot/plan_due"][robot], 0))
+    for g, goal in enumerate(network.model.goals):
+        past = recording["robot/goals"][: frame + 1, robot, g]
+        network.enable_goal(row, g, goal.permanent or bool((past < goal.satisfaction_threshold).all()))
 
 
 def _latest(held: Flags) -> int:
@@ -84,7 +143,11 @@ def _latest(held: Flags) -> int:
 
 def as_json(names: dict[str, Any], step: RobotStep, before: dict[str, Any]) -> str:
     """Return a step as a JSON object; `plan` is null without a plan, `inner` if the network inside does not run."""
-    return json.dumps(names | step.as_mapping() | before, indent=2, allow_nan=False)
+    told = names | step.as_mapping() | before
+    for inner in filter(None, (one["inner"] for one in told["coordinators"])):
+        for name in ("threshold", "deciding", "total"):  # recordings have them of no option
+            del inner[name]
+    return json.dumps(told, indent=2, allow_nan=False)
 
 
 def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, Any]) -> RenderableType:

@@ -1,5 +1,6 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -14,9 +15,8 @@ from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.recording.file import SUFFIX, blocks_of
 from clean_swarm_env.recording.reader import NoFrames, RecordedMission, RecordedParts
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.world.mission import period_of, result_of
+from clean_swarm_env.world.mission import period_of
 from clean_swarm_env.world.mission_end import RUNNING
-from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import shown, validated, within
 from selector.documents.fields import Closed, Number
@@ -171,45 +171,18 @@ def changed_versions(directory: Path) -> list[str]:
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 
-def steps_of(task: TrialTask, latest: list[Deciding] | None = None) -> Iterator[Worlds]:
-    """Repeat a run with networks that note their reasons; yield the world after each control period.
-
-    `latest` gets who has decided last, and on what, as its one entry.
-    """
+def steps_of(task: TrialTask) -> Iterator[Deciding]:
+    """Repeat a run with networks that note their reasons; yield after each control period who decided, and on what."""
     scenarios = iter(task.scenarios)
     batch, decided, decider = task.team(source=lambda _: next(scenarios, None), explained=True)
     observations = batch.reset()
     decider.reset(batch.worlds.rows_of(0), task.first.seed)
     while batch.progress.outcome[0] == RUNNING:
-        actions = decided.decide(decider, observations)
-        if latest is not None:
-            latest[:] = [Deciding(batch, decided, decider, observations)]
-        yield from batch.ticks(actions)
+        for _ in batch.ticks(decided.decide(decider, observations)):
+            yield Deciding(batch, decided, decider, observations)
         tell(batch.decision_period)
         if batch.progress.outcome[0] == RUNNING:
             observations = batch.end_period().observations
-
-
-def steps_until(task: TrialTask, time: float, latest: list[Deciding] | None = None) -> Iterator[Worlds]:
-    """Repeat a run as `steps_of` does, up to the control period in which `time` [s] lies.
-
-    Raises:
-        ConfigurationError: the mission was not running at this time; the text says when it ended.
-
-    """
-    wanted = period_of(time, task.first.mission.world.control_rate) + 1
-    if not wanted:
-        raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
-    worlds = None
-    for worlds in steps_of(task, latest):
-        yield worlds
-        if worlds.ticks[0] == wanted:
-            return
-    if worlds is None:
-        raise ConfigurationError("--time: the mission has nothing to do and is over at once")
-    result = result_of(worlds, 0)
-    how = "was completed after" if result.completed else "ended uncompleted at its time limit of"
-    raise ConfigurationError(f"--time {time:g}: this mission {how} {result.duration_s:g} s")
 
 
 def _check_same_files(identity: Identity, path: Path) -> None:
@@ -220,39 +193,41 @@ def _check_same_files(identity: Identity, path: Path) -> None:
             raise ConfigurationError(f"{path}: {name} {told}")
 
 
-def record_run(task: TrialTask, output: Path, *, minds: bool = True) -> Path:
-    """Repeat a whole run and write it to a new file; return the file.
+def record_run(task: TrialTask, output: Path, *, minds: bool = True, until: float = math.inf) -> Path:
+    """Repeat a run, up to a time [s] if one is given, and write it to a new file; return the file.
 
     Raises:
-        ConfigurationError: the file exists or cannot be written, or the mission has nothing to do or is too large.
+        ConfigurationError: the file exists or cannot be written, or the mission is too large.
 
     """
+    check_output(output)
+    check_needs(task.first.mission, 1, ALONE, hint="the run cannot be repeated here")
+    last = period_of(until, task.first.mission.world.control_rate) + 1
+    with writing_to(output, anew=True):
+        for step in steps_of(task.recorded(RecordSettings(output.parent, minds, name=output.name))):
+            if step.batch.worlds.ticks[0] == last:
+                step.batch.close()
+                break
+    return output
+
+
+def check_output(output: Path) -> None:
+    """Raise ConfigurationError for the file of a recording that exists or cannot be written."""
     if output.suffix != SUFFIX:
         raise ConfigurationError(f"{output}: expected a name that ends with {SUFFIX}")
     if output.exists():
         raise ConfigurationError(f"{output}: exists already; expected a new file")
     if not output.parent.is_dir():
         raise ConfigurationError(f"{output}: cannot be written (no such directory)")
-    check_needs(task.first.mission, 1, ALONE, hint="the run cannot be repeated here")
-    with writing_to(output, anew=True):
-        task.recorded(RecordSettings(output.parent, minds, name=output.name)).run()
-    return output
 
 
-def recording_of(run: Path, scenario: str | None, condition: str | None, folder: Path, *, minds: bool = True) -> Path:
-    """Return the file of a recording: `run` itself, or that of a run in a directory of results, with or without minds.
-
-    A run that was recorded so is read. Others are repeated, and recorded in `folder`.
-    """
-    if not run.is_dir():
-        return run
-    task = task_of(run, scenario, condition)
-    for path in sorted((run / RECORDINGS).glob(f"*{SUFFIX}")):
+def recording_of(task: TrialTask, results: Path, *, minds: bool) -> Path | None:
+    """Return the recording of a run in the directory of its results, with minds if asked for; None without one."""
+    for path in sorted((results / RECORDINGS).glob(f"*{SUFFIX}")):
         head = RecordedParts(blocks_of(path), str(path)).head
         own = (head["about"].get("scenario"), head["about"].get("condition")) == task.keys[0]
         if own and head["minds"] >= minds:
             with suppress(NoFrames):
                 if RecordedMission(path, ()).result is not None:
                     return path
-    number = len(list(folder.iterdir())) + 1
-    return record_run(task, folder / f"{number}{SUFFIX}", minds=minds)
+    return None

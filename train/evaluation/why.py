@@ -5,18 +5,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import atan2, hypot, tau
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.config.types import AVOIDANCE
-from clean_swarm_env.world.explaining import Movements, RobotStep
+from clean_swarm_env.world.explaining import RobotStep
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import within
-from selforg.gradients.store import columns as c
 from selforg.space import Torus
 
 STRAIGHT: Final = 0.17
@@ -25,6 +26,8 @@ SLOW: Final = 0.05
 """What a difference of speeds must have to count [m/s]."""
 NAMED_FROM: Final = 0.25
 """Share from which a second neighbour is named."""
+
+Numbers = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -53,25 +56,22 @@ class Facts:
     """Time since it last saw what it looks for [s]."""
 
 
-def facts_of(worlds: Worlds, step: RobotStep, unseen: float) -> Facts:
-    """Return the facts about the robot of a step, in the first world, after the tick of the step."""
-    movements, row, poses = Movements(worlds), step.robot, worlds.minds.poses
-    movements.note()
-    places, space = poses.positions, Torus(*worlds.extent)
-    near = [
-        (int(who), float(np.hypot(*space.offsets(places[row], places[who])))) for who in movements.who[row] if who >= 0
-    ]
+def facts_of(worlds: Worlds, step: RobotStep, now: Mapping[str, Numbers], unseen: float) -> Facts:
+    """Return the facts about the robot of a step in the only world, which is as in a frame; `now`: see `at_frame`."""
+    robot, places = step.robot, np.stack([now["x"], now["y"]], axis=1)
+    others = [int(who) for who in now["cause"][robot] if who >= 0]
+    away = np.linalg.norm(Torus(*worlds.extent).offsets(places[robot], places[others]), axis=1)
     with within(f"task {worlds.task.name}: target"):
-        target = worlds.task.target(row, step.network.readings)
+        target = worlds.task.target(robot, step.network.readings)
     return Facts(
         state=step.state,
         stands=step.stopped_s,
         running=tuple(account.name for account in step.network.behaviours if account.running),
-        wish=(float(movements.wishes[row, 0]), float(movements.wishes[row, 1])),
-        command=(float(movements.commands[row, 0]), float(movements.commands[row, 1])),
-        heading=atan2(*poses.own[row, 0, [c.POSE_HEADING + 1, c.POSE_HEADING]]),
-        causes=tuple(near),
-        share=round(float(movements.shares[row, 1]), 3),  # as recordings hold it
+        wish=(float(now["wish_x"][robot]), float(now["wish_y"][robot])),
+        command=(float(now["command_x"][robot]), float(now["command_y"][robot])),
+        heading=float(now["heading"][robot]),
+        causes=tuple(zip(others, away.tolist(), strict=True)),
+        share=float(now["cause_share"][robot, 1]),
         target=target,
         unseen=unseen,
     )

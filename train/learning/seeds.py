@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
-from train import WITH_PARENT
+from train.running import WITH_PARENT
 
 
 def trained(words: Sequence[str], folders: Mapping[int, Path], workers: int) -> Iterator[int]:

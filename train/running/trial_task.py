@@ -93,10 +93,7 @@ class TrialTask:
     def each(self) -> Iterator[RunRecord]:
         """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
         before = time.perf_counter()
-        known = {self.condition: self.named.network} if self.named.network else {}
-        about = {"experiment": self.experiment, "condition": self.condition}
-        settings = replace(self.settings, record=self.record and replace(self.record, about=about, policies=known))
-        for place, result in self.trials(self.scenarios, self.decider, settings):
+        for place, result in self.trials(self.scenarios, self.decider, replace(self.settings, record=self.recording)):
             before, began = time.perf_counter(), before
             yield self.finished(self.scenarios[place], result, before - began)
 
@@ -123,6 +120,13 @@ class TrialTask:
         seen, action = named.observation(usual_terms(self.first.mission)), ActionConfig(mode=named.mode)
         return TrialSettings(named.decides(self.goal), TASK_SCENARIOS, seen, self.directories, self.record, action)
 
+    @property
+    def recording(self) -> RecordSettings | None:
+        """Where and how the missions are recorded, if they are."""
+        known = {self.condition: self.named.network} if self.named.network else {}
+        about, thinking = {"experiment": self.experiment, "condition": self.condition}, self.named.mode != "velocity"
+        return self.record and replace(self.record, about=about, policies=known, thinking=thinking)
+
     def decider(self, problem: Problem, teams: Ints) -> Decider:
         """Return the decider of the member."""
         return self.named.build(problem, teams)
@@ -135,6 +139,7 @@ class TrialTask:
             directories=self.directories,
             observation=own.observation,
             action=own.action,
+            record=self.recording,
             **settings,
         )
         decided = DecidedGoal(batch, own.goal)

@@ -6,7 +6,7 @@ The result of a mission depends neither on the worlds beside it nor on their num
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -78,14 +78,13 @@ def _trials(
             begun.append((world, scenario.seed))
         return scenario
 
-    frame, record = scenarios[0].mission, settings.record
     batch = Batch(
-        frame,
+        scenarios[0].mission,
         worlds,
         source=following,
         observation=settings.observation,
         directories=settings.directories,
-        record=replace(record, thinking=settings.action.mode != "velocity") if record else None,
+        record=settings.record,
         action=settings.action,
     )
     decided = DecidedGoal(batch, settings.goal)

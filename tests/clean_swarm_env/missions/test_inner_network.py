@@ -98,11 +98,11 @@ def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
     start = random_start(MISSION, 5, 0)
     one = Scenario(start.id, run_seed(3, start.id), MISSION, start)
     task = TrialTask("mine", 3, (one,), "c", "MaxScore", directories=(robot(nested=True),))
-    shown = json.loads(as_json(*explained(task, 0, 4.0)))
+    recording = RecordedMission(record_run(task, tmp_path / "run.swarm"))
+    shown = json.loads(as_json(*explained(task, recording, 0, 4.0)))
     assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
     (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]
     assert (shown["networks"][0]["inner"] is not None) == running["running"]
-    recording = RecordedMission(record_run(task, tmp_path / "run.swarm"))
     assert recording.head["networks"]["Search"]["behaviours"] == ["Roam", "Pause"]
     assert "Search/Pause" in recording.head["networks"]
     assert recording["Search/values"].shape == (recording.frames, 5, 9, 2)

@@ -1,22 +1,22 @@
 """`clean-swarm explain` and `record`: a run repeated with explained robots takes the same course and tells why."""
 
 import json
+import shutil
 from functools import reduce
-from operator import getitem
+from operator import getitem, itemgetter
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.load import load_mission
-from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.config.starts import run_seed
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.tasks.foraging import Foraging
 from clean_swarm_env.world.explaining import explain_robot
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun
 from tests.clean_swarm_env.courses import difference, snapshot
 from tests.train.commands import changed, command, done, refused
+from train.evaluation.explain import at_frame, put_back
 from train.evaluation.repeat import steps_of, task_of
 from train.evaluation.why import facts_of, sentence
 
@@ -66,7 +66,7 @@ def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
         for explained in steps_of(task):
             assert plain.in_progress
             plain.tick()
-            assert difference([snapshot(plain.worlds, 0)], [snapshot(explained, 0)]) == ""
+            assert difference([snapshot(plain.worlds, 0)], [snapshot(explained.batch.worlds, 0)]) == ""
         assert not plain.in_progress
 
 
@@ -271,7 +271,8 @@ def test_a_recording_holds_what_explain_says(evaluated, tmp_path):
 
 
 def test_a_running_coordinator_is_explained_from_inside(evaluated):
-    for worlds in steps_of(task_of(evaluated)):
+    for step in steps_of(task_of(evaluated)):
+        worlds = step.batch.worlds
         running = np.flatnonzero(worlds.network.executing[:, worlds.minds.coordinator_of(AVOIDANCE).index])
         if len(running):
             break
@@ -286,13 +287,44 @@ def test_a_running_coordinator_is_explained_from_inside(evaluated):
     assert json.loads(done(*words, idle, "--json"))["coordinators"][0]["inner"] is None
 
 
-def test_a_task_says_in_its_words_what_its_robots_do():
-    mission = load_mission("Foraging")
-    course, said = Course(MissionRun(mission, random_start(mission, 0, 0), 3, {}), explained=True), set()
-    while len(said) < 3:
-        course.tick()
-        for robot in range(course.worlds.robots):
-            facts = facts_of(course.worlds, explain_robot(course.worlds, robot), 3.0)
-            said.add(sentence(facts, Foraging).partition(",")[0])
-            assert facts.target is None or 0.0 < facts.target[1] < 22.0
-    assert said == {"explores: nothing seen for 3 s", "goes to food", "goes to the nest"}
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("table1", {"patrols", "goes to an item"}), ("Foraging", {"explores", "goes to food", "goes to the nest"})],
+)
+def test_what_is_read_from_a_recording_is_what_the_repeated_run_says(tmp_path, name, expected):
+    words = ("evaluate", name, "--strategy", "Random", "--scenarios", 1, "--workers", 1, "--output", tmp_path / "run")
+    done(*words, "--minds")
+    shutil.copytree(tmp_path / "run", tmp_path / "bare", ignore=shutil.ignore_patterns("recordings"))
+    task, path = task_of(tmp_path / "run", None, "Random"), tmp_path / "run" / "recordings" / "test-1-Random.swarm"
+    recording, said = RecordedMission(path), set()
+    batch, _, _ = task.team(source=lambda _: task.first, explained=True)
+    batch.reset()
+    for step in steps_of(task):
+        worlds, frame = step.batch.worlds, int(step.batch.worlds.ticks[0]) - 1
+        if frame % 30 == 7:
+            robot = frame // 30 % worlds.robots
+            put_back(batch.worlds, recording, frame, robot)
+            told = explain_robot(batch.worlds, robot, frame)
+            assert plain(told.as_mapping()) == plain(explain_robot(worlds, robot).as_mapping(), pytest.approx)
+            facts = facts_of(batch.worlds, told, at_frame(recording, frame), 0.0)
+            said.add(sentence(facts, type(worlds.task)).partition(",")[0].partition(":")[0])
+            assert facts.target is None or facts.target[1] < 22.0
+    assert said >= expected
+    for robot, time in ((0, 3.0), (4, 21.0)):
+        which = ("--condition", "Random", "--robot", robot, "--time", time)
+        read, again = (command("explain", tmp_path / folder, *which) for folder in ("run", "bare"))
+        assert read[:2] == again[:2]
+        assert read[2] == f"read from {path}\n"
+        assert again[2] == f"run again: {tmp_path / 'bare' / 'recordings'} has no recording of it with --minds\n"
+
+
+def plain(told, near=lambda number, **_: number):
+    """Return a step as it can be compared: recordings have thousandths, and no thresholds of options."""
+    if isinstance(told, float):
+        return near(told, abs=0.002, rel=0.002)
+    if isinstance(told, dict):
+        return {name: plain(one, near) for name, one in told.items() if name not in ("threshold", "deciding", "total")}
+    if isinstance(told, list | tuple):
+        by_name = told and isinstance(told[0], dict) and "name" in told[0]  # ties are in another order
+        return [plain(one, near) for one in (sorted(told, key=itemgetter("name")) if by_name else told)]
+    return told.partition(" = ")[0] if isinstance(told, str) else told

@@ -107,7 +107,7 @@ def test_an_error_in_target_names_the_method():
     batch.step(np.zeros(batch.rows, dtype=np.int64))
     batch.worlds.task.target = lambda row, read: int("no den")
     with pytest.raises(DocumentError, match=r"^task Foraging: target: .*no den"):
-        facts_of(batch.worlds, explain_robot(batch.worlds, 0), 0.0)
+        facts_of(batch.worlds, explain_robot(batch.worlds, 0), {"x": [0.0], "y": [0.0], "cause": [[-1]]}, 0.0)
 
 
 def test_what_if_it_goes_on_as_it_did(results, recordings):
