@@ -1,10 +1,12 @@
 """Advice beside an exhaustive search, which tells whether `advise` names a pair that is as good as the best of all.
 
     python -m docs.comparison.advised all table1-starts random-bumpers scouts      # every pair on 100 starts
-    python -m docs.comparison.advised repeat table1-starts --minutes 1 --seeds 20  # advice with other seeds on these starts
+    python -m docs.comparison.advised repeat table1-starts --minutes 1 --seeds 20  # advice with other seeds
+    python -m docs.comparison.advised judge scouts --starts 400             # what they named, on so many starts
     python -m docs.comparison.advised table  # the tables of docs/tutorials/advise.md
 
-Pairs that cost more than twice the best after 20 starts stop there. Results are kept in docs/comparison/advised.json.
+Pairs that cost more than twice the best after 20 starts stop there. Where pairs differ by less than 100 starts can
+tell, the best and what advice named are judged on more. Results are kept in docs/comparison/advised.json.
 """
 
 import argparse
@@ -21,8 +23,9 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.deciders.named import FIXED
 from docs.figures.stored import ROOT, record
 from selector.documents.fields import JOINT
+from selector.knowledge import Option
 from train.advising.evaluation import AdviceEvaluation
-from train.advising.opening import OpenedMission, document_of, open_mission
+from train.advising.opening import OpenedMission, document_of, open_mission, variants_of
 from train.evaluation import pipeline
 from train.evaluation.scenarios import scenario_named
 from train.request import Request
@@ -32,7 +35,7 @@ COMMAND = "python -m docs.comparison.advised"
 RESULTS = Path(__file__).with_name("advised.json")
 SEED = 424_242
 """Seed of the starts on which everything is judged; no advice has it."""
-STARTS, FIRST, TIMES = 100, 20, 2.0
+STARTS, FIRST, TIMES, NEAR = 100, 20, 2.0, 1.1
 
 
 def excesses(wide: OpenedMission, arm: str, file: Path, starts: range) -> list[float]:
@@ -60,8 +63,40 @@ def exhaustive(mission: str) -> dict[str, Any]:
     return {"excess_s": found, "experts": f"{FIXED}:{JOINT.join(wide.experts.values())}"}
 
 
+def judged(mission: str, known: dict[str, Any], starts: int) -> dict[str, Any]:
+    """Return the excess of what advice named, and of the pairs near the best, on a number of starts."""
+    wide = open_mission(load_family(mission), ())
+    means = {arm: float(np.mean(own)) for arm, own in known["excess_s"].items() if len(own) >= STARTS}
+    near = {arm for arm, mean in means.items() if mean <= NEAR * min(means.values())}
+    held = {one["arm"] for one in known["advice"]}
+    own = {**known["excess_s"], **{arm: costs for arm, costs in known.get("named", {}).items() if arm in held}}
+    with TemporaryDirectory() as folder:
+        for arm in sorted({*near, *held, known["experts"]}):
+            first = own.get(arm, [])
+            alike = [costs for costs in own.values() if costs[:STARTS] == first[:STARTS] and len(costs) >= starts]
+            if len(first) >= STARTS and alike:
+                own[arm] = alike[0][:starts]  # a robot that holds the option of a goal does the same with any
+            elif len(first) < starts:
+                options = zip(wide.goals, arm.partition(":")[2].split(JOINT), strict=True)
+                table = {goal: (*wide.known.table[goal], *variant_of(wide, goal, name)) for goal, name in options}
+                file = Path(folder) / "options.yaml"
+                file.write_text(document_of(table, ()), encoding="utf-8")
+                own[arm] = [*first, *excesses(wide, arm, file, range(len(first), starts))]
+    return {
+        "excess_s": {arm: own[arm] for arm in known["excess_s"]},
+        "named": {arm: own[arm] for arm in held if arm not in known["excess_s"]},
+    }
+
+
+def variant_of(wide: OpenedMission, goal: str, name: str) -> list[Option]:
+    """Return the variant of a name; none of the name of an option."""
+    plain = [option for option in wide.known.table[goal] if name.startswith(f"{option.name}-")]
+    tried = [variants_of({goal: option}, ())[goal] for option in plain if name not in wide.names(goal)]
+    return [option for own in tried for option in own if option.name == name][-1:]
+
+
 def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return what advice said with each seed, the kept ones too; where all pairs are known, what it costs on them."""
+    """Return what advice said with each seed, the kept ones too."""
     found: list[dict[str, Any]] = known.get("advice", []) if known.get("minutes") == minutes else []
     for seed in seeds[len(found) :]:
         with TemporaryDirectory() as place:
@@ -73,11 +108,6 @@ def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) 
             arm = f"{FIXED}:{JOINT.join(said['held'].values())}"
             told = {name: said[name] for name in ("starts", "missions", "cpu_s", "better", "worth_it", "hindsight")}
             told |= {"seed": seed, "arm": arm}
-            if "excess_s" in known:
-                own = known["excess_s"].get(arm, [])
-                if len(own) < STARTS:
-                    own = excesses(evaluation.opened, arm, evaluation.file_of(arm), range(STARTS))
-                told["excess_s"] = round(float(np.mean(own)), 3)
         found.append(told)
         print(mission, found[-1], flush=True)
     return found
@@ -87,7 +117,7 @@ def tables(kept: dict[str, Any]) -> dict[str, str]:
     """Return the tables: advice beside the best of all pairs, and whether a selector was said to be worth it."""
     found = {
         "found": [
-            "| mission | pairs | best of all | experts | within 1.05 of it | worst | above the experts | CPU-min |"
+            "| mission | pairs | starts | best of all | experts | within 1.05 | worst | above the experts | CPU-min |"
         ],
         "worth": ["| mission | runs | worth it | not | starts of the last round | CPU-min |"],
     }
@@ -97,13 +127,15 @@ def tables(kept: dict[str, Any]) -> dict[str, str]:
         told = own.get("advice", [])
         minutes = f"{np.mean([one['cpu_s'] for one in told]) / 60.0:.1f}" if told else "-"
         if told and "excess_s" in own:
-            means = {arm: float(np.mean(costs)) for arm, costs in own["excess_s"].items() if len(costs) == STARTS}
-            best, experts = min(means.values()), float(np.mean(own["excess_s"][own["experts"]]))
-            costs = np.array([one["excess_s"] for one in told])
+            costs_of = {**own["excess_s"], **own.get("named", {})}
+            starts = len(costs_of[own["experts"]])
+            means = {arm: float(np.mean(costs)) for arm, costs in costs_of.items() if len(costs) == starts}
+            best, experts = min(means[arm] for arm in own["excess_s"] if arm in means), means[own["experts"]]
+            costs = np.array([means[one["arm"]] for one in told])
             near, above = int((costs <= 1.05 * best).sum()), int((costs > experts).sum())
             found["found"].append(
-                f"| {mission} | {len(own['excess_s'])} | {best:.1f} s | {experts:.1f} s | {near} of {len(told)} "
-                f"| {costs.max() / best:.2f} | {above} | {minutes} |"
+                f"| {mission} | {len(own['excess_s'])} | {starts} | {best:.1f} s | {experts:.1f} s "
+                f"| {near} of {len(told)} | {costs.max() / best:.2f} | {above} | {minutes} |"
             )
         if told:
             worth, starts = sum(one["worth_it"] for one in told), [one["starts"] for one in told]
@@ -115,10 +147,11 @@ def tables(kept: dict[str, Any]) -> dict[str, str]:
 def main() -> None:
     """Do what the command line says."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("what", choices=("all", "repeat", "table"))
+    parser.add_argument("what", choices=("all", "repeat", "judge", "table"))
     parser.add_argument("missions", nargs="*")
     parser.add_argument("--minutes", type=float, default=1.0)
     parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--starts", type=int, default=STARTS)
     given = parser.parse_args()
     if given.what == "table":
         for mark, table in tables(json.loads(RESULTS.read_text(encoding="utf-8"))).items():
@@ -128,6 +161,8 @@ def main() -> None:
         own = kept.get(mission, {})
         if given.what == "all":
             new = exhaustive(mission)
+        elif given.what == "judge":
+            new = judged(mission, own, given.starts)
         else:
             new = {"minutes": given.minutes, "advice": repeated(mission, given.minutes, range(1, given.seeds + 1), own)}
         kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
