@@ -11,8 +11,8 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState, Things, WorldStart
-from selforg.arrays import KEPT, Flags, Floats
+from clean_swarm_env.tasks import TASKS, Measure, Shown, Task, TaskSettings, TaskState, Things, WorldStart
+from selforg.arrays import KEPT, Flags, Floats, Ints
 
 FENCE = 4.0  # [m] robots stand around the middle
 SPEED = 0.4  # [m/s] of a sheep that flees
@@ -29,7 +29,8 @@ class Flock(TaskState):
     """Arrays of W worlds and R robots; states, copies and recordings follow from this declaration."""
 
     sheep: Annotated[Floats, "W sheep 2", KEPT]  # [m]
-    shown: Annotated[Floats, "W", KEPT]  # share of the sheep in the ring when robots were last rewarded
+    in_ring: Annotated[Ints, "W", KEPT]  # sheep in the ring
+    paid: Annotated[Floats, "W", KEPT]  # share of the sheep in the ring when robots were last rewarded
 
 
 @TASKS.register
@@ -62,11 +63,20 @@ class Shepherding(Task[Flocking, Flock]):
         length = np.linalg.norm(way, axis=-1, keepdims=True)
         flees = length < self.settings.fear
         sheep[:] = ground.space.wrap(sheep + flees * way * SPEED * self.world.period / np.maximum(length, 1e-9))
+        self.state.in_ring[:] = self._inside().sum(axis=1)
+
+    def _inside(self) -> Flags:
+        """Return which sheep (W, sheep) are in the ring."""
+        return self.world.ground.distances(self.state.sheep, self.world.ground.centre) < self.ring
+
+    def shown(self) -> tuple[Shown, ...]:
+        """Return how many sheep are in the ring; each time that one more is, the timeline of replays has an event."""
+        rings = Shown("in_ring", "world", self.state.in_ring, "sheep in the ring", event="sheep comes into the ring")
+        return (*super().shown(), rings)
 
     def result(self) -> dict[str, Floats]:
         """Return the share of the sheep that are in the ring."""
-        ground = self.world.ground
-        return {"sheep in the ring": (ground.distances(self.state.sheep, ground.centre) < self.ring).mean(axis=1)}
+        return {"sheep in the ring": self._inside().mean(axis=1)}
 
     def done(self) -> Flags:
         """Return where the whole flock is in the ring."""
@@ -78,8 +88,8 @@ class Shepherding(Task[Flocking, Flock]):
 
     def reward(self) -> Floats:
         """Pay the whole team for each part of the flock that has come into the ring since it was last paid."""
-        now, before = self.result()["sheep in the ring"], self.state.shown.copy()
-        self.state.shown[:] = now
+        now, before = self.result()["sheep in the ring"], self.state.paid.copy()
+        self.state.paid[:] = now
         return (now - before)[self.world.of_row]
 
 

@@ -192,6 +192,8 @@ class Head(_Object):
     views: dict[str, tuple[NonNegative, ...]]
     """View distances of the options [m]."""
     mission: dict[str, Any]
+    events: tuple[dict[str, Text], ...] = ()
+    """Of the task itself: channel `of` numbers which go up when the `event` happens, and what it is `about`."""
 
     @model_validator(mode="after")
     def _unique(self) -> Self:

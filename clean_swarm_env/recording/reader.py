@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -228,6 +228,28 @@ def tables_of(recording: RecordedStretch) -> dict[str, TableColumns]:
             tables[title] |= dict(zip(channel.axes, places[1:], strict=True))
         tables[title][column] = recording[name].reshape(-1)
     return tables
+
+
+class Happened(NamedTuple):
+    """An event of a task itself, such as `item brought`."""
+
+    time: float
+    """Of the first frame after it [s]."""
+    event: str
+    axis: str
+    """What it happened to: `robot`, `world`, or what things are called."""
+    number: int
+    """Of the robot or the thing."""
+
+
+def events_of(recording: RecordedStretch) -> list[Happened]:
+    """Return what happened in a recording by the events of its task, in the order of time."""
+    found = []
+    for one in recording.head.get("events", ()):
+        frames, numbers = np.nonzero(np.diff(recording.whole(one["of"]), axis=0) > 0)
+        axis, times = recording.channels[one["of"]].axes[0], recording.times[frames + 1].tolist()
+        found += [Happened(time, one["event"], axis, k) for time, k in zip(times, numbers.tolist(), strict=True)]
+    return sorted(found)
 
 
 def _object(content: bytes, where: str) -> dict[str, Any]:

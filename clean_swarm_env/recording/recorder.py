@@ -131,6 +131,7 @@ class MissionRecorder:
             "height": height,
             "robots": worlds.robots,
             "items": items[0] if items else 0,
+            "events": [{"of": one.name, "event": one.event, "about": one.about} for one in self._shown if one.event],
             "drawn": [one._asdict() for one in task.drawn()],
             "minds": self.settings.minds,
             "options": {c.model.goal: c.model.options for c in worlds.coordinators},

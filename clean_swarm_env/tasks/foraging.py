@@ -8,7 +8,7 @@ from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.config.types import Index
 from clean_swarm_env.world.by_hand import WORLD, by_hand, free_place
 from clean_swarm_env.world.parts.measure import Achievement, Measure
-from clean_swarm_env.world.parts.shown import Destination
+from clean_swarm_env.world.parts.shown import ROBOT, Destination, Shown
 from clean_swarm_env.world.parts.things import TaskState, Things, WorldStart
 from clean_swarm_env.world.task import Task
 from selector.documents.fields import Number
@@ -85,6 +85,11 @@ class Foraging(Task[TaskSettings, Food]):
         state.puts[:] = state.carried & ~carrying & at_nest
         state.brought += world.by_world(state.puts).sum(axis=1)
         state.carried[:] = carrying
+
+    def shown(self) -> tuple[Shown, ...]:
+        """Return which robots have just put an item down at the nest: an event."""
+        about = "1 where the robot has just put an item down at the nest"
+        return (*super().shown(), Shown("brought", ROBOT, self.state.puts, about, event="item brought"))
 
     def achieved(self) -> dict[str, Flags]:
         """Return which robots put an item down at the nest."""

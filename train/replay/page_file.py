@@ -19,7 +19,7 @@ from selector.documents.writing import write_whole
 from train.running.needs import check_file
 
 MODULES = (
-    "recording", "course", "look", "floor", "robots", "world", "words", "score", "why", "policy", "mind", "charts",
+    "recording", "words", "course", "look", "floor", "robots", "world", "score", "why", "policy", "mind", "charts",
     "pointer", "foretold", "controls", "layers", "page", "live", "start",
 )  # fmt: skip
 """The modules in the order in which they are joined: each imports earlier ones only."""

@@ -76,8 +76,9 @@ class Consequences:
         """Return what there is to show of robots; nothing where collisions have no consequences."""
         if not self.active:
             return ()
+        stands = "frames for which a collision stops the robot, this one too"
         return (
-            Shown("standing", ROBOT, self.standing, "frames for which a collision stops the robot, this one too"),
+            Shown("standing", ROBOT, self.standing, stands, event="stopped by a collision"),
             Shown("collisions", ROBOT, self.collisions, "collisions of the robot"),
         )
 

@@ -68,7 +68,8 @@ def _shown(task: Any, answer: Any, *_: Any) -> bool:  # noqa: ANN401
         shape = counts.setdefault(one.axis, (world.worlds, *one.values.shape[1:2]))
         places = one.values.shape[len(shape) :] in ((), (2,)) and (len(shape) == 2 or one.values.ndim == 1)
         whole = one.values.ndim == 3 or not one.recorded or one.values.dtype.kind in "iub"
-        if not (places and whole and are_numbers(one.values, *shape, *one.values.shape[len(shape) :])):
+        told = isinstance(one.event, str) and (not one.event or (one.recorded and one.values.ndim < 3))
+        if not (places and whole and told and are_numbers(one.values, *shape, *one.values.shape[len(shape) :])):
             return False
         if not all(_is_part(part, shape) for part in one.parts.values()) or not one.where.keys() <= names:
             return False
@@ -191,7 +192,7 @@ TASK_PROMISES: Final[Promises] = {
     ),
     "shown": (
         "a tuple of Shown with a name each: whole numbers, axis robot (R,), world (W,) or a kind of things (W, M); "
-        "or places (W, M, 2)",
+        "or places (W, M, 2), which are no events",
         _shown,
     ),
     "drawn": (

@@ -52,6 +52,8 @@ class Shown(NamedTuple):
     recorded: bool = True
     note: Callable[[], None] | None = None
     """Fills `values` before a frame of a recording; None: they are always up to date."""
+    event: str = ""
+    """What happens when a number goes up, such as `item brought`: recordings list it, their page has a line of it."""
 
     def __repr__(self) -> str:
         """Return name, axis and shape, for errors."""

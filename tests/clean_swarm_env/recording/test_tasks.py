@@ -5,13 +5,14 @@ import json
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.config.tasks import CLEANING, find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
-from clean_swarm_env.recording.reader import tables_of
+from clean_swarm_env.recording.reader import Happened, events_of, tables_of
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks import Shown
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
@@ -89,6 +90,17 @@ def test_food_that_robots_carry_is_their_cargo(tmp_path):
     assert len(shown.pheromones) > 10
     assert max(canvas.load.max() for canvas in canvases) == 0
     assert canvases[-1].state.startswith("items brought per minute ")
+
+
+def test_events_of_a_task_are_recorded_and_listed_with_their_robots(tmp_path):
+    recording, course, _, _ = played(run_of("Foraging", time_limit=90.0), tmp_path)
+    events, puts = events_of(recording), np.argwhere(np.diff(recording["brought"], axis=0) > 0)
+    assert len(events) == course.worlds.task.state.brought[0] > 0
+    assert events == [Happened(recording.times[k + 1], "item brought", "robot", robot) for k, robot in puts]
+    course = Course(MissionRun(config := load_mission("bumpers"), random_start(config, 3, 0), 4, {}))
+    recording, told = recorded(course, tmp_path, lambda: course.worlds.task.consequences.collisions.copy())
+    stopped = {(one.event, one.number) for one in events_of(recording)}
+    assert stopped == {("stopped by a collision", robot) for robot in np.flatnonzero(told[-1]).tolist()} != set()
 
 
 def test_contacts_and_obstacles_are_shown(tmp_path):

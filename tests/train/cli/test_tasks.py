@@ -10,6 +10,7 @@ from clean_swarm_env.config.load import own_mission
 from clean_swarm_env.config.tasks import find_task
 from docs.figures.draw_goals import tasks_to_run
 from docs.figures.write_original import measured
+from clean_swarm_env.recording.reader import RecordedMission, events_of
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
@@ -122,6 +123,8 @@ def test_a_task_of_a_users_own_is_evaluated_recorded_and_replayed(tmp_path):
     assert "sheep in the ring" in (tmp_path / "r" / "table.md").read_text()
     assert (tmp_path / "r" / "runs.csv").read_text().splitlines()[0].endswith("wall_s,sheep in the ring")
     assert f"--import={EXAMPLE}" in json.loads((tmp_path / "r" / "manifest.json").read_text())["command"]
+    events = events_of(RecordedMission(next((tmp_path / "r" / "recordings").iterdir())))
+    assert {(one.event, one.axis) for one in events} == {("sheep comes into the ring", "world")}
     own("--import", EXAMPLE, "replay", "r", "--html", "page.html")
     assert (tmp_path / "page.html").stat().st_size > 10_000
     assert re.search("(?m)^Shepherding +12 robots", own("list", "tasks", "--import", EXAMPLE))

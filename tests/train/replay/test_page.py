@@ -8,7 +8,7 @@ import pytest
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.reader import RecordedMission, events_of
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
@@ -243,7 +243,7 @@ def colour_of(page, place):
 
 @pytest.mark.long
 def test_the_page_of_a_task_shows_its_things_its_measures_and_the_minds(page_of):
-    mission = MissionConfig.model_validate({"task": "Foraging", "time_limit": 20.0})
+    mission = MissionConfig.model_validate({"task": "Foraging", "time_limit": 90.0})
     page, recording = page_of(mission, "#t=10&robot=4")
     assert "keeps running" in page.text_content("#panel")
     assert "items dumped" not in page.text_content("#runs").lower()
@@ -256,6 +256,9 @@ def test_the_page_of_a_task_shows_its_things_its_measures_and_the_minds(page_of)
     page.keyboard.press("End")
     (value,) = recording.result["measures"].values()
     shows(page, "figcaption", f"items brought per minute {value:.3g}", "includes")
+    brought = page.evaluate("replay.events()[0].filter(e => e.kind === 'item brought').map(e => [e.frame, e.robot])")
+    assert brought == [[round(one.time / recording.period), one.number] for one in events_of(recording)] != []
+    assert "item brought" in page.text_content("#kinds")
 
 
 @pytest.mark.long

@@ -1,15 +1,22 @@
 // @ts-check
 /** What follows from a recording: events, counts, who sees whom, and what robots have left behind. */
 import { loadOf, settingOf, valueAt } from "./recording.js";
+import { WORDS } from "./words.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{frame: number, kind: string, robot: number}} RunEvent */
 
-/** Kinds of events, with their words, in the order of the timeline's lines. */
-export const EVENT_WORDS = {
+/** Kinds of events of all tasks, with their words, in the order of the timeline's lines. */
+const EVENT_WORDS = {
   found: "item found", recycled: "item recycled", dumped: "item dumped", put: "item put down", contact: "contact",
-  stopped: "stopped by a collision", switch: "option switched", replan: "new plan", joined: "robot joined",
+  switch: "option switched", replan: "new plan", joined: "robot joined",
   failed: "robot failed or left", hand: "done by hand",
 };
+
+/** Return the kinds of events, each with its word and what it is: those of tasks themselves first. @param {Run[]} runs @returns {Map<string, [string, string]>} */
+export const kindsOf = (runs) => new Map([
+  ...runs.flatMap((run) => run.head.events ?? []).map(({ event, about }) => /** @type {[string, [string, string]]} */ ([event, [event, about]])),
+  ...Object.entries(EVENT_WORDS).map(([kind, word]) => /** @type {[string, [string, string]]} */ ([kind, [word, WORDS[kind]]])),
+]);
 
 /** Return all events, in the order of time. @param {Run} run @returns {RunEvent[]} */
 export function eventsOf(run) {
@@ -20,13 +27,14 @@ export function eventsOf(run) {
   const watch = (name, kindOf) => {
     const track = run.tracks.get(name);
     if (!track) return;
-    for (let at = robots; at < track.data.length; at++) {
-      const kind = kindOf(track.data[at - robots], track.data[at], at);
-      if (kind) events.push({ frame: Math.floor(at / robots), kind, robot: at % robots });
+    const { columns, channel } = track, own = channel.axes[0] === "robot";
+    for (let at = columns; at < track.data.length; at++) {
+      const kind = kindOf(track.data[at - columns], track.data[at], at);
+      if (kind) events.push({ frame: Math.floor(at / columns), kind, robot: own ? at % columns : -1 });
     }
   };
   if (run.head.drawn?.some(({ at }) => at === "robot")) carriedOf(run, events);
-  watch("standing", (was, is) => (is > was ? "stopped" : ""));
+  for (const { of, event } of run.head.events ?? []) watch(of, (was, is) => (is > was ? event : ""));
   watch("contact", (_, is) => (is > 0 ? "contact" : ""));
   watch("working", (was, is) => (is > was ? "joined" : is < was ? "failed" : ""));
   for (const goal of Object.keys(run.head.options)) watch(`held/${goal}`, (was, is) => (was !== is ? "switch" : ""));

@@ -1,7 +1,7 @@
 // @ts-check
 /** The page: plays runs on one clock, and shows what is chosen. */
 import { titleOf } from "./recording.js";
-import { EVENT_WORDS, countsOf, eventsOf, partingFrame } from "./course.js";
+import { countsOf, eventsOf, kindsOf, partingFrame } from "./course.js";
 import { LOOK, plain } from "./look.js";
 import { WorldView } from "./world.js";
 import { CHART_WORDS, WORDS } from "./words.js";
@@ -243,11 +243,11 @@ export class Page {
 
   /** Give each kind of events that there is a line in the timeline; return whether another one has come. */
   listKinds() {
-    const kinds = Object.keys(EVENT_WORDS).filter((kind) => this.shown.some(({ events }) => events.some((event) => event.kind === kind)));
+    const all = kindsOf(this.shown.map(({ run }) => run)), kinds = [...all.keys()].filter((kind) => this.shown.some(({ events }) => events.some((event) => event.kind === kind)));
     if (element("kinds").childElementCount && kinds.join() === this.kinds.join()) return false;
     this.kinds = kinds;
-    const words = Object.entries(EVENT_WORDS).filter(([kind]) => kinds.includes(kind));
-    element("kinds").innerHTML = words.map(([kind, word]) => `<span title="${plain(WORDS[kind])}">${word}</span>`).join("") || "<span>no event yet</span>";
+    const words = kinds.map((kind) => all.get(kind) ?? ["", ""]);
+    element("kinds").innerHTML = words.map(([word, about]) => `<span title="${plain(about)}">${plain(word)}</span>`).join("") || "<span>no event yet</span>";
     element("timeline").height = LINE * Math.max(1, kinds.length);
     element("timeline").style.height = `${element("timeline").height}px`;
     return true;

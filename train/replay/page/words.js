@@ -46,7 +46,6 @@ export const WORDS = {
   dumped: "A robot has brought the leftovers of an item to a dump: the item is done.",
   put: "A robot has put down an item.",
   contact: "Two robots came closer than the first collision distance.",
-  stopped: "A collision stops a robot for a while.",
   switch: "A robot holds another option than before.",
   replan: "A robot has another plan than before.",
   joined: "A robot has joined the team.",
