@@ -134,7 +134,7 @@ def records_of(kernel: Kernel) -> dict[str, tuple[str, type]]:
     for argument in kernel.node.args.args:
         hint = argument.annotation
         word = ast.unparse(hint.value) if isinstance(hint, ast.Subscript) else ""
-        if word in {"Words", "Written"}:
+        if word in {"Handle", "Written"}:
             found[argument.arg] = (word, kernel.resolve(ast.unparse(hint.slice)))
     return found
 
@@ -157,5 +157,5 @@ def signatures() -> dict[str, tuple[str, str]]:
         for parameter, (word, kind) in records_of(kernel).items():
             fields = {field for one, field in written()[name] if one == parameter}
             writes = any(fields_of(kind)[field].mark.name in LASTING for field in fields if field in fields_of(kind))
-            found[f"{name}({parameter})"] = (word, "Written" if writes else "Words")
+            found[f"{name}({parameter})"] = (word, "Written" if writes else "Handle")
     return found

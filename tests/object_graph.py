@@ -78,7 +78,7 @@ def pointing_into(arrays, others) -> list[str]:
     return pointing
 
 
-ROOMS = (".words", ".cells", ".links", ".pairs", ".origins")
+ROOMS = (".handle", ".cells", ".links", ".pairs", ".origins")
 """Ends of paths: addresses, and rooms with parts that nobody has written yet. So have the tables of a buffer."""
 
 

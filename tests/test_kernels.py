@@ -21,4 +21,4 @@ def test_a_reader_of_a_kernel_sees_which_records_it_changes_itself_or_through_ot
     found = kernels.signatures()
     assert {place: right for place, (word, right) in found.items() if word != right} == {}
     assert found["selforg.mechanisms.movement.move_rows(store)"] == ("Written", "Written")
-    assert found["selforg.mechanisms.movement.move_rows(poses)"] == ("Words", "Words")
+    assert found["selforg.mechanisms.movement.move_rows(poses)"] == ("Handle", "Handle")

@@ -97,8 +97,8 @@ class MissionProgress:
     """Counts of a batch of worlds. A world whose mission is over counts no more.
 
     Attributes:
-        period: the record `Period`, with its words; its arrays are attributes here too: `events` (E, R), `team` (A, W),
-            `ticks` (W,), `outcome` (W,), `took_part` (R,), `cost` (W,), `price` (W,), `bumps` (R,).
+        period: the record `Period`, with its handle; its arrays are attributes here too: `events` (E, R), `team`
+            (A, W), `ticks` (W,), `outcome` (W,), `took_part` (R,), `cost` (W,), `price` (W,), `bumps` (R,).
         acted: (R, C) bool, whether the behaviour of each coordinated goal ran in the period.
         elapsed: (W,) int64, ticks since the mission began, up to its end.
         idle: (R,) int64, ticks since the robot last achieved something, or since the mission began.
@@ -181,7 +181,7 @@ class MissionProgress:
         worlds, executing = self._worlds, self._worlds.network.executing
         self.acted |= executing[:, self._coordinated] != 0
         avoids = executing[:, self._avoiding] if self._avoiding >= 0 else np.zeros_like(entered)
-        count = count_tick(self.period.words, self._followed.words, entered, avoids, worlds.done, worlds.ticks)
+        count = count_tick(self.period.handle, self._followed.handle, entered, avoids, worlds.done, worlds.ticks)
         self._counts.count(entered)
         self.ended = self._followed.record.ended[:count].copy()
         return count > 0

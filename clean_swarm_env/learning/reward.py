@@ -37,7 +37,7 @@ from selector.documents.imported import imported, registered
 from selector.documents.trust import is_import
 from selforg.arrays import READ, Floats
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Handle, Recording
 from selforg.plugins import contract
 from selforg.registry import Registry
 
@@ -175,7 +175,7 @@ class Rewards:
 
     Attributes:
         weights: name of a term, or key of a measure -> weight.
-        prices: the record `Prices`, with its words.
+        prices: the record `Prices`, with its handle.
 
     """
 
@@ -215,7 +215,7 @@ class Rewards:
         if self._own is not None:
             rewards[:] = self._own(batch)
         else:
-            pay(batch.progress.period.words, self.prices.words, rewards)
+            pay(batch.progress.period.handle, self.prices.handle, rewards)
         if self._measures:
             rewards += np.where(batch.took_part, self._improved(batch), 0.0)
         for term, weight in self._further:
@@ -237,7 +237,7 @@ class Rewards:
 
 
 @lean_kernel
-def pay(period: Words[Period], prices: Words[Prices], rewards: Floats) -> None:
+def pay(period: Handle[Period], prices: Handle[Prices], rewards: Floats) -> None:
     """Fill `rewards` (R,) of a period; see `RewardConfig`."""
     counted, price = open_period(period), open_prices(prices)
     robots = rewards.shape[0] // counted.ticks.shape[0]

@@ -18,7 +18,7 @@ from clean_swarm_env.physics.motion import COPY_OFFSETS, NOBODY_TOUCHES, RobotMo
 from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import part
 from selforg.compiler.intrinsics import LLVM, Compiler
-from selforg.compiler.records import Recording, Words, Written
+from selforg.compiler.records import Handle, Recording, Written
 from selforg.compiler.switches import LEAN
 from selforg.walls.segments import Walls, open_walls
 
@@ -114,7 +114,7 @@ for each in RESULTS:
 
 
 @part
-def make_space(world: int, motion: Words[RobotMotion], walls: Words[Walls], chipmunk: Words[Chipmunk]) -> int:
+def make_space(world: int, motion: Handle[RobotMotion], walls: Handle[Walls], chipmunk: Handle[Chipmunk]) -> int:
     """Return the address of a new space that holds the discs of a world, in the order of their rows, and near walls.
 
     Absent robots lie in it and touch no other, so that the others are computed as they were.
@@ -139,7 +139,7 @@ def make_space(world: int, motion: Words[RobotMotion], walls: Words[Walls], chip
 
 
 @part
-def add_walls(space: int, motion: Words[RobotMotion], walls: Words[Walls], chipmunk: Words[Chipmunk]) -> None:
+def add_walls(space: int, motion: Handle[RobotMotion], walls: Handle[Walls], chipmunk: Handle[Chipmunk]) -> None:
     """Put the chosen walls into a space."""
     c, m, w = open_chipmunk(chipmunk).functions, open_robot_motion(motion), open_walls(walls)
     body = call_for_pointer(c[STATIC_BODY], (space,))
@@ -152,7 +152,7 @@ def add_walls(space: int, motion: Words[RobotMotion], walls: Words[Walls], chipm
 
 
 @part
-def touch(world: int, space: int, last: bool, motion: Written[RobotMotion], chipmunk: Words[Chipmunk]) -> None:
+def touch(world: int, space: int, last: bool, motion: Written[RobotMotion], chipmunk: Handle[Chipmunk]) -> None:
     """Run a substep of a world in Chipmunk: write `bodies` and `forces`, step, and read `bodies` back.
 
     Chipmunk corrects overlaps when it moves bodies in its next step. After the `last` step of a space they are
@@ -182,7 +182,7 @@ def touch(world: int, space: int, last: bool, motion: Written[RobotMotion], chip
 
 
 @part
-def free_space(space: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> None:
+def free_space(space: int, motion: Handle[RobotMotion], chipmunk: Handle[Chipmunk]) -> None:
     """Free the memory of a space, its discs, circles and walls."""
     c, m = open_chipmunk(chipmunk).functions, open_robot_motion(motion)
     call_c(c[SPACE_FREE], (space,))

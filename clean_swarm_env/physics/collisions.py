@@ -64,7 +64,7 @@ class CollisionCounter:
 
     >>> counter = CollisionCounter(worlds=1, robots=2, width=11.0, height=11.0)
     >>> for x in (0.3, 0.2, 0.2):
-    ...     count_world(0, np.array([[x, 5.0], [10.75, 5.0]]), np.ones(2, np.bool_), counter.packed.words)
+    ...     count_world(0, np.array([[x, 5.0], [10.75, 5.0]]), np.ones(2, np.bool_), counter.packed.handle)
     >>> counter.samples.tolist(), counter.events.tolist()
     ([[2, 3]], [[1, 1]])
     """

@@ -60,7 +60,7 @@ class ContactSpace:
             elif motion.search == NOBODY_TOUCHES:
                 circle.filter = PASSING
             self._space.add(disc, circle)
-        choose_walls(world, packed.words, walls.words)
+        choose_walls(world, packed.handle, walls.handle)
         for ax, ay, bx, by in walls.record.segments[motion.walls != 0].tolist():
             wall = pymunk.Segment(self._space.static_body, (ax, ay), (bx, by), 0.0)
             wall.filter = WALL

@@ -41,7 +41,7 @@ class DifferentialDrive:
 
     >>> drive = DifferentialDrive(rows=2)
     >>> vectors, commanded, in_place = np.array([[0.5, 0.0], [0.0, 2.0]]), np.ones(2, np.bool_), np.zeros(2, np.bool_)
-    >>> update_drives(vectors, commanded, in_place, headings=np.zeros(2), now=0.0, drive=drive.packed.words)
+    >>> update_drives(vectors, commanded, in_place, headings=np.zeros(2), now=0.0, drive=drive.packed.handle)
     >>> drive.speed.tolist(), drive.turn_rate.tolist()
     ([0.5, 0.0], [0.0, 2.0])
     """

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, fill_cells
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Recording, Words, Written
+from selforg.compiler.records import Handle, Recording, Written
 from selforg.elementary import sine_cosine
 from selforg.space import nearest_image, wrapped
 from selforg.walls.segments import Walls, cell_of_walls, open_walls, to_segment, touches_wall
@@ -89,7 +89,7 @@ def touching(first: int, end: int, m: RobotMotion) -> bool:
 
 
 @inlined
-def touching_walls(first: int, end: int, m: RobotMotion, walls: Words[Walls]) -> bool:
+def touching_walls(first: int, end: int, m: RobotMotion, walls: Handle[Walls]) -> bool:
     """Return whether any robot present in the rows first .. end - 1 touches a wall."""
     for row in range(first, end):
         if m.present[row] and touches_wall(m.positions[row, 0], m.positions[row, 1], m.radii[row], walls):
@@ -98,7 +98,7 @@ def touching_walls(first: int, end: int, m: RobotMotion, walls: Words[Walls]) ->
 
 
 @lean_kernel
-def choose_walls(world: int, motion: Words[RobotMotion], walls: Words[Walls]) -> None:
+def choose_walls(world: int, motion: Handle[RobotMotion], walls: Handle[Walls]) -> None:
     """Write NEAR_ROBOTS for each wall that a robot of a world may touch in this tick, else 0."""
     m, w = open_robot_motion(motion), open_walls(walls)
     robots = m.parts.shape[0]
@@ -128,7 +128,7 @@ def move(row: int, m: RobotMotion) -> None:
 
 
 @inlined
-def search_contacts(world: int, m: RobotMotion, walls: Words[Walls]) -> bool:
+def search_contacts(world: int, m: RobotMotion, walls: Handle[Walls]) -> bool:
     """Set the patience of a world for the substep that begins; return whether it is in contact."""
     robots = m.parts.shape[0]
     first = world * robots
@@ -185,7 +185,7 @@ def push(world: int, m: RobotMotion) -> None:
 
 
 @inlined
-def leads_to_wall(row: int, wx: float, wy: float, m: RobotMotion, walls: Words[Walls]) -> bool:
+def leads_to_wall(row: int, wx: float, wy: float, m: RobotMotion, walls: Handle[Walls]) -> bool:
     """Return whether a robot's way [m] ends deeper in a wall than DEEPEST, and deeper than the robot is."""
     w, least = open_walls(walls), (1.0 - DEEPEST) * m.radii[row]
     x, y = wrapped(m.positions[row, 0] + wx, m.width), wrapped(m.positions[row, 1] + wy, m.height)
@@ -221,7 +221,7 @@ def leads_to_robot(row: int, first: int, wx: float, wy: float, m: RobotMotion) -
 
 
 @inlined
-def hold_back(row: int, first: int, m: RobotMotion, walls: Words[Walls]) -> None:
+def hold_back(row: int, first: int, m: RobotMotion, walls: Handle[Walls]) -> None:
     """Shorten the way of a body that contacts push too far, and let it stay where it would sink too deep.
 
     Chipmunk looks at where bodies are, not at their way, and gives way to crowds. Each body in turn keeps the bounds,
@@ -242,7 +242,7 @@ def hold_back(row: int, first: int, m: RobotMotion, walls: Words[Walls]) -> None
 
 
 @lean_kernel
-def land(world: int, motion: Written[RobotMotion], walls: Words[Walls]) -> None:
+def land(world: int, motion: Written[RobotMotion], walls: Handle[Walls]) -> None:
     """Move the robots of a world by their velocities after the contacts, as far as that is possible."""
     m = open_robot_motion(motion)
     robots = m.parts.shape[0]

@@ -180,9 +180,9 @@ class Physics:
         unless contacts prevent it. Then its heading advances. Where robots touch, each substep of a tick starts with
         the impulses of the previous one.
         """
-        motion, drives, counts, walls = self._motion, drive.packed, counter.packed, self.walls.words
-        words = drives.words, motion.words, counts.words, walls, FUNCTIONS.words
-        if not start_tick(now, substeps, commands.words, *words):
+        motion, drives, counts, walls = self._motion, drive.packed, counter.packed, self.walls.handle
+        words = drives.handle, motion.handle, counts.handle, walls, FUNCTIONS.handle
+        if not start_tick(now, substeps, commands.handle, *words):
             return
         for world in np.flatnonzero(motion.record.left).tolist():
             left, space = int(motion.record.left[world]), ContactSpace(world, motion, self.walls)

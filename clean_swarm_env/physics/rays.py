@@ -16,7 +16,7 @@ from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_al
 from clean_swarm_env.physics.physics import Physics
 from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, kernel, lean_kernel
-from selforg.compiler.records import Packed, Recording, Words
+from selforg.compiler.records import Handle, Packed, Recording
 from selforg.components.sources import Surroundings
 from selforg.elementary import sine_cosine, unit_vectors
 from selforg.space import nearest_image
@@ -134,14 +134,14 @@ class Rays:
                 discs.record.places[:] = bodies.places.reshape(-1, 2)
                 if bodies.stage is not None:
                     np.equal(bodies.stage.reshape(-1), bodies.lies, out=discs.record.there)
-            meet_discs(rows, fan.words, discs.words)
+            meet_discs(rows, fan.handle, discs.handle)
         if len(walls.record.segments):
-            meet_walls(rows, fan.words, walls.words)
+            meet_walls(rows, fan.handle, walls.handle)
         return fan.record.lengths[rows]
 
 
 @kernel
-def meet_discs(rows: Ints, fan: Words[Fan], discs: Words[Discs]) -> None:
+def meet_discs(rows: Ints, fan: Handle[Fan], discs: Handle[Discs]) -> None:
     """Shorten the rays of `rows` (P,) to the discs that they meet, in all their images on the torus."""
     f, d = open_fan(fan), open_discs(discs)
     lines, columns = cells_along(d.members, d.farthest, f.extent)
@@ -188,7 +188,7 @@ def shorten_rays(row: int, ahead: float, left: float, radius: float, f: Fan) -> 
 
 
 @lean_kernel
-def meet_walls(rows: Ints, fan: Words[Fan], walls: Words[Walls]) -> None:
+def meet_walls(rows: Ints, fan: Handle[Fan], walls: Handle[Walls]) -> None:
     """Shorten the rays of `rows` (P,) to the walls that they meet."""
     f, w = open_fan(fan), open_walls(walls)
     for row in rows:

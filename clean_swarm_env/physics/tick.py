@@ -14,7 +14,7 @@ from clean_swarm_env.physics.drive import DriveState, open_drive, update_drives
 from clean_swarm_env.physics.motion import RobotMotion, land, open_robot_motion, push, search_contacts, set_wanted
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel, long_kernel
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.walls.segments import Walls
 
 NO_SPACE: Final = 0
@@ -25,11 +25,11 @@ NO_SPACE: Final = 0
 def go_on(
     world: int,
     left: int,
-    drive: Words[DriveState],
+    drive: Handle[DriveState],
     motion: Written[RobotMotion],
     counts: Written[Counts],
-    walls: Words[Walls],
-    chipmunk: Words[Chipmunk],
+    walls: Handle[Walls],
+    chipmunk: Handle[Chipmunk],
 ) -> int:
     """Run a world through its `left` substeps; return those left, of which Python has to run the first."""
     d, m, space = open_drive(drive), open_robot_motion(motion), NO_SPACE
@@ -55,12 +55,12 @@ def go_on(
 def start_tick(
     now: float,
     substeps: int,
-    commands: Words[Commanded],
+    commands: Handle[Commanded],
     drive: Written[DriveState],
     motion: Written[RobotMotion],
     counts: Written[Counts],
-    walls: Words[Walls],
-    chipmunk: Words[Chipmunk],
+    walls: Handle[Walls],
+    chipmunk: Handle[Chipmunk],
 ) -> int:
     """Give the drives their commands at `now` [s] and run every world as far as compiled code can.
 
@@ -81,11 +81,11 @@ def start_tick(
 def land_and_go_on(
     world: int,
     left: int,
-    drive: Words[DriveState],
+    drive: Handle[DriveState],
     motion: Written[RobotMotion],
     counts: Written[Counts],
-    walls: Words[Walls],
-    chipmunk: Words[Chipmunk],
+    walls: Handle[Walls],
+    chipmunk: Handle[Chipmunk],
 ) -> int:
     """Continue a world after a substep that Python ran in pymunk; see `go_on`."""
     m = open_robot_motion(motion)

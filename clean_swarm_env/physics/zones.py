@@ -7,7 +7,7 @@ import numpy as np
 from selforg.arrays import READ, Floats
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Packed, Words
+from selforg.compiler.records import Handle, Packed
 
 
 class Zones:
@@ -38,7 +38,7 @@ class Zones:
 
     def slow_down(self, commands: Packed[Commanded], positions: Floats, max_speed: Floats) -> None:
         """Shorten the commands to robots at `positions` (R, 2) [m] in slow zones; max_speed (R,) [m/s]."""
-        slow_down(commands.words, positions, max_speed, self.corners, self.speeds)
+        slow_down(commands.handle, positions, max_speed, self.corners, self.speeds)
 
 
 @inlined
@@ -61,7 +61,7 @@ def write_losses(positions: Floats, corners: Floats, given: Floats, losses: Floa
 
 @lean_kernel
 def slow_down(
-    commands: Words[Commanded], positions: Floats, max_speed: Floats, corners: Floats, speeds: Floats
+    commands: Handle[Commanded], positions: Floats, max_speed: Floats, corners: Floats, speeds: Floats
 ) -> None:
     """Scale commands by the least speed of the zones in which a robot is; see `Zones`."""
     given = open_commanded(commands)

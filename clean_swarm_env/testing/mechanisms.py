@@ -67,7 +67,7 @@ def answers(made: Mechanism, rows: Ints) -> tuple[Any, ...]:
         elif isinstance(made, SteeringMechanism):
             commands, others = Commands(ROWS, 2), np.setdiff1d(IN_ORDER, rows)
             commands.vectors[:], commands.commanded[:] = made.poses.own[:, 0, 6:8], True
-            made.steer(NOW, rows, commands.packed.words)
+            made.steer(NOW, rows, commands.packed.handle)
             kept = [made.poses.own[others, 0, 6:8]]
             expect_same([commands.vectors[others]], kept, made, "steer", "to change no other rows")
             found = commands.vectors[rows], commands.commanded[rows], commands.in_place[rows]

@@ -1,8 +1,8 @@
 """Records: named arrays and numbers that compiled code takes as one argument.
 
 Passing one array to a kernel costs about 0.06 us, and a tick passes some two hundred. A record is passed as one array
-of words: the addresses, shapes and numbers, laid out as compiled code wants them. Opening it there costs nothing
-(docs/decisions/0046-records.md).
+of words, its handle: addresses, shapes and numbers, laid out as compiled code wants them. Opening it there costs
+nothing (docs/decisions/0046-records.md).
 
 A record is a NamedTuple whose fields say what they hold, and what compiled code that opens it does with them: READ
 only, write what is KEPT or CLOCKED, or overwrite SCRATCH (`selforg.arrays`):
@@ -16,12 +16,12 @@ only, write what is KEPT or CLOCKED, or overwrite SCRATCH (`selforg.arrays`):
     open_grid = GRID.open
 
     @lean_kernel
-    def look(grid: Words[Grid]) -> float:
+    def look(grid: Handle[Grid]) -> float:
         g = open_grid(grid)
         return g.cells[0, 1] * g.extent
 
     packed = GRID.pack(Grid(cells, links, 11.0))
-    look(packed.words)
+    look(packed.handle)
 
 The owner of the arrays packs the record, and packs a new one when an array is replaced by another.
 """
@@ -45,29 +45,29 @@ Record = TypeVar("Record", bound=tuple[Any, ...])
 NUMBERS: dict[type, Compiler] = {float: types.float64, int: types.int64}
 
 
-class Words(Generic[Record]):
-    """What compiled code takes for a record: (words,) int64, or the record itself if none is passed by address."""
+class Handle(Generic[Record]):
+    """What compiled code takes for a record: words (K,) int64, or the record itself if none is passed by address."""
 
 
-Written = Words
+Written = Handle
 """The same, in the signatures of kernels that write what the record keeps; tests hold that to be true."""
 
 
 class Packed(Generic[Record]):
-    """A record with its words.
+    """A record with its handle.
 
     A copy or a pickle is packed again, on the copied arrays. An array that owner and record share is shared by their
     copies too, if both are copied in one go.
 
     Attributes:
         record: the arrays and numbers; the arrays must stay where they are.
-        words: what kernels take.
+        handle: what kernels take.
 
     """
 
     def __init__(self, recording: Recording[Record], record: Record) -> None:
         self.record = record
-        self.words = recording.words_of(record)
+        self.handle = recording.handle_of(record)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return packed_as, (type(self.record), tuple(self.record))
@@ -85,7 +85,7 @@ class Recording(Generic[Record]):
     Attributes:
         kind: the class, a NamedTuple; fields are float, int, or `Annotated[ARRAY, SHAPE, MARK]` with an array type and
             a mark of `selforg.arrays`, and a name for each axis, by spaces.
-        open: returns, in compiled code, the record whose words it is given.
+        open: returns, in compiled code, the record whose handle it is given.
 
     """
 
@@ -103,28 +103,28 @@ class Recording(Generic[Record]):
             hashlib.sha256(f"{kind.__module__}.{kind.__qualname__}".encode()).digest()[:7], "big"
         )
         self.by_address = COMPILED and not PLAIN
-        self.open: Callable[[Words[Record]], Record] = self._opening() if self.by_address else same_record
+        self.open: Callable[[Handle[Record]], Record] = self._opening() if self.by_address else same_record
         Recording.of[kind] = self
 
     def pack(self, record: Record) -> Packed[Record]:
-        """Return the record with its words; TypeError names a field that compiled code would misread."""
+        """Return the record with its handle; TypeError names a field that compiled code would misread."""
         return Packed(self, record)
 
-    def words_of(self, record: Record) -> Words[Record]:
-        """Return the words of a record, which keep its arrays alive."""
+    def handle_of(self, record: Record) -> Handle[Record]:
+        """Return the handle of a record, which keeps its arrays alive."""
         if type(record) is not self.kind:
             raise TypeError(f"expected a {self.kind.__name__}, got {type(record).__name__}")
         words = [self._tag]
         for (name, field), value in zip(self._fields.items(), record, strict=True):
             words += words_of_field(field, value, f"{self.kind.__name__}.{name}", self._shapes.get(name, ""))
         if not self.by_address:
-            return cast("Words[Record]", record)
-        return cast("Words[Record]", np.asarray(Kept(np.array(words, dtype=np.int64), record)))
+            return cast("Handle[Record]", record)
+        return cast("Handle[Record]", np.asarray(Kept(np.array(words, dtype=np.int64), record)))
 
-    def _opening(self) -> Callable[[Words[Record]], Record]:
+    def _opening(self) -> Callable[[Handle[Record]], Record]:
         """Return the function that gives compiled code the fields as a named tuple."""
         named: Compiler = types.NamedTuple(list(self._fields.values()), self.kind)  # type: ignore[no-untyped-call]
-        tag, message = self._tag, f"these are not the words of a record {self.kind.__name__}"
+        tag, message = self._tag, f"this is not the handle of a record {self.kind.__name__}"
 
         def typed(typing: Compiler, words: Compiler) -> Compiler:
             def generate(context: Compiler, builder: Compiler, signature: Compiler, arguments: Compiler) -> Compiler:
@@ -139,7 +139,7 @@ class Recording(Generic[Record]):
 
             return named(words), generate
 
-        return cast("Callable[[Words[Record]], Record]", intrinsic(typed))
+        return cast("Callable[[Handle[Record]], Record]", intrinsic(typed))
 
 
 @register_jitable

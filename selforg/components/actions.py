@@ -8,7 +8,7 @@ from typing import Any, ClassVar, TypeAlias
 from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commanded, Commands, open_commanded
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.components.memory import Remembered
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.base import at_least
@@ -84,7 +84,7 @@ class Move(Action):
         self.sources = (mechanism,)
 
     def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        command_movements(rows, self.source.vectors, self.source.active, commands.packed.words)
+        command_movements(rows, self.source.vectors, self.source.active, commands.packed.handle)
 
     def leave(self, now: float, rows: Ints) -> None:
         for source in (*self.source.parts, self.source):
@@ -93,7 +93,7 @@ class Move(Action):
 
 
 @lean_kernel
-def command_movements(rows: Ints, vectors: Floats, active: Flags, commands: Words[Commanded]) -> None:
+def command_movements(rows: Ints, vectors: Floats, active: Flags, commands: Handle[Commanded]) -> None:
     """Command `rows` (K,) to move by their `vectors` (N, D) where `active` (N,)."""
     m = open_commanded(commands)
     for row in rows:
@@ -111,7 +111,7 @@ class Steer(Action):
         self.mechanism = mechanism
 
     def steer(self, now: float, rows: Ints, commands: Commands) -> None:
-        self.mechanism.steer(now, rows, commands.packed.words)
+        self.mechanism.steer(now, rows, commands.packed.handle)
         if is_own(type(self.mechanism)):
             check_answer(self.mechanism, "steer", commands.vectors, commands.vectors.shape)
 

@@ -64,7 +64,7 @@ class VectorReadings:
 
     def write(self, rows: Ints) -> None:
         """Write the readings of `rows` (K,)."""
-        read_vectors(rows, self._tables.words)
+        read_vectors(rows, self._tables.handle)
 
 
 @lean_kernel

@@ -7,14 +7,15 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.gradients.contents import Contents
-from selforg.gradients.delivery import Delivery, address
-from selforg.gradients.gradient import Gradient, check_fields, check_gradient, check_position, require
+from selforg.gradients.contents import TeamContents, part_of, put_part
+from selforg.gradients.delivery import Delivery, Mail, address
+from selforg.gradients.gradient import Gradient, check_fields, check_gradient, check_places, require
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.rows import read_gradient, set_times, write_gradient
+from selforg.gradients.rows import Codes, read_gradient, set_times, write_gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.storing import deposit_rows, evaporate_space, store_rows
+from selforg.gradients.store.storing import clear_space, deposit_rows, evaporate_space, store_rows
+from selforg.gradients.store.tables import Tables
 from selforg.space import Space
 
 MOST_STALE_PAYLOADS = 1024
@@ -22,8 +23,15 @@ MOST_IN_A_CALL = 1 << 16
 """Messages that are stored in one call: some tenths of a second, because compiled code does not hear of Ctrl-C."""
 
 
-class SoBuffer(Contents):
-    """Static and moving gradients of all teams; a team sees only its own.
+class SoBuffer:
+    """Static and moving gradients of all teams in one table; a team sees only its own.
+
+    Attributes:
+        shared: whether the rows of a team share one content; otherwise each row has its own.
+        mail: messages under way.
+        channels, sources, keys: names by their numbers.
+        payloads: by serial number.
+        on_deposit: is told who leaves what.
 
     Example:
         >>> space = Torus(11.0, 11.0)
@@ -36,8 +44,15 @@ class SoBuffer(Contents):
     def __init__(
         self, settings: BufferSettings, space: Space, poses: OwnPoses, delivery: Delivery | None = None
     ) -> None:
-        super().__init__(settings, space, poses, delivery or Delivery())
-        self.on_deposit: Callable[[Ints, Floats, Ints], None] | None = None  # is told who leaves what
+        if space is not poses.space:
+            raise ValueError("SoBuffer: the poses live in another space object than the buffer")
+        self.settings, self.space, self.poses, self.delivery = settings, space, poses, delivery or Delivery()
+        self.shared = self.delivery.ideal
+        self.mail = Mail()
+        self.channels, self.sources, self.keys = Codes(), Codes(poses.rows, poses.names), Codes()
+        self.payloads: dict[int, Mapping[str, Any]] = {}
+        self.table = Tables(settings, space, poses.team_count if self.shared else poses.rows, not self.shared)
+        self.on_deposit: Callable[[Ints, Floats, Ints], None] | None = None
 
     def __len__(self) -> int:
         """Return how many gradients of all teams are stored; some of them may have evaporated since the last look."""
@@ -62,7 +77,7 @@ class SoBuffer(Contents):
         teams and all fields: one value, or one for each (M,). All rows of a team get it, whatever the delivery.
         Raises ValueError naming the field that is impossible.
         """
-        places = self._check_places("store_static", positions)
+        places = check_places("store_static", positions, self.space.dim)
         check_fields(attraction, diffusion, goal_radius, evaporation_factor, evaporation_period, now)
         if not self.keeps(channel):
             return
@@ -85,7 +100,7 @@ class SoBuffer(Contents):
         rule = self.settings.aggregation.get(channel, self.settings.aggregation.get("DEFAULT"))
         if rule != "new":
             raise ValueError(f"extinguish: channel {channel!r} must aggregate by 'new', its rule is {rule!r}")
-        places = self._check_places("extinguish", positions)
+        places = check_places("extinguish", positions, self.space.dim)
         if self.keeps(channel):
             messages, tags = self._static(teams, channel, places, now)  # blank: without reach, neither sign nor period
             messages[:, c.MESSAGE_FAR + c.FAR_FACTOR], tags[:, c.TAG_SOURCE] = 1.0, -1
@@ -103,7 +118,9 @@ class SoBuffer(Contents):
             return
         check_gradient(gradient, self.space.dim)
         if self.settings.whole_seconds:
-            evaporate_space(row if not self.shared else int(self.poses.teams[row]), float(now), self.table.packed.words)
+            evaporate_space(
+                row if not self.shared else int(self.poses.teams[row]), float(now), self.table.packed.handle
+            )
         self.poses.set_gradient(row, gradient)
 
     def spread(self, messages: Floats, tags: Ints, now: float) -> None:
@@ -123,9 +140,9 @@ class SoBuffer(Contents):
         if self.on_deposit is not None:
             self.on_deposit(rows, message, tag)
         if self.shared:
-            if not deposit_rows(rows, message, tag, now, self.poses.packed.words, self.table.packed.words):
+            if not deposit_rows(rows, message, tag, now, self.poses.packed.handle, self.table.packed.handle):
                 self.table.reserve(len(rows))
-                deposit_rows(rows, message, tag, now, self.poses.packed.words, self.table.packed.words)
+                deposit_rows(rows, message, tag, now, self.poses.packed.handle, self.table.packed.handle)
             return
         rows = rows[self.poses.known[rows]]
         messages, tags = np.repeat(message[None], len(rows), axis=0), np.repeat(tag[None], len(rows), axis=0)
@@ -139,6 +156,10 @@ class SoBuffer(Contents):
         for _, messages, tags in self.mail.collect(now):
             self.store_tables(messages, tags, now)
 
+    def clear(self, team: int) -> None:
+        """Delete everything that one team has stored, and its messages under way."""
+        self._clear_spaces(self._spaces(team))
+
     def clear_rows(self, rows: Ints) -> None:
         """Delete what `rows` (R,) have stored, and messages under way to them; shared gradients of a team stay."""
         if not self.shared:
@@ -147,7 +168,7 @@ class SoBuffer(Contents):
     def evaporate(self, now: float) -> None:
         """Evaporate everything up to `now` [s] and free memory of deleted gradients; answers do not depend on it."""
         for space in range(self.table.spaces):
-            evaporate_space(space, float(now), self.table.packed.words)
+            evaporate_space(space, float(now), self.table.packed.handle)
 
     def count(self, team: int, channel: str) -> int:
         """Return how many gradients of `channel` a team has stored; see `__len__`."""
@@ -156,6 +177,12 @@ class SoBuffer(Contents):
     def keeps(self, channel: str) -> bool:
         """Return whether gradients of `channel` are stored at all."""
         return self.settings.store_all or channel in self.settings.channels
+
+    def channel_code(self, channel: str) -> int:
+        """Return the number of `channel`, a new one if it was never used."""
+        if channel not in self.channels:
+            self.table.add_channel(self.settings.rule_of(channel))
+        return self.channels.code(channel)
 
     def source_code(self, source: int | str) -> int:
         """Return the number of `source`: a row is its own number, names are numbered after the rows."""
@@ -198,15 +225,36 @@ class SoBuffer(Contents):
         for begin in range(0, len(messages), MOST_IN_A_CALL):
             part = slice(begin, begin + MOST_IN_A_CALL)
             self.table.reserve(len(messages[part]))
-            store_rows(messages[part], tags[part], float(now), self.table.packed.words)
+            store_rows(messages[part], tags[part], float(now), self.table.packed.handle)
 
-    def _check_places(self, caller: str, positions: npt.ArrayLike) -> Floats:
-        """Return `positions` as (M, D), or raise ValueError."""
-        places = np.atleast_2d(np.asarray(positions, dtype=np.float64))
-        if places.shape[1:] != (self.space.dim,):
-            raise ValueError(f"{caller}: positions must be (M, {self.space.dim}), got {np.shape(positions)}")
-        check_position(places)
-        return places
+    def part_of(self, team: int) -> TeamContents:
+        """Return the stored gradients of a team, with its messages under way."""
+        return part_of(self, team)
+
+    def put_part(self, team: int, state: TeamContents, later: float) -> None:
+        """Replace the stored gradients of a team by the result of `part_of`, `later` [s] after it; as many rows."""
+        put_part(self, team, state, later)
+
+    def layers_of(self, team: int, channels: Ints) -> Ints:
+        """Return the layers of a team on `channels`, channel by channel."""
+        spaces = channels[:, None] * self.table.spaces + self._spaces(team)
+        return (spaces.reshape(-1, 1) * c.LEVELS + np.arange(c.LEVELS)).reshape(-1)
+
+    def _clear_spaces(self, spaces: Ints) -> None:
+        for space in spaces.tolist():
+            clear_space(space, self.table.packed.handle)
+        self.mail.forget(spaces)
+
+    def _spaces(self, team: int) -> Ints:
+        """Return the information spaces of a team."""
+        self._check_teams(team)
+        return np.array([team]) if self.shared else self.poses.members(team)
+
+    def _check_teams(self, teams: npt.ArrayLike) -> Ints:
+        codes: Ints = np.asarray(teams, dtype=np.int64)
+        if ((codes < 0) | (codes >= self.poses.team_count)).any():
+            raise ValueError(f"SoBuffer: teams must lie in 0..{self.poses.team_count - 1}, got {teams!r}")
+        return codes
 
     def _static(self, teams: npt.ArrayLike, channel: str, places: Floats, now: float) -> tuple[Floats, Ints]:
         """Return messages and tags for `places` (M, D) [m] at `now` [s], their other fields to be filled."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
-from selforg.compiler.records import Packed, Words, Written
+from selforg.compiler.records import Handle, Packed, Written
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
@@ -127,9 +127,9 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
         by_row = len(delivery.generators) == poses.rows
         draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
     which, receivers = np.empty(draws.size, dtype=np.int64), np.empty(draws.size, dtype=np.int64)
-    found = find_receivers(messages, tags, of_message, chances, draws, poses.packed.words, which, receivers)
+    found = find_receivers(messages, tags, of_message, chances, draws, poses.packed.handle, which, receivers)
     if delivery.walls is not None:
-        found = keep_unstopped(found, messages, which, receivers, poses.packed.words, delivery.walls.words)
+        found = keep_unstopped(found, messages, which, receivers, poses.packed.handle, delivery.walls.handle)
     copies = tags[which[:found]]
     copies[:, c.TAG_SPACE] = receivers[:found]
     return messages[which[:found]], copies
@@ -142,7 +142,7 @@ def find_receivers(
     reaches: Floats,
     losses: Floats,
     draws: Floats,
-    poses: Words[Poses],
+    poses: Handle[Poses],
     which: Ints,
     receivers: Ints,
 ) -> int:
@@ -174,7 +174,7 @@ def find_receivers(
 
 @lean_kernel
 def keep_unstopped(
-    found: int, messages: Floats, which: Ints, receivers: Ints, poses: Words[Poses], walls: Words[Walls]
+    found: int, messages: Floats, which: Ints, receivers: Ints, poses: Handle[Poses], walls: Handle[Walls]
 ) -> int:
     """Keep of the first `found` receptions, `which` message by which of the `receivers`, those that no wall stops."""
     own, extent, kept = open_poses(poses).own, open_poses(poses).extent, 0
@@ -237,7 +237,7 @@ class PoseDelivery:
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        poses, walls, losses, in_zones = self.poses.packed.words, self.walls.words, self.losses, self.in_zones
+        poses, walls, losses, in_zones = self.poses.packed.handle, self.walls.handle, self.losses, self.in_zones
         deliver_poses(poses, self.reaches, self.ranges, losses, in_zones, self._draws, self.delay, walls)
 
 
@@ -250,7 +250,7 @@ def deliver_poses(
     in_zones: Floats,
     draws: Floats,
     delay: int,
-    walls: Words[Walls],
+    walls: Handle[Walls],
 ) -> None:
     """Write for each pair of a team the ages of the last two poses received, -1 for none that is still remembered.
 

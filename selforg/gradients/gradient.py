@@ -98,6 +98,15 @@ def require(name: str, value: npt.NDArray[Any], fits: npt.NDArray[np.bool_] | np
         raise ValueError(f"gradient: {name} must be {expected}, got {wrong}")
 
 
+def check_places(caller: str, positions: npt.ArrayLike, dim: int) -> npt.NDArray[np.float64]:
+    """Return `positions` as (M, D), or raise ValueError, which begins with the `caller`."""
+    places = np.atleast_2d(np.asarray(positions, dtype=np.float64))
+    if places.shape[1:] != (dim,):
+        raise ValueError(f"{caller}: positions must be (M, {dim}), got {np.shape(positions)}")
+    check_position(places)
+    return places
+
+
 def check_gradient(gradient: Gradient, dim: int) -> None:
     """Raise ValueError naming the first impossible field of a gradient in a space of `dim` dimensions."""
     if not isinstance(gradient.channel, str):

@@ -11,7 +11,7 @@ import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
 
@@ -38,7 +38,7 @@ class Pair(NamedTuple):
 
 
 @inlined
-def own_of(row: int, view_distance: float, poses: Words[Poses]) -> Own:
+def own_of(row: int, view_distance: float, poses: Handle[Poses]) -> Own:
     """Return the part of a row in its pairs."""
     own = open_poses(poses).own
     goal_radius = own[row, 0, c.GOAL_RADIUS]
@@ -100,7 +100,7 @@ def choose(rule: int, pairs: Floats, found: int, own: Own) -> int:
 
 @lean_kernel
 def choose_rows(
-    rule: int, view: float, rows: Ints, start: Ints, seen: Floats, chosen: Floats, found: Flags, poses: Words[Poses]
+    rule: int, view: float, rows: Ints, start: Ints, seen: Floats, chosen: Floats, found: Flags, poses: Handle[Poses]
 ) -> None:
     """Write what each of `rows` (R,) chooses into `chosen` (R, PAIR_COLUMNS), and whether there is anything in `found`.
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel, long_kernel
-from selforg.compiler.records import Packed, Words, Written
+from selforg.compiler.records import Handle, Packed, Written
 from selforg.elementary import sine_cosine
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
@@ -139,11 +139,11 @@ class OwnPoses:
                 f"OwnPoses.update: positions must be ({self.rows}, {self.space.dim}) and headings ({self.rows},), "
                 f"got {positions.shape} and {headings.shape}"
             )
-        bad = update_poses(positions, headings, known, float(now), self.packed.words)
+        bad = update_poses(positions, headings, known, float(now), self.packed.handle)
         if bad >= 0:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
         if self._walls is not None:
-            note_walls(self.packed.words, self._walls.words)
+            note_walls(self.packed.handle, self._walls.handle)
 
     def set_gradient(self, row: int, gradient: Gradient) -> bool:
         """Spread a checked gradient as the pose of one row; False if it is not newer than the last one."""
@@ -158,7 +158,7 @@ class OwnPoses:
         newest[[c.DIFFUSION, c.GOAL_RADIUS]] = gradient.diffusion, gradient.goal_radius
         newest[[c.POSE_SIGN, c.POSE_STAMP]] = gradient.attraction, gradient.stamp
         self.row_table[row, c.ROW_POSES] = min(self.row_table[row, c.ROW_POSES] + 1, self.history)
-        index_poses(self.packed.words)
+        index_poses(self.packed.handle)
         return True
 
     def gradient(self, row: int, age: int = 0) -> Gradient:
@@ -258,7 +258,7 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
 
 
 @lean_kernel
-def note_walls(poses: Words[Poses], walls: Words[Walls]) -> None:
+def note_walls(poses: Handle[Poses], walls: Handle[Walls]) -> None:
     """Write the ways to the nearest points of the walls near each row, at most MOST_WALLS; farther ones make room."""
     p, w = open_poses(poses), open_walls(walls)
     for row in range(len(p.rows)):

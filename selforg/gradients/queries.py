@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Packed, Words, Written
+from selforg.compiler.records import Handle, Packed, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.pair import (
@@ -44,7 +44,7 @@ class PairRoom:
         self.pairs: Floats = np.empty((pairs, PAIR_COLUMNS))
         self._packed: Packed[Sight] = SIGHT.pack(Sight(np.zeros(1, dtype=np.int64), self.pairs))
 
-    def sight(self, now: float, channels: tuple[str, ...]) -> Words[Sight]:
+    def sight(self, now: float, channels: tuple[str, ...]) -> Handle[Sight]:
         """Return the table and `channels` (none: all) for a look at `now` [s], as compiled code takes them."""
         buffer = self._buffer
         if buffer.settings.whole_seconds:
@@ -52,7 +52,7 @@ class PairRoom:
         look = channels, len(buffer.channels)
         if look != self._looked:
             self._looked, self._packed = look, SIGHT.pack(Sight(self._codes(channels), self.pairs))
-        return self._packed.words
+        return self._packed.handle
 
     def _codes(self, channels: tuple[str, ...]) -> Ints:
         """Return 1 if the shared poses are looked at, then the codes of `channels` (none: all).
@@ -65,11 +65,11 @@ class PairRoom:
         codes = [known.code(name) for name in names or known.names() if name in known]
         return np.array([int(poses), *codes], dtype=np.int64)
 
-    def double(self) -> Words[Sight]:
+    def double(self) -> Handle[Sight]:
         """Return the last sight with room for twice as many pairs; those that are there stay."""
         self.pairs = np.concatenate([self.pairs, np.empty_like(self.pairs)])
         self._packed = SIGHT.pack(Sight(self._packed.record.channels, self.pairs))
-        return self._packed.words
+        return self._packed.handle
 
 
 Rows: TypeAlias = npt.NDArray[np.integer] | Iterable[int]
@@ -148,7 +148,7 @@ class Queries:
         see |= (0 if own else c.SKIP_OWN) | (c.SEE_HISTORY if histories else 0)
         see |= SEE_WITHOUT_POSE if without_pose and np.isinf(view) else 0
         time, margins, sight = float(now), (minus, zero, plus), self._room.sight(now, tuple(look.channels))
-        poses, store = buffer.poses.packed.words, buffer.table.packed.words
+        poses, store = buffer.poses.packed.handle, buffer.table.packed.handle
         start: Ints = np.zeros(len(chosen) + 1, dtype=np.int64)
         done = gather_rows(chosen, start, see, margins, time, sight, poses, store)
         while done < len(chosen):
@@ -169,7 +169,7 @@ class Queries:
         seen = self.gather(now, chosen, look, signs=EVERYTHING if rule == "strongest" else ATTRACTIVE)
         pairs, found = np.empty((len(chosen), c.PAIR_COLUMNS)), np.empty(len(chosen), dtype=np.bool_)
         view = self._buffer.settings.view_distance if look.view_distance is None else look.view_distance
-        poses = self._buffer.poses.packed.words
+        poses = self._buffer.poses.packed.handle
         choose_rows(CHOICES[rule], float(view), chosen, seen.start, seen.pairs, pairs, found, poses)
         return pairs, found
 
@@ -208,7 +208,7 @@ class Queries:
         look = replace(look, static=True, moving=False)
         found = int(self.gather(now, [row], look).start[-1])
         sight = self._room.sight(now, tuple(look.channels))
-        kept = keep_ahead(row, found, angle_xy, angle_yz, sight, self._buffer.poses.packed.words)
+        kept = keep_ahead(row, found, angle_xy, angle_yz, sight, self._buffer.poses.packed.handle)
         return self._objects(self._room.pairs[:kept])
 
     def chosen(self, rule: str, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:
@@ -227,8 +227,8 @@ def gather_rows(
     see: int,
     margins: Margins,
     now: float,
-    sight: Words[Sight],
-    poses: Words[Poses],
+    sight: Handle[Sight],
+    poses: Handle[Poses],
     store: Written[Store],
 ) -> int:
     """Write the pairs of `rows` (R,) from start[0] on, row after row, and where each row's end into `start` (R + 1,).

@@ -3,7 +3,7 @@
 import numpy as np
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.gradients.pair import CHOOSE_NEAREST, Own, Pair, attraction_balch, choose, pair_at, repulsion_balch
 from selforg.gradients.store.records import Poses, Sight, Store, open_sight
 from selforg.mechanisms.base import MECHANISMS
@@ -50,10 +50,10 @@ class ChemotaxisBalch(FormulaMechanism):
         row: int,
         found: int,
         own: Own,
-        sight: Words[Sight],
+        sight: Handle[Sight],
         rule: Written[Rule],
-        poses: Words[Poses],
-        store: Words[Store],
+        poses: Handle[Poses],
+        store: Handle[Store],
     ) -> bool:
         """Add attraction to the nearest attractive gradient and all repulsions; False without any."""
         pairs = open_sight(sight).pairs
@@ -82,10 +82,10 @@ class ChemotaxisGe(ChemotaxisBalch):
         row: int,
         found: int,
         own: Own,
-        sight: Words[Sight],
+        sight: Handle[Sight],
         rule: Written[Rule],
-        poses: Words[Poses],
-        store: Words[Store],
+        poses: Handle[Poses],
+        store: Handle[Store],
     ) -> bool:
         """Do as `ChemotaxisBalch` does; every repulsive gradient pushes towards the goal, too."""
         pairs = open_sight(sight).pairs

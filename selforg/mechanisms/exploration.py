@@ -5,7 +5,7 @@ from typing import Unpack
 import numpy as np
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import Own, Pair
 from selforg.gradients.poses import OwnPoses
@@ -31,10 +31,10 @@ class Exploration(FormulaMechanism):
         row: int,
         found: int,
         own: Own,
-        sight: Words[Sight],
+        sight: Handle[Sight],
         rule: Written[Rule],
-        poses: Words[Poses],
-        store: Words[Store],
+        poses: Handle[Poses],
+        store: Handle[Store],
     ) -> bool:
         """Look at no gradient: the sum is a random direction of 1 m/s."""
         m = open_rule(rule)

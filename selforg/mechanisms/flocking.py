@@ -10,7 +10,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.elementary import sine_cosine
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import Own
@@ -74,10 +74,10 @@ class Flocking(NeighbourMechanism):
         row: int,
         found: int,
         own: Own,
-        sight: Words[Sight],
-        rule: Words[Rule],
-        poses: Words[Poses],
-        store: Words[Store],
+        sight: Handle[Sight],
+        rule: Handle[Rule],
+        poses: Handle[Poses],
+        store: Handle[Store],
     ) -> bool:
         """Set the sum to own velocity + limited acceleration; the avoidance distance is the own reach."""
         p, m = open_poses(poses), open_rule(rule)
@@ -103,7 +103,7 @@ def positive(mechanism: object, name: str, value: float) -> float:
 
 @kernel
 def olfati_saber(
-    count: int, velocity: Floats, avoidance_distance: float, gradient: Floats, consensus: Floats, rule: Words[Rule]
+    count: int, velocity: Floats, avoidance_distance: float, gradient: Floats, consensus: Floats, rule: Handle[Rule]
 ) -> None:
     """Add gradient term and velocity consensus over `count` boids to (3,) each; algorithm 1."""
     m = open_rule(rule)
@@ -156,7 +156,7 @@ def action(
 
 @part
 def note_velocities(
-    found: int, sight: Words[Sight], rule: Words[Rule], poses: Words[Poses], store: Words[Store]
+    found: int, sight: Handle[Sight], rule: Handle[Rule], poses: Handle[Poses], store: Handle[Store]
 ) -> int:
     """Write the sources that have two or more of the first `found` pairs as boids; return how many there are.
 
@@ -188,7 +188,7 @@ def note_velocities(
 
 
 @part
-def spreader(slot: int, poses: Words[Poses], store: Words[Store]) -> tuple[int, int]:
+def spreader(slot: int, poses: Handle[Poses], store: Handle[Store]) -> tuple[int, int]:
     """Return what identifies the history to which a pair's `slot` belongs: layer (-1: shared poses) and source."""
     if slot >= 0:
         s = open_store(store)
@@ -197,7 +197,7 @@ def spreader(slot: int, poses: Words[Poses], store: Words[Store]) -> tuple[int, 
 
 
 @part
-def stamp_of(slot: int, poses: Words[Poses], store: Words[Store]) -> float:
+def stamp_of(slot: int, poses: Handle[Poses], store: Handle[Store]) -> float:
     """Return when the gradient of a pair's `slot` was spread [s]."""
     if slot >= 0:
         return float(open_store(store).far[slot, c.FAR_STAMP])

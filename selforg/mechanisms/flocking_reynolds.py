@@ -6,7 +6,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel, part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import Own
 from selforg.gradients.poses import OwnPoses
@@ -50,10 +50,10 @@ class FlockingReynolds(NeighbourMechanism):
         row: int,
         found: int,
         own: Own,
-        sight: Words[Sight],
+        sight: Handle[Sight],
         rule: Written[Rule],
-        poses: Words[Poses],
-        store: Words[Store],
+        poses: Handle[Poses],
+        store: Handle[Store],
     ) -> bool:
         """Add separation + cohesion + alignment to the sum."""
         newest, m = open_poses(poses).own, open_rule(rule)
@@ -92,7 +92,7 @@ def separation(count: int, own_goal: float, full: float, row: int, rule: Written
 
 
 @kernel
-def mean_difference(count: int, column: int, own: Floats, rule: Words[Rule]) -> None:
+def mean_difference(count: int, column: int, own: Floats, rule: Handle[Rule]) -> None:
     """Add to the sum the mean of three columns of `count` boids minus `own` (3,): alignment or cohesion."""
     m = open_rule(rule)
     for axis in range(3):
@@ -104,7 +104,9 @@ def mean_difference(count: int, column: int, own: Floats, rule: Words[Rule]) -> 
 
 
 @part
-def note_headings(found: int, sight: Words[Sight], rule: Words[Rule], poses: Words[Poses], store: Words[Store]) -> None:
+def note_headings(
+    found: int, sight: Handle[Sight], rule: Handle[Rule], poses: Handle[Poses], store: Handle[Store]
+) -> None:
     """Write the first `found` pairs as boids with headings."""
     pairs, boids, own = open_sight(sight).pairs, open_rule(rule).boids, open_poses(poses).own
     far, rows = open_store(store).far, len(own)

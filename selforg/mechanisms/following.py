@@ -1,7 +1,7 @@
 """Following: all gradients, or the one that a rule chooses, by the potentials of Balch & Hybinette (2000)."""
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.gradients.pair import (
     CHOOSE_FARTHEST,
     CHOOSE_LEAST_REACH,
@@ -78,10 +78,10 @@ class FollowStrongest(FormulaMechanism):
         row: int,
         found: int,
         own: Own,
-        sight: Words[Sight],
+        sight: Handle[Sight],
         rule: Written[Rule],
-        poses: Words[Poses],
-        store: Words[Store],
+        poses: Handle[Poses],
+        store: Handle[Store],
     ) -> bool:
         """Follow the gradient that is chosen; False if none is."""
         pairs = open_sight(sight).pairs

@@ -8,7 +8,7 @@ import numpy as np
 
 from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Packed, Words
+from selforg.compiler.records import Handle, Packed
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import CHOOSE_NEAREST, Own, Pair, pair_at
 from selforg.gradients.poses import OwnPoses
@@ -116,11 +116,11 @@ class FormulaMechanism(MovementMechanism):
         if self.directions.low[0]:
             self.directions.refill()
         poses, store, sight = (
-            self.poses.packed.words,
-            self.buffer.table.packed.words,
+            self.poses.packed.handle,
+            self.buffer.table.packed.handle,
             self._room.sight(now, self.channels),
         )
-        while (done := self._kernel(now, rows, vectors, active, sight, self._packed.words, poses, store)) < len(rows):
+        while (done := self._kernel(now, rows, vectors, active, sight, self._packed.handle, poses, store)) < len(rows):
             rows, sight = rows[done:], self._room.double()
 
     @property
@@ -163,7 +163,13 @@ def sum_of(formula: Formula) -> Combination:
 
     @inlined
     def sum_all(
-        row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule], poses: Words[Poses], store: Words[Store]
+        row: int,
+        found: int,
+        own: Own,
+        sight: Handle[Sight],
+        rule: Handle[Rule],
+        poses: Handle[Poses],
+        store: Handle[Store],
     ) -> bool:
         m, pairs = open_rule(rule), open_sight(sight).pairs
         x, y, z = 0.0, 0.0, 0.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import part, template
-from selforg.compiler.records import Recording, Words, Written
+from selforg.compiler.records import Handle, Recording, Written
 from selforg.gradients.pair import Own, Pair, own_of
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, keep_ahead, look_all_around
@@ -69,13 +69,13 @@ open_rule = RULE.open
 
 Formula: TypeAlias = Callable[[Pair], float]
 """Length of a contribution [m or -]: towards the gradient if positive; negative infinity is full repulsion."""
-Combination: TypeAlias = Callable[[int, int, Own, Words[Sight], Words[Rule], Words[Poses], Words[Store]], bool]
+Combination: TypeAlias = Callable[[int, int, Own, Handle[Sight], Handle[Rule], Handle[Poses], Handle[Store]], bool]
 """(row, number of pairs, own part, sight, rule, poses, store) -> whether it moves; adds to the sum."""
 
 
 @part
 def combined(
-    row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule], poses: Words[Poses], store: Words[Store]
+    row: int, found: int, own: Own, sight: Handle[Sight], rule: Handle[Rule], poses: Handle[Poses], store: Handle[Store]
 ) -> bool:
     """Stand for the `Combination` of a mechanism."""
     raise NotImplementedError
@@ -87,9 +87,9 @@ def move_rows(
     rows: Ints,
     vectors: Floats,
     active: Flags,
-    sight: Words[Sight],
+    sight: Handle[Sight],
     rule: Written[Rule],
-    poses: Words[Poses],
+    poses: Handle[Poses],
     store: Written[Store],
 ) -> int:
     """Write the movement of `rows` (R,) into those rows of `vectors` (N, D) and `active` (N,).
@@ -128,7 +128,7 @@ def move_rows(
 
 
 @part
-def margins_of(goal_radius: float, rule: Words[Rule]) -> Margins:
+def margins_of(goal_radius: float, rule: Handle[Rule]) -> Margins:
     """Return the margins [m] within which a movement can be different from zero, for an own `goal_radius` [m]."""
     m = open_rule(rule)
     return (
@@ -147,7 +147,7 @@ def margin(looks: int, view: float, goal_radius: float) -> float:
 
 
 @part
-def look_for_one(row: int, now: float, rule: Words[Rule], poses: Words[Poses]) -> Look:
+def look_for_one(row: int, now: float, rule: Handle[Rule], poses: Handle[Poses]) -> Look:
     """Return the look of a row for any one gradient that makes it active though it adds nothing."""
     m, own = open_rule(rule), open_poses(poses).own
     margins = (
@@ -172,7 +172,7 @@ def finish(row: int, own_reach: float, rule: Written[Rule]) -> None:
 
 
 @part
-def repelled_by_walls(row: int, own_reach: float, rule: Words[Rule], poses: Words[Poses]) -> bool:
+def repelled_by_walls(row: int, own_reach: float, rule: Handle[Rule], poses: Handle[Poses]) -> bool:
     """Add the repulsions by the walls near a row, of Balch & Hybinette, to the sum; return whether there are any.
 
     A wall is a repulsive gradient at its nearest point. At WALL_CONTACT it counts as much as a robot that is touched.
@@ -190,7 +190,7 @@ def repelled_by_walls(row: int, own_reach: float, rule: Words[Rule], poses: Word
 
 
 @part
-def reflect(row: int, rule: Words[Rule], poses: Words[Poses]) -> None:
+def reflect(row: int, rule: Handle[Rule], poses: Handle[Poses]) -> None:
     """Turn a movement that leads into a wall within WALL_REACH away from it, at the same speed."""
     p, total = open_poses(poses), open_rule(rule).total
     for k in range(p.wall_counts[row]):
@@ -202,7 +202,7 @@ def reflect(row: int, rule: Words[Rule], poses: Words[Poses]) -> None:
 
 
 @part
-def add(index: int, length: float, full: float, row: int, sight: Words[Sight], rule: Written[Rule]) -> None:
+def add(index: int, length: float, full: float, row: int, sight: Handle[Sight], rule: Written[Rule]) -> None:
     """Add a contribution of `length` along the offset of a pair to the sum; -inf becomes `full` [m] away.
 
     Where the centres coincide there is no offset, and the direction is random.
@@ -226,7 +226,7 @@ def add(index: int, length: float, full: float, row: int, sight: Words[Sight], r
 
 
 @part
-def full_length(index: int, sight: Words[Sight]) -> float:
+def full_length(index: int, sight: Handle[Sight]) -> float:
     """Return the length [m] of full repulsion: the reach of the gradient, 1 where that is infinite (Q2)."""
     pairs = open_sight(sight).pairs
     reach = pairs[index, c.PAIR_DIFFUSION] + pairs[index, c.PAIR_GOAL_RADIUS]

@@ -192,7 +192,7 @@ def in_short(activator: Activator) -> str:
 def _node_values(model: NetworkModel, readings: Floats) -> Floats:
     """Return the satisfaction of every node (C,) at `readings` (S,)."""
     scratch = scratch_for(model.packed.record)
-    evaluate_conditions(np.ascontiguousarray(readings[None]), model.packed.words, scratch.words)
+    evaluate_conditions(np.ascontiguousarray(readings[None]), model.packed.handle, scratch.handle)
     return scratch.record.node_satisfaction
 
 

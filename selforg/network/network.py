@@ -96,7 +96,7 @@ class BehaviourNetwork:
 
     def restart(self, rows: Ints) -> None:
         """Return to the first step in `rows` (K,), with the readings that they have."""
-        reset_rows(rows, self.model.packed.words, self._packed.words)
+        reset_rows(rows, self.model.packed.handle, self._packed.handle)
 
     def read(self, values: Mapping[str, object], rows: Ints | None = None) -> None:
         """Set the readings of some sensors by name, for all rows or `rows` (K,).
@@ -124,7 +124,7 @@ class BehaviourNetwork:
         """
         wanted = np.full(len(rows), alternative) if isinstance(alternative, int) else alternative
         forgotten = self._none if forgotten is None else forgotten
-        hold_rows(rows, behaviour, wanted, forgotten, self._packed.words)
+        hold_rows(rows, behaviour, wanted, forgotten, self._packed.handle)
 
     def set_plan(self, row: int, behaviours: Sequence[int] | None, index: int = 0) -> None:
         """Give `row` a plan (behaviour indices; None: there is none) of which step `index` is due.
@@ -215,10 +215,10 @@ class BehaviourNetwork:
     def _run(self, rows: Ints, phase: int, guarantee: bool) -> int:
         return step_rows(
             rows,
-            self.model.packed.words,
-            self._packed.words,
-            self._memory.packed.words,
-            self._scratch.words,
+            self.model.packed.handle,
+            self._packed.handle,
+            self._memory.packed.handle,
+            self._scratch.handle,
             phase,
             guarantee,
         )

@@ -11,7 +11,7 @@ import numpy as np
 
 from selforg.arrays import KEPT, Floats, Ints
 from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Packed, Recording, Words, Written
+from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, open_model
 
@@ -180,7 +180,7 @@ def new_states(
 
 
 @kernel
-def reset_rows(rows: Ints, model: Words[PackedModel], states: Written[RowStates]) -> None:
+def reset_rows(rows: Ints, model: Handle[PackedModel], states: Written[RowStates]) -> None:
     """Clear `rows` (K,): nothing runs, nothing is activated, known or planned, all goals are on; readings stay."""
     m, s = open_model(model), open_states(states)
     for row in rows:

@@ -11,7 +11,7 @@ import numpy as np
 
 from selforg.arrays import READ, Floats, Ints
 from selforg.compiler.decorators import inlined, part
-from selforg.compiler.records import Packed, Recording, Words
+from selforg.compiler.records import Handle, Packed, Recording
 from selforg.space import wrapped
 
 NEAR: Final = 2.0
@@ -116,7 +116,7 @@ def to_line(x: float, y: float, ax: float, ay: float, wx: float, wy: float) -> t
 
 
 @part
-def touches_wall(x: float, y: float, radius: float, walls: Words[Walls]) -> bool:
+def touches_wall(x: float, y: float, radius: float, walls: Handle[Walls]) -> bool:
     """Return whether a disc of `radius` [m] at a place touches a wall."""
     w = open_walls(walls)
     cell = cell_of_walls(x, y, w)
@@ -130,7 +130,7 @@ def touches_wall(x: float, y: float, radius: float, walls: Words[Walls]) -> bool
 
 
 @part
-def is_hidden(x: float, y: float, dx: float, dy: float, extent: Floats, walls: Words[Walls]) -> bool:
+def is_hidden(x: float, y: float, dx: float, dy: float, extent: Floats, walls: Handle[Walls]) -> bool:
     """Return whether a wall lies between the place (x, y) and the one at the offset (dx, dy) [m] from it.
 
     extent: (2,) or more, of the space [m], 0 for an open axis.

@@ -33,7 +33,7 @@ def plant_address() -> None:
     """Give a copy the words of its original, which ends first."""
     original = begun(Batch(), [1])
     orphan = copy.deepcopy(original)
-    orphan.worlds.minds.poses.packed.words[:] = original.worlds.minds.poses.packed.words
+    orphan.worlds.minds.poses.packed.handle[:] = original.worlds.minds.poses.packed.handle
     del original
     gc.collect()
     advance(orphan, np.random.default_rng(1), 6)

@@ -71,7 +71,7 @@ def terms(inputs: dict[str, Any], p: dict[str, Any]) -> tuple[np.ndarray, np.nda
     flock = rule_of(boids, p["view_distance"], p["a"], p["b"], p["epsilon"], p["h"])
     gradient, consensus = np.zeros(3), np.zeros(3)
     velocity = np.array(agent["v"], dtype=float)
-    olfati_saber(len(boids), velocity, p["avoidance_distance"], gradient, consensus, flock.words)
+    olfati_saber(len(boids), velocity, p["avoidance_distance"], gradient, consensus, flock.handle)
     return gradient, consensus
 
 
@@ -85,11 +85,11 @@ def reynolds(name: str, inputs: dict[str, Any]) -> list[float]:
         boid[BOID_GOAL_RADIUS] = neighbour["goal_radius"]
     flock = rule_of(boids, 0.0, inputs.get("params", {}).get("r", 0.0))
     if name == "separation":
-        separation(len(boids), agent["goal_radius"], 1.0, 0, flock.words)
+        separation(len(boids), agent["goal_radius"], 1.0, 0, flock.handle)
     elif name == "alignment":
-        mean_difference(len(boids), BOID_VELOCITY, np.array(heading_of(agent)), flock.words)
+        mean_difference(len(boids), BOID_VELOCITY, np.array(heading_of(agent)), flock.handle)
     else:
-        mean_difference(len(boids), BOID_OFFSET, np.zeros(3), flock.words)
+        mean_difference(len(boids), BOID_OFFSET, np.zeros(3), flock.handle)
     return flock.record.total.tolist()
 
 

@@ -82,7 +82,7 @@ def answers(mechanism: Mechanism, begin: float, ticks: int = 4) -> np.ndarray:
         elif isinstance(mechanism, SteeringMechanism):
             commands = Commands(poses.rows, 2)
             commands.vectors[:], commands.commanded[:] = (0.3, 0.2), True
-            mechanism.steer(now, np.arange(poses.rows), commands.packed.words)
+            mechanism.steer(now, np.arange(poses.rows), commands.packed.handle)
             seen.append(commands.vectors.ravel())
         else:
             decision = mechanism.spread(now)

@@ -24,7 +24,7 @@ from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import long_kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.mechanisms.steering.base import OTHER_COLUMNS
 
 Observations = NDArray[np.float32]
@@ -78,13 +78,13 @@ class Observer:
         around.record.ticks[:] = self._worlds.ticks
         for number, held in enumerate(self._held):
             around.record.held[number] = held
-        rows = self._rows[: search(around.words, self._worlds.minds.poses.packed.words, worlds, self._rows)]
+        rows = self._rows[: search(around.handle, self._worlds.minds.poses.packed.handle, worlds, self._rows)]
         self._seen.fill(0.0)
         for group in self._groups:
             group.write(worlds, rows, self._seen)
         for term, components in self._own:
             term.write(rows, self._seen.T[components])
-        write_observations(around.words, worlds, self._first, self._seen, self._weights, observations)
+        write_observations(around.handle, worlds, self._first, self._seen, self._weights, observations)
 
 
 def around_robots(worlds: Worlds, progress: MissionProgress, config: ObservationConfig) -> Around:
@@ -137,7 +137,7 @@ write_terms = AROUND_TERMS.write_terms
 
 @long_kernel
 def write_observations(
-    around: Words[Around], chosen: Ints, first: Ints, seen: Floats, weights: Observations, observations: Observations
+    around: Handle[Around], chosen: Ints, first: Ints, seen: Floats, weights: Observations, observations: Observations
 ) -> None:
     """Write the terms that are chosen into `seen` (R, F), and that times `weights` (F,) into `observations` (R, F).
 

@@ -9,7 +9,7 @@ import numpy as np
 from clean_swarm_env.learning.observation.around import Around, open_around
 from selforg.arrays import Ints
 from selforg.compiler.decorators import kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
 from selforg.mechanisms.steering.base import (
@@ -25,7 +25,7 @@ from selforg.mechanisms.steering.base import (
 
 
 @kernel
-def search(around: Words[Around], poses: Words[Poses], chosen: Ints, rows: Ints) -> int:
+def search(around: Handle[Around], poses: Handle[Poses], chosen: Ints, rows: Ints) -> int:
     """Find neighbours of the robots in the worlds `chosen` (C,), and what they know of others.
 
     Lists the robots at work in `rows` (R,) and returns their number.
@@ -36,7 +36,7 @@ def search(around: Words[Around], poses: Words[Poses], chosen: Ints, rows: Ints)
 
 
 @part
-def list_working(around: Words[Around], chosen: Ints, rows: Ints) -> int:
+def list_working(around: Handle[Around], chosen: Ints, rows: Ints) -> int:
     """List in `rows` (R,) the robots at work in the worlds `chosen` (C,), and return their number."""
     a = open_around(around)
     count = 0
@@ -49,7 +49,7 @@ def list_working(around: Words[Around], chosen: Ints, rows: Ints) -> int:
 
 
 @kernel
-def find_heard(around: Words[Around], poses: Words[Poses], rows: Ints) -> None:
+def find_heard(around: Handle[Around], poses: Handle[Poses], rows: Ints) -> None:
     """Find what each of `rows` (P,) knows of the nearest other robot in range, and count those within each range.
 
     What is known is of the time at which the row spread its own pose last.

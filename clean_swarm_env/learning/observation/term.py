@@ -28,7 +28,7 @@ class Observed:
         worlds: the batch of worlds.
         progress: what happened in the last period.
         around: what is around the robots, filled before terms are written. NumPy code reads `around.record`, kernels
-            take `around.words`.
+            take `around.handle`.
 
     """
 

@@ -25,7 +25,7 @@ from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING
 from selforg.arrays import Flags, Floats
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, long_kernel, part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.network import state as st
 from selforg.space import nearest_image
 from selforg.walls.segments import Walls, is_hidden
@@ -34,7 +34,7 @@ START_PICK, START_RECYCLE, START_DUMP = range(3)  # columns of `MindsRecord.star
 
 
 @long_kernel
-def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord], walls: Words[Walls]) -> None:
+def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord], walls: Handle[Walls]) -> None:
     """Write the robots' own sensors into the readings, and note the nearest item that each could see or take.
 
     Robots that carry nothing look for items that none of them has found lately.
@@ -54,7 +54,7 @@ def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord], walls
 
 
 @inlined
-def read_row(row: int, world: int, f: FloorRecord, readings: Floats, walls: Words[Walls]) -> None:
+def read_row(row: int, world: int, f: FloorRecord, readings: Floats, walls: Handle[Walls]) -> None:
     """Write the sensors of one robot; see `read_sensors`.
 
     A robot that has room for another item like those that it carries, and sees one, does not count as carrying.
@@ -100,7 +100,7 @@ def takes(row: int, world: int, item: int, f: FloorRecord) -> bool:
 
 
 @inlined
-def is_behind(row: int, place: Floats, f: FloorRecord, walls: Words[Walls]) -> bool:
+def is_behind(row: int, place: Floats, f: FloorRecord, walls: Handle[Walls]) -> bool:
     """Return whether a wall lies between a robot and a place (2,) [m]."""
     x, y = f.robots[row, 0], f.robots[row, 1]
     dx, dy = nearest_image(place[0] - x, f.extent[0]), nearest_image(place[1] - y, f.extent[1])
@@ -108,7 +108,7 @@ def is_behind(row: int, place: Floats, f: FloorRecord, walls: Words[Walls]) -> b
 
 
 @inlined
-def nearest_in_view(row: int, world: int, sight: float, f: FloorRecord, walls: Words[Walls]) -> tuple[int, float]:
+def nearest_in_view(row: int, world: int, sight: float, f: FloorRecord, walls: Handle[Walls]) -> tuple[int, float]:
     """Return the nearest marked item within `sight` [m] of a robot that is not behind a wall, and its distance [m]."""
     best, shortest = NOTHING, np.inf
     for item in range(f.lying.shape[0]):
@@ -121,7 +121,7 @@ def nearest_in_view(row: int, world: int, sight: float, f: FloorRecord, walls: W
 
 
 @part
-def list_lying(world: int, unknown: bool, floor: Words[FloorRecord]) -> None:
+def list_lying(world: int, unknown: bool, floor: Handle[FloorRecord]) -> None:
     """Mark the items of a world that lie, or those of them that are still `unknown`, and put them into the cells."""
     f = open_floor(floor)
     for item in range(f.stage.shape[1]):
@@ -130,7 +130,7 @@ def list_lying(world: int, unknown: bool, floor: Words[FloorRecord]) -> None:
 
 
 @lean_kernel
-def handle_cargo_as_decided(floor: Written[FloorRecord], minds: Words[MindsRecord], walls: Words[Walls]) -> int:
+def handle_cargo_as_decided(floor: Written[FloorRecord], minds: Handle[MindsRecord], walls: Handle[Walls]) -> int:
     """Handle the cargo of robots whose behaviours to pick, recycle or dump have just started; see `handle_cargo`."""
     m, f = open_minds(minds), open_floor(floor)
     for row in range(m.starting.shape[0]):
@@ -143,7 +143,7 @@ def handle_cargo_as_decided(floor: Written[FloorRecord], minds: Words[MindsRecor
 
 @lean_kernel
 def handle_cargo_in_reach(
-    floor: Written[FloorRecord], minds: Words[MindsRecord], working: Flags, walls: Words[Walls]
+    floor: Written[FloorRecord], minds: Handle[MindsRecord], working: Flags, walls: Handle[Walls]
 ) -> int:
     """Handle the cargo of robots that are `working` (R,) wherever their sensors allow it; see `handle_cargo`."""
     m, standing = open_minds(minds), open_floor(floor).standing
@@ -157,7 +157,7 @@ def handle_cargo_in_reach(
 
 
 @inlined
-def handle_cargo(floor: Written[FloorRecord], minds: Words[MindsRecord], walls: Words[Walls]) -> int:
+def handle_cargo(floor: Written[FloorRecord], minds: Handle[MindsRecord], walls: Handle[Walls]) -> int:
     """Handle the cargo of the robots that start to pick, recycle or dump, in the order of rows.
 
     A robot picks the item that was nearest when it sensed. If another robot has just taken that, it picks the item that
@@ -203,7 +203,7 @@ def handle_cargo(floor: Written[FloorRecord], minds: Words[MindsRecord], walls: 
 
 
 @lean_kernel
-def reset_commands(floor: Words[FloorRecord], minds: Words[MindsRecord], commands: Words[Commanded]) -> None:
+def reset_commands(floor: Handle[FloorRecord], minds: Handle[MindsRecord], commands: Handle[Commanded]) -> None:
     """Clear the last commands, command the ways to the nearest stations, and list the rows in which each mover runs."""
     f, m, given = open_floor(floor), open_minds(minds), open_commanded(commands)
     per_world = f.robots.shape[0] // f.stations.shape[0]

@@ -18,7 +18,7 @@ from clean_swarm_env.world.parts.shown import ROBOT, Shown
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Packed, Recording, Words, Written
+from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.space import nearest_image
 
 
@@ -97,7 +97,7 @@ class Consequences:
 
     def hold_back(self, commands: Packed[Commanded]) -> None:
         """Command robots that stand not to move, or to drive off."""
-        hold_back(commands.words, self._packed.words)
+        hold_back(commands.handle, self._packed.handle)
 
     def apply(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
         """Let the collisions of a tick have their consequences; return the rows (K,) whose cargo lies on the floor now.
@@ -105,12 +105,12 @@ class Consequences:
         entered (R,): collisions of each robot in the tick; working (R,): robots that they matter to;
         present (R,): robots that they may have met.
         """
-        count = suffer(entered, working, present, floor.words, self._packed.words)
+        count = suffer(entered, working, present, floor.handle, self._packed.handle)
         return self._packed.record.lost[:count]
 
 
 @lean_kernel
-def hold_back(commands: Words[Commanded], consequence: Words[Consequence]) -> None:
+def hold_back(commands: Handle[Commanded], consequence: Handle[Consequence]) -> None:
     """Change the commands of robots that stand."""
     given, c = open_commanded(commands), open_consequence(consequence)
     for row in range(c.standing.shape[0]):

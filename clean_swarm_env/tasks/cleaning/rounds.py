@@ -15,7 +15,7 @@ from clean_swarm_env.world.view import TaskView
 from selforg.arrays import SCRATCH, Floats, Ints, Links, Octets
 from selforg.commands import Commanded, Commands, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.network import state as st
 from selforg.walls.ways import NO_FIELD, shared_square, square_of, to_target, way_down
 
@@ -38,24 +38,24 @@ class Rounds:
 
     def command_ways(self, commands: Commands) -> None:
         """Turn the commands of robots that go to a station or an item into the ways there."""
-        floor, minds, ways = self._site.packed.words, self._movers.packed.words, self._ways
+        floor, minds, ways = self._site.packed.handle, self._movers.packed.handle, self._ways
         goals, squares = self._goals, self._squares
         find_goals(floor, minds, self._movers.to_garbage, goals, squares, ways.room, ways.pitch, ways.extent)
-        follow_straight(goals, squares, commands.packed.words)
+        follow_straight(goals, squares, commands.packed.handle)
         places = self._site.packed.record.robots
         while (row := first_to_lead(squares)) >= 0:
             line, column = squares[row].tolist()
             if ways.numbers[line, column] == NO_FIELD:
                 ways.add(line, column)  # which may give up the field of another row, whose turn then comes again
             follow_round(
-                places, squares, ways.numbers, ways.fields, ways.room, ways.pitch, ways.extent, commands.packed.words
+                places, squares, ways.numbers, ways.fields, ways.room, ways.pitch, ways.extent, commands.packed.handle
             )
 
 
 @lean_kernel
 def find_goals(
-    floor: Words[FloorRecord],
-    minds: Words[MindsRecord],
+    floor: Handle[FloorRecord],
+    minds: Handle[MindsRecord],
     to_garbage: int,
     goals: Floats,
     squares: Ints,
@@ -94,7 +94,7 @@ def first_to_lead(squares: Ints) -> int:
 
 
 @lean_kernel
-def follow_straight(goals: Floats, squares: Ints, commands: Words[Commanded]) -> None:
+def follow_straight(goals: Floats, squares: Ints, commands: Handle[Commanded]) -> None:
     """Command the way of 1 m/s to the targets to which the straight way is open."""
     given = open_commanded(commands)
     for row in range(goals.shape[0]):
@@ -111,7 +111,7 @@ def follow_round(
     room: Octets,
     pitch: Floats,
     extent: Floats,
-    commands: Words[Commanded],
+    commands: Handle[Commanded],
 ) -> None:
     """Command the way of 1 m/s down the fields that there are, to robots at places (R, 2) [m]; they are LED then."""
     given = open_commanded(commands)

@@ -142,23 +142,23 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def sense(self) -> None:
         """Write the robots' own sensors into the readings."""
-        read_sensors(self.site.packed.words, self.movers.packed.words, self.world.floor.walls.words)
+        read_sensors(self.site.packed.handle, self.movers.packed.handle, self.world.floor.walls.handle)
         self.cargo_memory.tell(self.garbage.recycled, self.garbage.leg, self.world.minds.network.readings)
 
     def after_deciding(self) -> None:
         """Pick, recycle and dump where these behaviours have just started."""
-        floor, minds, walls = self.site.packed.words, self.movers.packed.words, self.world.floor.walls.words
+        floor, minds, walls = self.site.packed.handle, self.movers.packed.handle, self.world.floor.walls.handle
         self.site.hide_picked(handle_cargo_as_decided(floor, minds, walls))
 
     def follow(self, vectors: Floats, working: Flags) -> None:
         """Drive robots by vectors (R, 2) [m/s]; those `working` (R,) pick, recycle and dump wherever they can."""
-        floor, minds, walls = self.site.packed.words, self.movers.packed.words, self.world.floor.walls.words
+        floor, minds, walls = self.site.packed.handle, self.movers.packed.handle, self.world.floor.walls.handle
         read_sensors(floor, minds, walls)
         self.site.hide_picked(handle_cargo_in_reach(floor, minds, working, walls))
 
     def command(self, commands: Commands) -> None:
         """Command the ways to the nearest stations, and the vectors of mechanisms that run by themselves."""
-        reset_commands(self.site.packed.words, self.movers.packed.words, commands.packed.words)
+        reset_commands(self.site.packed.handle, self.movers.packed.handle, commands.packed.handle)
         self.movers.move(self.world.now, commands)
         if self.rounds is not None:
             self.rounds.command_ways(commands)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.gradients.settings import (
     AGGREGATE_AVERAGE,
     AGGREGATE_DROP,
@@ -107,7 +107,7 @@ def find_nearest(slot: int, first: int, now: float, store: Written[Store]) -> in
 
 
 @part
-def older(one: int, other: int, store: Words[Store]) -> bool:
+def older(one: int, other: int, store: Handle[Store]) -> bool:
     """Return whether the gradient in slot `one` was stored before the one in slot `other`."""
     marks = open_store(store).marks
     return (int(marks[one, c.MARK_SERIAL]) - int(marks[other, c.MARK_SERIAL])) % c.SERIALS > c.SERIALS // 2

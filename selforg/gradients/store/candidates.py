@@ -8,7 +8,7 @@ the store for the next loop: nothing is allocated.
 import numpy as np
 
 from selforg.compiler.decorators import inlined, part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.evaporation import still_there
 from selforg.gradients.store.records import Look, Sight, Store, open_sight, open_store
@@ -16,7 +16,7 @@ from selforg.space import half_of, shortest
 
 
 @part
-def keep_moving(count: int, newest_only: bool, skipped: int, store: Words[Store]) -> int:
+def keep_moving(count: int, newest_only: bool, skipped: int, store: Handle[Store]) -> int:
     """Keep of the first `count` candidates the newest of each source, or those of other sources than `skipped`."""
     s = open_store(store)
     kept = 0
@@ -52,7 +52,7 @@ def renew(count: int, now: float, store: Written[Store]) -> int:
 
 
 @inlined
-def approach(count: int, look: Look, store: Words[Store]) -> None:
+def approach(count: int, look: Look, store: Handle[Store]) -> None:
     """Write the offsets of the first `count` candidates from the row, and how far they reach [m]."""
     s = open_store(store)
     repulsive, neutral, attractive = look.margins
@@ -69,7 +69,7 @@ def approach(count: int, look: Look, store: Words[Store]) -> None:
 
 
 @inlined
-def measure(count: int, store: Words[Store]) -> None:
+def measure(count: int, store: Handle[Store]) -> None:
     """Compute the shortest offsets and the distances [m] of the first `count` candidates."""
     s = open_store(store)
     ex, ey, ez = s.extent[0], s.extent[1], s.extent[2]
@@ -83,7 +83,7 @@ def measure(count: int, store: Words[Store]) -> None:
 
 
 @inlined
-def keep_near(count: int, found: int, sight: Words[Sight], store: Words[Store]) -> int:
+def keep_near(count: int, found: int, sight: Handle[Sight], store: Handle[Store]) -> int:
     """Write the candidates (of the first `count`) that are in view after the first `found` pairs; return the end."""
     s, pairs = open_store(store), open_sight(sight).pairs
     kept = 0

@@ -8,7 +8,7 @@ set.
 import numpy as np
 
 from selforg.compiler.decorators import inlined, part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.elementary import whole_power
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.linking import remove
@@ -72,7 +72,7 @@ def evaporated(diffusion: float, factor: float, periods: float) -> float:
 
 
 @inlined
-def evaporated_away(slot: int, store: Words[Store]) -> bool:
+def evaporated_away(slot: int, store: Handle[Store]) -> bool:
     """Return whether nothing is left of a gradient: no goal area and less diffusion than the least that is kept."""
     s = open_store(store)
     return bool(s.near[slot, c.GOAL_RADIUS] == 0.0 and s.near[slot, c.DIFFUSION] < s.min_diffusion)

@@ -10,7 +10,7 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.intrinsics import prefetch
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.elementary import direction
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.candidates import approach, keep_moving, keep_near, measure, renew
@@ -38,7 +38,7 @@ IN_CACHE = 4096  # gradients: so few lie in the cache anyway, and prefetching co
 
 @inlined
 def look_all_around(
-    row: int, now: float, see: int, margins: Margins, begin: int, sight: Words[Sight], poses: Words[Poses]
+    row: int, now: float, see: int, margins: Margins, begin: int, sight: Handle[Sight], poses: Handle[Poses]
 ) -> Look:
     """Return the look of a row from its newest pose at all within `margins`, written from the pair `begin` on."""
     own, pairs = open_poses(poses).own, open_sight(sight).pairs
@@ -46,7 +46,7 @@ def look_all_around(
 
 
 @part
-def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Written[Store]) -> int:
+def gather(look: Look, sight: Handle[Sight], poses: Handle[Poses], store: Written[Store]) -> int:
     """Write the gradients that a row sees into the pairs of `sight` from `look.first` on and return where it ends.
 
     Pairs beyond the end of the table are counted, not written; the caller then calls again with a longer table.
@@ -77,7 +77,7 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Written[
 
 
 @part
-def turn_round_walls(look: Look, found: int, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> None:
+def turn_round_walls(look: Look, found: int, sight: Handle[Sight], poses: Handle[Poses], store: Handle[Store]) -> None:
     """Turn the offsets to the aims among the first `found` pairs into the ways round walls, of the same lengths."""
     p, s, pairs = open_poses(poses), open_store(store), open_sight(sight).pairs
     team, x, y = p.teams[look.row], look.x - p.corner[0], look.y - p.corner[1]
@@ -107,7 +107,7 @@ def walls_of_poses(p: Poses) -> Walls:
 
 
 @part
-def keep_in_view(count: int, look: Look, poses: Words[Poses], store: Words[Store]) -> int:
+def keep_in_view(count: int, look: Look, poses: Handle[Poses], store: Handle[Store]) -> int:
     """Keep of the first `count` candidates those that no wall hides from the row; return how many."""
     s, p = open_store(store), open_poses(poses)
     w, kept = walls_of_poses(p), 0
@@ -127,7 +127,7 @@ def keep_in_view(count: int, look: Look, poses: Words[Poses], store: Words[Store
 
 @part
 def gather_layer(
-    layer: int, cells: int, found: int, look: Look, sight: Words[Sight], poses: Words[Poses], store: Written[Store]
+    layer: int, cells: int, found: int, look: Look, sight: Handle[Sight], poses: Handle[Poses], store: Written[Store]
 ) -> int:
     """Gather from the first `cells` of the window of a layer, or from its whole list if `cells` is negative.
 
@@ -172,7 +172,7 @@ def gather_layer(
 
 
 @part
-def look_ahead(layer: int, cells: int, store: Words[Store]) -> None:
+def look_ahead(layer: int, cells: int, store: Handle[Store]) -> None:
     """Prefetch the first gradient of the first `cells` of a window; most of a cell lies next to its first."""
     s = open_store(store)
     for index in range(cells):
@@ -197,7 +197,7 @@ def make_pose_cells(space: Space, reach: float, sizes: Ints) -> Floats:
 
 
 @lean_kernel
-def index_poses(poses: Words[Poses]) -> None:
+def index_poses(poses: Handle[Poses]) -> None:
     """Write the largest reach of every team, and put the rows of large teams into cells."""
     p = open_poses(poses)
     crowded = False
@@ -223,7 +223,7 @@ def index_poses(poses: Words[Poses]) -> None:
 
 
 @part
-def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> int:
+def gather_poses(look: Look, sight: Handle[Sight], poses: Handle[Poses], store: Handle[Store]) -> int:
     """Gather the shared poses of the other rows of the team: the newest, or all that are remembered."""
     p, window, pairs = open_poses(poses), open_store(store).window, open_sight(sight).pairs
     row, history = look.row, look.sight_bits & c.SEE_HISTORY
@@ -278,7 +278,9 @@ def beyond(squared: float, reach: float) -> bool:
 
 
 @lean_kernel
-def keep_ahead(row: int, found: int, angle_xy: float, angle_yz: float, sight: Words[Sight], poses: Words[Poses]) -> int:
+def keep_ahead(
+    row: int, found: int, angle_xy: float, angle_yz: float, sight: Handle[Sight], poses: Handle[Poses]
+) -> int:
     """Keep of the first `found` pairs those within the view angles [rad] of the own heading; return how many."""
     own, pairs = open_poses(poses).own, open_sight(sight).pairs
     x, y, z = own[row, 0, c.POSE_HEADING], own[row, 0, c.POSE_HEADING + 1], own[row, 0, c.POSE_HEADING + 2]

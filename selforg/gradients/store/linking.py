@@ -8,7 +8,7 @@ import numpy as np
 
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Store, open_store
 from selforg.grid import CELL_COLUMNS, axis_cells, bucket_of, cell_of
@@ -33,7 +33,7 @@ def make_levels(extent: Floats, dim: int, smallest: float) -> tuple[Floats, Floa
 
 
 @part
-def level_for(slot: int, store: Words[Store]) -> int:
+def level_for(slot: int, store: Handle[Store]) -> int:
     """Return the lowest level whose bound holds the reach of the static gradient in `slot`."""
     s = open_store(store)
     reach = s.near[slot, c.DIFFUSION] + s.near[slot, c.GOAL_RADIUS]
@@ -44,13 +44,13 @@ def level_for(slot: int, store: Words[Store]) -> int:
 
 
 @part
-def first_layer(channel: int, space: int, store: Words[Store]) -> int:
+def first_layer(channel: int, space: int, store: Handle[Store]) -> int:
     """Return the layer of level 0; channels are the slowest axis of layers, so that new channels append rows."""
     return (channel * open_store(store).spaces + space) * c.LEVELS
 
 
 @part
-def space_of(row: int, teams: Ints, store: Words[Store]) -> int:
+def space_of(row: int, teams: Ints, store: Handle[Store]) -> int:
     """Return the information space that `row` reads: its own, or its team's under ideal delivery."""
     return row if open_store(store).per_row else int(teams[row])
 

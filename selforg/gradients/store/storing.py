@@ -2,7 +2,7 @@
 
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel, long_kernel, part
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.aggregation import aggregate
 from selforg.gradients.store.evaporation import evaporate_whole_seconds, evaporated_away, start_evaporation, still_there
@@ -34,7 +34,7 @@ def store_rows(messages: Floats, tags: Ints, now: float, store: Written[Store]) 
 
 @long_kernel
 def deposit_rows(
-    rows: Ints, message: Floats, tag: Ints, now: float, poses: Words[Poses], store: Written[Store]
+    rows: Ints, message: Floats, tag: Ints, now: float, poses: Handle[Poses], store: Written[Store]
 ) -> bool:
     """Store `message` (MESSAGE_COLUMNS,) with `tag` (TAG_COLUMNS,) once at the newest pose of each of `rows` (R,).
 

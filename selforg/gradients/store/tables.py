@@ -127,7 +127,7 @@ class Tables:
         counters[c.COUNTER_TIDY_AT] = counters[c.COUNTER_SERIAL] + max(SMALLEST_UNSORTED, len(order) // 4)
         tables["buckets"] = np.empty(capacity, dtype=np.int32)
         self.packed = STORE.pack(Store(**tables))
-        rebuild(self.packed.words)
+        rebuild(self.packed.handle)
 
 
 def moved(old: Table, order: Ints, capacity: int) -> Table:

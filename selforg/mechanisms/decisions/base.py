@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import template
-from selforg.compiler.records import Packed, Recording, Words, Written
+from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import PairRoom
 from selforg.gradients.store import columns as c
@@ -135,11 +135,11 @@ class DecisionRule(NamedTuple):
 DECISION_RULE = Recording(DecisionRule)
 open_decision_rule = DECISION_RULE.open
 
-DecisionTerm: TypeAlias = Callable[[int, int, Words[Sight], Words[DecisionRule], Words[Store]], None]
+DecisionTerm: TypeAlias = Callable[[int, int, Handle[Sight], Handle[DecisionRule], Handle[Store]], None]
 """(row, number of pairs, sight, deciding, store); writes value and state, which come in as they are up to now."""
 
 
-def decided(row: int, found: int, sight: Words[Sight], deciding: Words[DecisionRule], store: Words[Store]) -> None:
+def decided(row: int, found: int, sight: Handle[Sight], deciding: Handle[DecisionRule], store: Handle[Store]) -> None:
     """Stand for the `DecisionTerm` of a mechanism."""
     raise NotImplementedError
 
@@ -194,10 +194,14 @@ class NeighbourDecision(DecisionMechanism):
         )
 
     def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
-        kernel, poses, store = decide_rows.of(type(self).term), self.poses.packed.words, self.buffer.table.packed.words
+        kernel, poses, store = (
+            decide_rows.of(type(self).term),
+            self.poses.packed.handle,
+            self.buffer.table.packed.handle,
+        )
         room, left, sight = self._deciding.record, rows, self._room.sight(now, self.channels)
         room.states[rows] = states
-        while (done := kernel(now, left, sight, self._deciding.words, poses, store)) < len(left):
+        while (done := kernel(now, left, sight, self._deciding.handle, poses, store)) < len(left):
             left, sight = left[done:], self._room.double()
         values[:], states[:], decided[:] = room.values[rows], room.states[rows], room.decided[rows]
 
@@ -206,9 +210,9 @@ class NeighbourDecision(DecisionMechanism):
 def decide_rows(
     now: float,
     rows: Ints,
-    sight: Words[Sight],
-    deciding: Words[DecisionRule],
-    poses: Words[Poses],
+    sight: Handle[Sight],
+    deciding: Handle[DecisionRule],
+    poses: Handle[Poses],
     store: Written[Store],
 ) -> int:
     """Write value, state and whether there is a decision for `rows` (R,) into those rows of `deciding`.

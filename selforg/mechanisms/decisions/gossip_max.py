@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Sight, Store, open_sight, open_store
@@ -36,7 +36,7 @@ class GossipMax(NeighbourDecision):
 
     @staticmethod
     @part
-    def term(row: int, found: int, sight: Words[Sight], deciding: Words[DecisionRule], store: Words[Store]) -> None:
+    def term(row: int, found: int, sight: Handle[Sight], deciding: Handle[DecisionRule], store: Handle[Store]) -> None:
         """Take the maximum of the own value and those that pairs carry under the key."""
         d, s, pairs = open_decision_rule(deciding), open_store(store), open_sight(sight).pairs
         for index in range(found):

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Sight, Store, open_sight, open_store
@@ -50,7 +50,7 @@ class MorphogenesisBarycenter(NeighbourDecision):
 
     @staticmethod
     @part
-    def term(row: int, found: int, sight: Words[Sight], deciding: Words[DecisionRule], store: Words[Store]) -> None:
+    def term(row: int, found: int, sight: Handle[Sight], deciding: Handle[DecisionRule], store: Handle[Store]) -> None:
         """Sum the distances, and compare the sum with those that pairs carry under the key."""
         d, s, pairs = open_decision_rule(deciding), open_store(store), open_sight(sight).pairs
         if found == 0:

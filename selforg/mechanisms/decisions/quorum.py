@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Unpack
 
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.store.records import Sight, Store
 from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
@@ -41,7 +41,7 @@ class Quorum(NeighbourDecision):
 
     @staticmethod
     @part
-    def term(row: int, found: int, sight: Words[Sight], deciding: Words[DecisionRule], store: Words[Store]) -> None:
+    def term(row: int, found: int, sight: Handle[Sight], deciding: Handle[DecisionRule], store: Handle[Store]) -> None:
         """Count the neighbours, and compare their number with the threshold."""
         d = open_decision_rule(deciding)
         d.values[row] = found

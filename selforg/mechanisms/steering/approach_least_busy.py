@@ -7,7 +7,7 @@ import numpy as np
 from selforg.arrays import CLOCKED, KEPT, SCRATCH, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
-from selforg.compiler.records import Recording, Words, Written
+from selforg.compiler.records import Handle, Recording, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import ATTRACTIVE, Filter, Queries
@@ -103,11 +103,11 @@ class ApproachLeastBusy(SteeringMechanism):
             )
         )
 
-    def steer(self, now: float, rows: Ints, commands: Words[Commanded]) -> None:
+    def steer(self, now: float, rows: Ints, commands: Handle[Commanded]) -> None:
         """Change the commands of `rows` (K,), all different, at `now` [s]."""
         goals = self._queries.gather(now, rows, self._look, signs=ATTRACTIVE)
-        poses = self.poses.packed.words
-        approach_rows(now, rows, goals.start, goals.pairs, commands, self._approaching.words, poses)
+        poses = self.poses.packed.handle
+        approach_rows(now, rows, goals.start, goals.pairs, commands, self._approaching.handle, poses)
 
     def reset(self, rows: Ints) -> None:
         """Forget what `rows` (K,) chose, and that they wait."""
@@ -120,9 +120,9 @@ def approach_rows(
     rows: Ints,
     start: Ints,
     goals: Floats,
-    commands: Words[Commanded],
+    commands: Handle[Commanded],
     approaching: Written[Approaching],
-    poses: Words[Poses],
+    poses: Handle[Poses],
 ) -> None:
     """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it.
 
@@ -150,7 +150,7 @@ def approach_rows(
 
 @part
 def choose_goal(
-    row: int, now: float, goals: Floats, count: int, approaching: Written[Approaching], poses: Words[Poses]
+    row: int, now: float, goals: Floats, count: int, approaching: Written[Approaching], poses: Handle[Poses]
 ) -> int:
     """Return which of the `goals` (P, PAIR_COLUMNS) is nearest, with the way that the others before it are worth."""
     a, p = open_approaching(approaching), open_poses(poses)
@@ -170,7 +170,7 @@ def choose_goal(
 
 
 @inlined
-def goal_place(row: int, goal: Floats, poses: Words[Poses]) -> tuple[float, float]:
+def goal_place(row: int, goal: Floats, poses: Handle[Poses]) -> tuple[float, float]:
     """Return where a goal lies that a row sees [m]."""
     p = open_poses(poses)
     x, y = p.own[row, 0, c.X] + goal[c.PAIR_DX], p.own[row, 0, c.Y] + goal[c.PAIR_DY]
@@ -178,7 +178,7 @@ def goal_place(row: int, goal: Floats, poses: Words[Poses]) -> tuple[float, floa
 
 
 @part
-def others_before(goal: Floats, radius: float, count: int, others: Floats, poses: Words[Poses]) -> int:
+def others_before(goal: Floats, radius: float, count: int, others: Floats, poses: Handle[Poses]) -> int:
     """Return how many of the first `count` others are within `radius` [m] of a goal, and nearer to it than the row."""
     p = open_poses(poses)
     nearest = min(radius, goal[c.PAIR_DISTANCE])

@@ -12,7 +12,7 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
@@ -36,7 +36,7 @@ class SteeringMechanism(Mechanism):
 
     Example:
         >>> mechanism = PredictiveSteering(poses, view_distance=1.0)
-        >>> mechanism.steer(0.2, np.array([0, 3]), commands.packed.words)
+        >>> mechanism.steer(0.2, np.array([0, 3]), commands.packed.handle)
 
     """
 
@@ -46,7 +46,7 @@ class SteeringMechanism(Mechanism):
             raise ValueError(f"{type(self).__name__}: expected a space of 2 dimensions, got {self.poses.space.dim}")
 
     @abstractmethod
-    def steer(self, now: float, rows: Ints, commands: Words[Commanded]) -> None:
+    def steer(self, now: float, rows: Ints, commands: Handle[Commanded]) -> None:
         """Change the commands of `rows` (K,), all different, at `now` [s]; rows without a command stay without one."""
 
     def reset(self, rows: Ints) -> None:
@@ -54,7 +54,7 @@ class SteeringMechanism(Mechanism):
 
 
 @part
-def speed_to_change(row: int, commands: Words[Commanded], poses: Words[Poses]) -> float:
+def speed_to_change(row: int, commands: Handle[Commanded], poses: Handle[Poses]) -> float:
     """Return the speed [m/s] that is commanded to a row; 0 where none moves it, or it has no pose of its own."""
     m = open_commanded(commands)
     x, y = m.vectors[row, 0], m.vectors[row, 1]
@@ -63,7 +63,7 @@ def speed_to_change(row: int, commands: Words[Commanded], poses: Words[Poses]) -
 
 
 @part
-def note_others(row: int, now: float, view: float, others: Floats, poses: Words[Poses]) -> int:
+def note_others(row: int, now: float, view: float, others: Floats, poses: Handle[Poses]) -> int:
     """Write the other robots of the team whose gradients reach within `view` [m] of a row; return how many there are.
 
     What never reached the row, or is forgotten, is not known to it.
@@ -101,7 +101,7 @@ def note_others(row: int, now: float, view: float, others: Floats, poses: Words[
 
 
 @part
-def note_near_walls(row: int, count: int, beyond: float, others: Floats, poses: Words[Poses]) -> int:
+def note_near_walls(row: int, count: int, beyond: float, others: Floats, poses: Handle[Poses]) -> int:
     """Write the walls near a row after `count` others, as robots `beyond` [m] behind them; return the sum."""
     p = open_poses(poses)
     for k in range(p.wall_counts[row]):
@@ -117,7 +117,7 @@ def note_near_walls(row: int, count: int, beyond: float, others: Floats, poses: 
 
 
 @part
-def own_velocity(row: int, poses: Words[Poses]) -> tuple[float, float]:
+def own_velocity(row: int, poses: Handle[Poses]) -> tuple[float, float]:
     """Return the velocity of a row between its last two poses [m/s], zero after a single one."""
     p = open_poses(poses)
     if p.rows[row, c.ROW_POSES] < 2:

@@ -11,7 +11,7 @@ import numpy as np
 from selforg.arrays import SCRATCH, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import kernel, lean_kernel, part
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Handle, Recording
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import MOST_WALLS, OwnPoses
 from selforg.gradients.store.records import Poses, open_poses
@@ -97,13 +97,13 @@ class ORCA(SteeringMechanism):
             )
         )
 
-    def steer(self, now: float, rows: Ints, commands: Words[Commanded]) -> None:
+    def steer(self, now: float, rows: Ints, commands: Handle[Commanded]) -> None:
         """Change the commands of `rows` (K,), all different, at `now` [s]."""
-        avoid_rows(now, rows, commands, self._planes.words, self.poses.packed.words)
+        avoid_rows(now, rows, commands, self._planes.handle, self.poses.packed.handle)
 
     def weigh(self, now: float, rows: Ints, wishes: Floats, causes: Causes) -> None:
         """Note the others by how far the wish lies outside of what they permit [m/s]."""
-        weigh_planes(now, rows, wishes, causes.who, causes.weights, self._planes.words, self.poses.packed.words)
+        weigh_planes(now, rows, wishes, causes.who, causes.weights, self._planes.handle, self.poses.packed.handle)
 
 
 @lean_kernel
@@ -113,8 +113,8 @@ def weigh_planes(
     wishes: Floats,
     who: Ints,
     weights: Floats,
-    planes: Words[HalfPlanes],
-    poses: Words[Poses],
+    planes: Handle[HalfPlanes],
+    poses: Handle[Poses],
 ) -> None:
     """Note the others of `rows` (K,) in the arrays of `Causes`, for `wishes` (N, 2) [m/s] at `now` [s]."""
     h = open_half_planes(planes)
@@ -128,7 +128,7 @@ def weigh_planes(
 
 @lean_kernel
 def avoid_rows(
-    now: float, rows: Ints, commands: Words[Commanded], planes: Words[HalfPlanes], poses: Words[Poses]
+    now: float, rows: Ints, commands: Handle[Commanded], planes: Handle[HalfPlanes], poses: Handle[Poses]
 ) -> None:
     """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
     m, h, p = open_commanded(commands), open_half_planes(planes), open_poses(poses)
@@ -149,7 +149,7 @@ def avoid_rows(
 
 
 @part
-def permit(row: int, other: int, vx: float, vy: float, planes: Words[HalfPlanes]) -> None:
+def permit(row: int, other: int, vx: float, vy: float, planes: Handle[HalfPlanes]) -> None:
     """Write the half-plane ORCA of a robot of velocity (vx, vy) [m/s] for an other: eq. (2) to (5).
 
     u is the smallest change of the relative velocity that leaves the velocity obstacle, a cone whose tip is cut off by
@@ -181,7 +181,7 @@ def permit(row: int, other: int, vx: float, vy: float, planes: Words[HalfPlanes]
 
 
 @part
-def permit_wall(line: int, x: float, y: float, planes: Words[HalfPlanes]) -> None:
+def permit_wall(line: int, x: float, y: float, planes: Handle[HalfPlanes]) -> None:
     """Write the half-plane for a wall whose nearest point is (x, y) [m] away: the robot avoids it alone.
 
     It comes no nearer than half of `distance` within WALL_HORIZON; one that is nearer must be away within a period.
@@ -196,7 +196,7 @@ def permit_wall(line: int, x: float, y: float, planes: Words[HalfPlanes]) -> Non
 
 
 @part
-def choose_velocity(count: int, x: float, y: float, speed: float, planes: Words[HalfPlanes]) -> None:
+def choose_velocity(count: int, x: float, y: float, speed: float, planes: Handle[HalfPlanes]) -> None:
     """Write the permitted velocity nearest to (x, y), at most `speed` [m/s] long (eq. 6).
 
     If none is permitted, the velocity that violates the worst half-plane least (section 5.3).

@@ -11,7 +11,7 @@ import numpy as np
 from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Recording, Words, Written
+from selforg.compiler.records import Handle, Recording, Written
 from selforg.elementary import direction, unit_vectors
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import MOST_WALLS, OwnPoses
@@ -154,15 +154,15 @@ class PredictiveSteering(SteeringMechanism):
             )
         )
 
-    def steer(self, now: float, rows: Ints, commands: Words[Commanded]) -> None:
+    def steer(self, now: float, rows: Ints, commands: Handle[Commanded]) -> None:
         """Change the commands of `rows` (K,), all different, at `now` [s]."""
         if self._directions.low[0]:
             self._directions.refill()
-        foresee_rows(now, rows, commands, self._foresight.words, self.poses.packed.words)
+        foresee_rows(now, rows, commands, self._foresight.handle, self.poses.packed.handle)
 
     def weigh(self, now: float, rows: Ints, wishes: Floats, causes: Causes) -> None:
         """Note the others by how much they threaten the wish."""
-        foresight, poses = self._foresight.words, self.poses.packed.words
+        foresight, poses = self._foresight.handle, self.poses.packed.handle
         weigh_threats(now, rows, wishes, causes.who, causes.weights, foresight, poses)
 
     def reset(self, rows: Ints) -> None:
@@ -178,8 +178,8 @@ def weigh_threats(
     wishes: Floats,
     who: Ints,
     weights: Floats,
-    foresight: Words[Foresight],
-    poses: Words[Poses],
+    foresight: Handle[Foresight],
+    poses: Handle[Poses],
 ) -> None:
     """Note the others of `rows` (K,) in the arrays of `Causes`, for `wishes` (N, 2) [m/s] at `now` [s]."""
     f = open_foresight(foresight)
@@ -191,7 +191,7 @@ def weigh_threats(
 
 @lean_kernel
 def foresee_rows(
-    now: float, rows: Ints, commands: Words[Commanded], foresight: Written[Foresight], poses: Words[Poses]
+    now: float, rows: Ints, commands: Handle[Commanded], foresight: Written[Foresight], poses: Handle[Poses]
 ) -> None:
     """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
     m, f = open_commanded(commands), open_foresight(foresight)
@@ -215,7 +215,7 @@ def foresee_rows(
 
 @part
 def best_candidate(
-    row: int, count: int, x: float, y: float, speed: float, caution: float, foresight: Words[Foresight], own: Floats
+    row: int, count: int, x: float, y: float, speed: float, caution: float, foresight: Handle[Foresight], own: Floats
 ) -> int:
     """Return the candidate beside the unit vector (x, y) that promises most at `speed` [m/s].
 
@@ -244,7 +244,7 @@ def best_candidate(
 
 
 @part
-def threat(other: int, vx: float, vy: float, foresight: Words[Foresight]) -> float:
+def threat(other: int, vx: float, vy: float, foresight: Handle[Foresight]) -> float:
     """Return the threat [-] of an other robot to one with the velocity (vx, vy) [m/s]: 0 unless they come nearer."""
     f = open_foresight(foresight)
     dx, dy = f.others[other, OTHER_X], f.others[other, OTHER_Y]
@@ -264,7 +264,7 @@ def threat(other: int, vx: float, vy: float, foresight: Words[Foresight]) -> flo
 
 
 @part
-def is_stuck(row: int, now: float, foresight: Written[Foresight], poses: Words[Poses]) -> bool:
+def is_stuck(row: int, now: float, foresight: Written[Foresight], poses: Handle[Poses]) -> bool:
     """Return whether a row dares more, because it has made no progress for too long; note its progress."""
     p, f = open_poses(poses), open_foresight(foresight)
     place, times = f.places[row], f.times[row]

@@ -16,7 +16,7 @@ import numpy as np
 
 from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Packed, Recording, Words, Written
+from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.network import state as st
 from selforg.network.planning.problem import STEPS_PER_UNIT
 from selforg.network.planning.spending import Spent
@@ -153,7 +153,7 @@ def hashed(key: Ints) -> np.int64:
 
 
 @inlined
-def write_key(row: int, states: Written[RowStates], known: Words[KnownPlans]) -> None:
+def write_key(row: int, states: Written[RowStates], known: Handle[KnownPlans]) -> None:
     """Fill the key of `row`."""
     s, m = open_states(states), open_known(known)
     keys = s.plan_keys
@@ -177,7 +177,7 @@ def write_key(row: int, states: Written[RowStates], known: Words[KnownPlans]) ->
 
 
 @inlined
-def recall(row: int, states: Written[RowStates], known: Words[KnownPlans]) -> bool:
+def recall(row: int, states: Written[RowStates], known: Handle[KnownPlans]) -> bool:
     """Give `row` the plan that is known for its key; return False if there is none."""
     s, entries = open_states(states), open_known(known).entries
     mask = entries.shape[0] - 1

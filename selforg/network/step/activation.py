@@ -16,7 +16,7 @@ import math
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.network import state as st
 from selforg.network.model.packed import (
     EITHER,
@@ -31,7 +31,7 @@ from selforg.network.state import RowStates, open_states
 
 
 @inlined
-def activate_row(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
+def activate_row(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Compute the activations of `row`, every term from the old ones."""
     reset_terms(row, model, states, scratch)
     weigh_goals(row, model, states, scratch)
@@ -62,7 +62,7 @@ def hindering(effect: float, wish: float, uniform: int) -> float:
 
 
 @inlined
-def reset_terms(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
+def reset_terms(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Set the term of the situation, clear the others, and sum the old activations of operational behaviours.
 
     A sum of 0 counts as 1.
@@ -81,7 +81,7 @@ def reset_terms(row: int, model: Words[PackedModel], states: Written[RowStates],
 
 
 @inlined
-def weigh_goals(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def weigh_goals(row: int, model: Handle[PackedModel], states: Handle[RowStates], scratch: Handle[Scratch]) -> None:
     """Fill `goal_share`: 1, or the priorities of the goals that are on mapped linearly onto [1, 2]."""
     m, share = open_model(model), open_scratch(scratch).goal_share
     enabled = open_states(states).goal_enabled
@@ -99,7 +99,7 @@ def weigh_goals(row: int, model: Words[PackedModel], states: Words[RowStates], s
 
 
 @inlined
-def flow_from_goals(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
+def flow_from_goals(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Add what goals give to the behaviours of `row` whose effects meet their wishes."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
     behaviours = s.values.shape[2]
@@ -119,7 +119,7 @@ def flow_from_goals(row: int, model: Words[PackedModel], states: Written[RowStat
 
 
 @inlined
-def flow_between(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
+def flow_between(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Add what behaviours of `row` give each other, where an effect of one meets a wish of another."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
     total = s.row_values[row, st.TOTAL]
@@ -144,7 +144,7 @@ def flow_between(row: int, model: Words[PackedModel], states: Written[RowStates]
 
 
 @inlined
-def flow_from_plan(row: int, model: Words[PackedModel], states: Written[RowStates]) -> None:
+def flow_from_plan(row: int, model: Handle[PackedModel], states: Written[RowStates]) -> None:
     """Set the plan's term for the behaviours of its remaining steps: the sooner one is due, the more."""
     s, weight = open_states(states), open_model(model).plan_weight
     index, length = s.plan_marks[row, st.PLAN_INDEX], s.plan_marks[row, st.PLAN_LENGTH]
@@ -153,7 +153,7 @@ def flow_from_plan(row: int, model: Words[PackedModel], states: Written[RowState
 
 
 @inlined
-def sum_terms(row: int, model: Words[PackedModel], states: Written[RowStates]) -> None:
+def sum_terms(row: int, model: Handle[PackedModel], states: Written[RowStates]) -> None:
     """Multiply the old activations of `row` by the decay and add the terms; activation never falls below 0."""
     values, decay = open_states(states).values, open_model(model).activation_decay
     for b in range(values.shape[2]):
@@ -164,7 +164,7 @@ def sum_terms(row: int, model: Words[PackedModel], states: Written[RowStates]) -
 
 
 @inlined
-def share_row(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def share_row(row: int, model: Handle[PackedModel], states: Handle[RowStates], scratch: Handle[Scratch]) -> None:
     """Find for `row` the operational behaviours, the live effects, and how many behaviours share those of a sensor.
 
     All this follows from three marks of each behaviour. Most rows have those of the row before: its results stay.
@@ -175,7 +175,7 @@ def share_row(row: int, model: Words[PackedModel], states: Words[RowStates], scr
 
 
 @inlined
-def note_shown(row: int, states: Words[RowStates], scratch: Words[Scratch]) -> bool:
+def note_shown(row: int, states: Handle[RowStates], scratch: Handle[Scratch]) -> bool:
     """Note in `shown` which behaviours `row` has, on or off, with which alternatives; return whether that is new."""
     marks, shown = open_states(states).marks, open_scratch(scratch).shown
     new = False
@@ -194,7 +194,7 @@ def is_operational(row: int, b: int, marks: Ints) -> bool:
 
 
 @inlined
-def find_live(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def find_live(row: int, model: Handle[PackedModel], states: Handle[RowStates], scratch: Handle[Scratch]) -> None:
     """Fill `operational` and `live_effect` for `row`."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
     for b in range(s.marks.shape[2]):
@@ -206,14 +206,14 @@ def find_live(row: int, model: Words[PackedModel], states: Words[RowStates], scr
 
 
 @inlined
-def is_live(row: int, wish: int, owner: int, states: Words[RowStates]) -> bool:
+def is_live(row: int, wish: int, owner: int, states: Handle[RowStates]) -> bool:
     """Return whether a wish of `row` counts; those of goals always do."""
     s = open_states(states)
     return bool(owner >= s.marks.shape[2] or (s.wish_kept[row, wish] and s.marks[row, st.PRESENT, owner]))
 
 
 @inlined
-def count_sharers(model: Words[PackedModel], scratch: Words[Scratch]) -> None:
+def count_sharers(model: Handle[PackedModel], scratch: Handle[Scratch]) -> None:
     """Fill `counts` for every sensor, from the live effects of operational behaviours, those of one side by side."""
     m, own = open_model(model), open_scratch(scratch)
     for sensor in range(own.counts.shape[1]):
@@ -244,7 +244,7 @@ def helpers(effect: float, sensor: int, counts: Ints) -> int:
 
 @inlined
 def wishers(
-    row: int, wish: float, sensor: int, model: Words[PackedModel], states: Words[RowStates], operational: Ints
+    row: int, wish: float, sensor: int, model: Handle[PackedModel], states: Handle[RowStates], operational: Ints
 ) -> int:
     """Return how many operational behaviours of `row` share what goes to wishes of this sign, at least 1."""
     m, wishes = open_model(model), open_states(states).wishes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, Scratch, open_model, open_scratch
 from selforg.network.state import RowStates, open_states
@@ -13,7 +13,7 @@ from selforg.network.step.activation import is_operational
 
 @inlined
 def arbitrate_row(
-    row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch], guarantee: bool
+    row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch], guarantee: bool
 ) -> bool:
     """Stop and start behaviours of `row`; with `guarantee`, again until something runs or nothing could.
 
@@ -41,7 +41,7 @@ def arbitrate_row(
 
 @inlined
 def select_row(
-    row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch], advance: bool
+    row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch], advance: bool
 ) -> bool:
     """Go once through the behaviours of `row` in falling activation; return whether anything runs afterwards.
 
@@ -90,7 +90,7 @@ def select_row(
 
 
 @inlined
-def order_by_activation(row: int, states: Words[RowStates], scratch: Words[Scratch]) -> None:
+def order_by_activation(row: int, states: Handle[RowStates], scratch: Handle[Scratch]) -> None:
     """Fill `order` with the behaviours of `row` in falling activation; ties keep the order of registration."""
     values, order = open_states(states).values, open_scratch(scratch).order
     for b in range(order.shape[0]):
@@ -102,7 +102,7 @@ def order_by_activation(row: int, states: Words[RowStates], scratch: Words[Scrat
 
 
 @inlined
-def is_timed_out(row: int, b: int, model: Words[PackedModel], marks: Ints) -> bool:
+def is_timed_out(row: int, b: int, model: Handle[PackedModel], marks: Ints) -> bool:
     """Whether a running behaviour has used up its time."""
     timeout = open_model(model).timeout[b]
     return bool(timeout >= 0 and marks[row, st.EXECUTION_TIME, b] >= timeout)
@@ -110,7 +110,7 @@ def is_timed_out(row: int, b: int, model: Words[PackedModel], marks: Ints) -> bo
 
 @inlined
 def reason_of_running(
-    row: int, b: int, model: Words[PackedModel], states: Words[RowStates], threshold: float, selected: int
+    row: int, b: int, model: Handle[PackedModel], states: Handle[RowStates], threshold: float, selected: int
 ) -> int:
     """Return why a running behaviour goes on, one of `GOES_ON`, or why it is stopped."""
     m, s = open_model(model), open_states(states)
@@ -128,7 +128,7 @@ def reason_of_running(
 
 
 @inlined
-def reason_of_idle(row: int, b: int, states: Words[RowStates], threshold: float) -> int:
+def reason_of_idle(row: int, b: int, states: Handle[RowStates], threshold: float) -> int:
     """Return why a behaviour cannot start whatever the others do, UNKNOWN if it can."""
     s = open_states(states)
     if not s.marks[row, st.ENABLED, b]:
@@ -149,7 +149,7 @@ def waiting_by_hand(row: int, marks: Ints, counted: Ints) -> int:
 
 
 @inlined
-def adapt_threshold(row: int, model: Words[PackedModel], row_values: Floats, started: bool, idle: bool) -> None:
+def adapt_threshold(row: int, model: Handle[PackedModel], row_values: Floats, started: bool, idle: bool) -> None:
     """Raise the threshold when something started, lower it when something could run and nothing does."""
     decay = open_model(model).threshold_decay
     if started:
@@ -159,7 +159,7 @@ def adapt_threshold(row: int, model: Words[PackedModel], row_values: Floats, sta
 
 
 @inlined
-def anything_eligible(row: int, states: Words[RowStates]) -> bool:
+def anything_eligible(row: int, states: Handle[RowStates]) -> bool:
     """Whether a behaviour could start if only the threshold were low enough."""
     s = open_states(states)
     for b in range(s.values.shape[2]):
@@ -169,7 +169,9 @@ def anything_eligible(row: int, states: Words[RowStates]) -> bool:
 
 
 @inlined
-def make_room(row: int, b: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> int:
+def make_room(
+    row: int, b: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]
+) -> int:
     """Stop the running behaviours that influence a sensor of `b`, if every one of them yields; else stop none.
 
     Returns how many of the `counted` were stopped, -1 if one does not yield.
@@ -199,7 +201,7 @@ def make_room(row: int, b: int, model: Words[PackedModel], states: Written[RowSt
 
 
 @inlined
-def influences_same(row: int, b: int, other: int, model: Words[PackedModel], marks: Ints) -> bool:
+def influences_same(row: int, b: int, other: int, model: Handle[PackedModel], marks: Ints) -> bool:
     """Whether the two behaviours have effects on one sensor."""
     m = open_model(model)
     mine, others = marks[row, st.ALTERNATIVE, b], marks[row, st.ALTERNATIVE, other]

@@ -23,7 +23,7 @@ import numpy as np
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, open_model
 from selforg.network.state import RowStates, open_states
@@ -33,7 +33,7 @@ UNITS = 1e6
 
 
 @inlined
-def monitor_plan(row: int, model: Words[PackedModel], states: Written[RowStates]) -> None:
+def monitor_plan(row: int, model: Handle[PackedModel], states: Written[RowStates]) -> None:
     """Pass the due step of the plan of `row` if it is done, and note whether a new plan is needed.
 
     Call it before the marks of behaviours that ended themselves are cleared.
@@ -49,7 +49,7 @@ def monitor_plan(row: int, model: Words[PackedModel], states: Written[RowStates]
 
 
 @inlined
-def pass_steps(row: int, model: Words[PackedModel], states: Written[RowStates]) -> bool:
+def pass_steps(row: int, model: Handle[PackedModel], states: Written[RowStates]) -> bool:
     """Pass what is done of the plan of `row`; return whether all that ended itself was meant to."""
     s, independent = open_states(states), open_model(model).independent
     index, length = s.plan_marks[row, st.PLAN_INDEX], s.plan_marks[row, st.PLAN_LENGTH]
@@ -74,7 +74,7 @@ def pass_steps(row: int, model: Words[PackedModel], states: Written[RowStates]) 
 
 
 @inlined
-def note_changes(row: int, model: Words[PackedModel], states: Written[RowStates]) -> bool:
+def note_changes(row: int, model: Handle[PackedModel], states: Written[RowStates]) -> bool:
     """Note what changed since the last step; return whether all of it was expected."""
     s = open_states(states)
     seen = s.plan_readings
@@ -108,7 +108,7 @@ def ran(row: int, b: int, marks: Ints) -> bool:
 
 
 @inlined
-def is_relevant(row: int, sensor: int, model: Words[PackedModel], states: Words[RowStates]) -> bool:
+def is_relevant(row: int, sensor: int, model: Handle[PackedModel], states: Handle[RowStates]) -> bool:
     """Whether a condition of a behaviour that is not optional, or of a goal that is on, looks at `sensor`."""
     m, s = open_model(model), open_states(states)
     for k in range(m.sensor_wish_first[sensor], m.sensor_wish_first[sensor + 1]):
@@ -128,7 +128,7 @@ def is_relevant(row: int, sensor: int, model: Words[PackedModel], states: Words[
 
 
 @inlined
-def was_expected(row: int, sensor: int, change: float, model: Words[PackedModel], states: Words[RowStates]) -> bool:
+def was_expected(row: int, sensor: int, change: float, model: Handle[PackedModel], states: Handle[RowStates]) -> bool:
     """Whether something that ran has an effect on `sensor` in the direction of `change`."""
     m, marks = open_model(model), open_states(states).marks
     for k in range(m.sensor_effect_first[sensor], m.sensor_effect_first[sensor + 1]):
@@ -141,7 +141,7 @@ def was_expected(row: int, sensor: int, change: float, model: Words[PackedModel]
 
 
 @inlined
-def is_realised(row: int, b: int, model: Words[PackedModel], states: Words[RowStates]) -> bool:
+def is_realised(row: int, b: int, model: Handle[PackedModel], states: Handle[RowStates]) -> bool:
     """Whether all effects of behaviour `b` count as realised."""
     m, s = open_model(model), open_states(states)
     for e in range(m.effect_first[b], m.effect_first[b + 1]):

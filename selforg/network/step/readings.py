@@ -12,7 +12,7 @@ import numpy as np
 
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.network.model.behaviours import Sensor
 from selforg.network.model.packed import PackedModel, open_model
 from selforg.network.state import RowStates, open_states
@@ -43,7 +43,7 @@ def reading_of(sensor: Sensor, value: object) -> float:
 
 
 @inlined
-def find_wrong(rows: Ints, model: Words[PackedModel], states: Words[RowStates]) -> int:
+def find_wrong(rows: Ints, model: Handle[PackedModel], states: Handle[RowStates]) -> int:
     """Return row * S + sensor of the first wrong reading of `rows` (K,), NONE_WRONG if all are right."""
     is_fact, readings = open_model(model).is_fact, open_states(states).readings
     sensors = readings.shape[1]

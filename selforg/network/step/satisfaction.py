@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.network import state as st
 from selforg.network.model import packed
 from selforg.network.model.activators import activate
@@ -13,7 +13,7 @@ from selforg.network.state import RowStates, open_states
 
 
 @inlined
-def satisfy_row(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
+def satisfy_row(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Compute satisfactions, readiness and wishes of `row`; satisfied goals that are not permanent switch off."""
     evaluate_leaves(row, model, open_states(states).readings, scratch)
     evaluate_nodes(model, scratch)
@@ -23,14 +23,14 @@ def satisfy_row(row: int, model: Words[PackedModel], states: Written[RowStates],
 
 
 @lean_kernel
-def evaluate_conditions(readings: Floats, model: Words[PackedModel], scratch: Words[Scratch]) -> None:
+def evaluate_conditions(readings: Floats, model: Handle[PackedModel], scratch: Handle[Scratch]) -> None:
     """Fill leaves and nodes of `scratch` from `readings` (1, S), for an explanation."""
     evaluate_leaves(0, model, readings, scratch)
     evaluate_nodes(model, scratch)
 
 
 @inlined
-def evaluate_leaves(row: int, model: Words[PackedModel], readings: Floats, scratch: Words[Scratch]) -> None:
+def evaluate_leaves(row: int, model: Handle[PackedModel], readings: Floats, scratch: Handle[Scratch]) -> None:
     """Fill satisfaction and wish of every leaf from the `readings` (R, S) of `row`."""
     m, own = open_model(model), open_scratch(scratch)
     for k in range(m.leaf_sensor.shape[0]):
@@ -41,7 +41,7 @@ def evaluate_leaves(row: int, model: Words[PackedModel], readings: Floats, scrat
 
 
 @inlined
-def evaluate_nodes(model: Words[PackedModel], scratch: Words[Scratch]) -> None:
+def evaluate_nodes(model: Handle[PackedModel], scratch: Handle[Scratch]) -> None:
     """Fill the satisfaction of every node: product, maximum or 1 - s of its children."""
     m, own = open_model(model), open_scratch(scratch)
     for node in range(m.node_kind.shape[0]):
@@ -73,7 +73,7 @@ def turned(wish: float, direction: float) -> float:
 
 
 @inlined
-def evaluate_wishes(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
+def evaluate_wishes(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Fill the wishes of `row`; a wish of an alternative that is not held is not kept."""
     m, s = open_model(model), open_states(states)
     leaf_wish = open_scratch(scratch).leaf_wish
@@ -88,7 +88,7 @@ def evaluate_wishes(row: int, model: Words[PackedModel], states: Written[RowStat
 
 
 @inlined
-def keep_smallest(row: int, behaviour: int, model: Words[PackedModel], states: Written[RowStates]) -> None:
+def keep_smallest(row: int, behaviour: int, model: Handle[PackedModel], states: Written[RowStates]) -> None:
     """Keep only the smallest of several wishes of one behaviour about one sensor."""
     m, s = open_model(model), open_states(states)
     begin, end = m.wish_first[behaviour], m.wish_first[behaviour + 1]
@@ -104,7 +104,9 @@ def keep_smallest(row: int, behaviour: int, model: Words[PackedModel], states: W
 
 
 @inlined
-def judge_behaviours(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
+def judge_behaviours(
+    row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]
+) -> None:
     """Fill satisfaction and readiness of the behaviours of `row` from their nodes."""
     m, s = open_model(model), open_states(states)
     satisfaction = open_scratch(scratch).node_satisfaction
@@ -120,7 +122,7 @@ def judge_behaviours(row: int, model: Words[PackedModel], states: Written[RowSta
 
 
 @inlined
-def judge_goals(row: int, model: Words[PackedModel], states: Written[RowStates], scratch: Words[Scratch]) -> None:
+def judge_goals(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Fill the satisfaction of the goals of `row`; those that are satisfied and not permanent switch off."""
     m, s = open_model(model), open_states(states)
     node_satisfaction = open_scratch(scratch).node_satisfaction

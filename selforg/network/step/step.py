@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined, long_kernel
-from selforg.compiler.records import Words, Written
+from selforg.compiler.records import Handle, Written
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, Scratch
 from selforg.network.planning.memory import KnownPlans, recall, write_key
@@ -22,10 +22,10 @@ SENSE_AND_DECIDE, DECIDE = range(2)
 @long_kernel
 def step_rows(
     rows: Ints,
-    model: Words[PackedModel],
+    model: Handle[PackedModel],
     states: Written[RowStates],
-    known: Words[KnownPlans],
-    scratch: Words[Scratch],
+    known: Handle[KnownPlans],
+    scratch: Handle[Scratch],
     phase: int,
     guarantee: bool,
 ) -> int:
@@ -53,7 +53,7 @@ def step_rows(
 
 
 @inlined
-def follow_plan(row: int, model: Words[PackedModel], states: Written[RowStates], known: Words[KnownPlans]) -> bool:
+def follow_plan(row: int, model: Handle[PackedModel], states: Written[RowStates], known: Handle[KnownPlans]) -> bool:
     """Bring the plan of `row` up to date; return False if it needs one that is not known."""
     s = open_states(states)
     if s.planned:

@@ -40,7 +40,7 @@ class Alone(Term):
     components = ("alone", "not_alone")
 
     def write(self, rows, out):
-        write_alone(self.observed.around.words, rows, out)
+        write_alone(self.observed.around.handle, rows, out)
 
 
 @kernel

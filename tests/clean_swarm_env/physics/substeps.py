@@ -19,4 +19,4 @@ def substep(physics, speed, turn_rate):
 def count(counter, positions, present=True):
     """Count all worlds once: the robots `present` (R,) or all, at positions (R, 2)."""
     for world in range(len(counter.samples)):
-        count_world(world, positions, np.full(len(positions), present), counter.packed.words)
+        count_world(world, positions, np.full(len(positions), present), counter.packed.handle)

@@ -14,7 +14,7 @@ NOBODY = np.zeros(1, np.bool_)
 
 
 def command(drive, vectors, commanded, headings, now):
-    update_drives(vectors, commanded, np.zeros(len(vectors), np.bool_), headings, now, drive.packed.words)
+    update_drives(vectors, commanded, np.zeros(len(vectors), np.bool_), headings, now, drive.packed.handle)
 
 
 def drive_of_one(vector, heading, **limits):

@@ -25,7 +25,7 @@ def _handle(garbage, robots, started):
     floor = floor_record(garbage, places, EXTENT, nearest=np.array(nearest), pick_distance=0.6, cells=cells)
     minds = minds_record(len(robots), behaviours=4, handling=COLUMNS)
     minds.marks[:, STARTED] = started
-    count = handle_cargo_as_decided(FLOOR.pack(floor).words, MINDS.pack(minds).words, no_walls().words)
+    count = handle_cargo_as_decided(FLOOR.pack(floor).handle, MINDS.pack(minds).handle, no_walls().handle)
     return floor.picked[:count].tolist()
 
 

@@ -15,7 +15,7 @@ import pytest
 
 from selforg.arrays import KEPT, Flags, Floats, Ints, Links
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Packed, Recording, Words, numba_type
+from selforg.compiler.records import Handle, Packed, Recording, numba_type
 from tests.paths import ROOT
 
 
@@ -42,7 +42,7 @@ def test_arrays_are_understood_in_the_hints_of_all_versions_of_numpy():
 
 
 @lean_kernel
-def look_and_write(words: Words[Sample], row: int) -> int:
+def look_and_write(words: Handle[Sample], row: int) -> int:
     s = open_sample(words)
     s.places[row, 1] = s.factor * s.counts[row] + s.offset
     s.links[row, 0] = s.places.shape[0]
@@ -63,7 +63,7 @@ def sample() -> Sample:
 
 def test_compiled_code_reads_and_writes_the_arrays_of_a_record():
     packed = SAMPLE.pack(sample())
-    assert [look_and_write(packed.words, row) for row in range(3)] == [6, 6, 6]
+    assert [look_and_write(packed.handle, row) for row in range(3)] == [6, 6, 6]
     assert packed.record.places[:, 1].tolist() == [-7.0, -4.5, -2.0]
     assert packed.record.links.tolist() == [[3, 4]] * 3
     assert packed.record.flags.all()
@@ -92,7 +92,7 @@ def test_a_record_of_another_class_is_refused():
 def test_words_keep_the_arrays_alive():
     given = sample()
     kept = weakref.ref(given.counts)
-    words = SAMPLE.pack(given).words
+    words = SAMPLE.pack(given).handle
     del given
     gc.collect()
     assert kept() is not None
@@ -103,28 +103,28 @@ def test_words_keep_the_arrays_alive():
 def test_a_copy_works_on_arrays_of_its_own(copied):
     original = SAMPLE.pack(sample())
     twin: Packed[Sample] = copied(original)
-    look_and_write(twin.words, 1)
+    look_and_write(twin.handle, 1)
     assert twin.record.places[1, 1] == -4.5
     assert not original.record.places.any()
     del original
     gc.collect()
-    assert look_and_write(twin.words, 2) == 6
+    assert look_and_write(twin.handle, 2) == 6
 
 
 def test_owner_and_record_share_their_arrays_in_a_copy_too():
     given = sample()
     owner = {"places": given.places, "packed": SAMPLE.pack(given)}
     twin = copy.deepcopy(owner)
-    look_and_write(twin["packed"].words, 1)
+    look_and_write(twin["packed"].handle, 1)
     assert twin["places"][1, 1] == -4.5
 
 
 SWITCHED = """
 from tests.selforg.compiler.test_records import OTHER, SAMPLE, Other, look_and_write, np, sample
 packed = SAMPLE.pack(sample())
-print([int(look_and_write(packed.words, row)) for row in range(3)], packed.record.places[:, 1])
+print([int(look_and_write(packed.handle, row)) for row in range(3)], packed.record.places[:, 1])
 try:
-    print(look_and_write(OTHER.pack(Other(np.zeros((3, 2)))).words, 1))
+    print(look_and_write(OTHER.pack(Other(np.zeros((3, 2)))).handle, 1))
 except Exception as error:
     print(type(error).__name__)
 """

@@ -34,7 +34,7 @@ def eastward(rows):
 def steered(mechanism, now=2 * DT, rows=None):
     """Return the commands after steering."""
     commands = eastward(mechanism.poses.rows)
-    mechanism.steer(now, np.arange(mechanism.poses.rows) if rows is None else rows, commands.packed.words)
+    mechanism.steer(now, np.arange(mechanism.poses.rows) if rows is None else rows, commands.packed.handle)
     return commands
 
 
@@ -81,7 +81,7 @@ def test_only_attractive_gradients_of_its_channels_count_and_rows_that_do_not_mo
     world.buffer.store_static(0, "goal", [[1.0, 5.0]], DT)
     commands = eastward(3)
     commands.commanded[1], commands.in_place[2] = False, True
-    mechanism.steer(2 * DT, np.arange(3), commands.packed.words)
+    mechanism.steer(2 * DT, np.arange(3), commands.packed.handle)
     assert commands.vectors.round(9).tolist() == [[0.0, 0.8], [0.8, 0.0], [0.8, 0.0]]
 
 

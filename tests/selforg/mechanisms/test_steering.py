@@ -89,7 +89,7 @@ def test_predictive_steering_takes_what_promises_most(seed):
     commands = wishes(8, seed)
     before = commands.vectors.copy()
     right = 0.1 * (seed % 2)
-    PredictiveSteering(poses, view_distance=1.0, right_cost=right).steer(DT, np.arange(8), commands.packed.words)
+    PredictiveSteering(poses, view_distance=1.0, right_cost=right).steer(DT, np.arange(8), commands.packed.handle)
     for row in range(8):
         others = seen_by(row, places, velocities, 2.5)
         expected = predicted(before[row], headings[row], others, right=right) if others else before[row]
@@ -107,7 +107,7 @@ def nearest_meeting(name, start, goals, noise=0.0, seed=0, **options):
         commands, way = Commands(2, 2), goals - place
         commands.vectors[:] = way / np.maximum(np.linalg.norm(way, axis=1), 1.0)[:, None]
         commands.commanded[:] = True
-        steering.steer(DT * tick, np.arange(2), commands.packed.words)
+        steering.steer(DT * tick, np.arange(2), commands.packed.handle)
         drives = commands.vectors
         place = place + DT * drives
         apart.append(np.linalg.norm(place[0] - place[1]))
@@ -140,7 +140,7 @@ def test_who_did_not_get_on_dares_to_come_near_for_some_seconds():
         poses.update(np.array([[5.0, 5.0], [5.55, 5.0]]), np.zeros(2), now)
         commands = Commands(2, 2)
         commands.vectors[:], commands.commanded[:] = (1.0, 0.0), True
-        steering.steer(now, np.array([0]), commands.packed.words)
+        steering.steer(now, np.array([0]), commands.packed.handle)
         blocked.append(commands.vectors[0].tolist() != [1.0, 0.0])
     assert all(blocked[1:24])
     dared = blocked.index(False, 1)
@@ -182,7 +182,7 @@ def test_orca_takes_the_permitted_velocity_nearest_to_the_command(seed):
     poses, places, _, velocities = moving(rows=6, side=[3.0, 2.0, 1.2][seed % 3], seed=seed)
     commands = wishes(6, seed)
     before = commands.vectors.copy()
-    ORCA(poses, view_distance=1.0).steer(DT, np.arange(6), commands.packed.words)
+    ORCA(poses, view_distance=1.0).steer(DT, np.arange(6), commands.packed.handle)
     for row in range(6):
         planes = [permitted(velocities[row], *other) for other in seen_by(row, places, velocities, 2.5)]
 
@@ -226,7 +226,7 @@ def test_orca_takes_the_velocities_of_rvo2():
             simulator.set_agent_pref_velocity(row, wish)
             simulator.set_agent_max_speed(row, math.hypot(*wish))
         simulator.do_step()
-        ORCA(poses, view_distance=1.0).steer(DT, np.arange(6), commands.packed.words)
+        ORCA(poses, view_distance=1.0).steer(DT, np.arange(6), commands.packed.handle)
         theirs = [simulator.get_agent_velocity(row).to_tuple() for row in range(6)]
         apart += np.abs(commands.vectors - theirs).max(axis=1).tolist()
     assert max(apart) < 5e-3
@@ -251,7 +251,7 @@ def test_rows_that_nobody_is_near_to_or_that_do_not_move_keep_their_commands(nam
     commands.commanded[3], commands.in_place[4] = False, True
     commands.vectors[5] = 0.0
     before = commands.vectors.copy()
-    build(name, poses).steer(DT, np.arange(6), commands.packed.words)
+    build(name, poses).steer(DT, np.arange(6), commands.packed.handle)
     np.testing.assert_array_equal(commands.vectors, before)
     assert commands.commanded.tolist() == [True, True, True, False, True, True]
 
@@ -261,7 +261,7 @@ def test_steering_keeps_to_the_speed(name):
     poses, *_ = moving(side=2.0)
     commands = wishes(8)
     before = commands.vectors.copy()
-    build(name, beside_a_goal(poses)).steer(DT, np.arange(8), commands.packed.words)
+    build(name, beside_a_goal(poses)).steer(DT, np.arange(8), commands.packed.handle)
     assert (commands.vectors != before).any()
     speeds = np.linalg.norm(commands.vectors, axis=1)
     assert (speeds <= np.linalg.norm(before, axis=1) + 1e-9).all()
@@ -283,7 +283,7 @@ def test_places_and_velocities_are_those_of_the_poses_received():
         delivery.reaches[0] = 3.0 if tick in (0, 2, 3) else 0.0
         delivery.deliver()
         others = np.zeros((2, OTHER_COLUMNS))
-        count = noted(0, now + 1.0, 10.0, others, poses.packed.words)
+        count = noted(0, now + 1.0, 10.0, others, poses.packed.handle)
         seen.append(others[0, [0, 2]].round(9).tolist() if count else None)
         place += 0.1 * (tick + 1)  # ever faster
     assert seen[0] == [-2.0, 0.0]  # a single pose has no velocity

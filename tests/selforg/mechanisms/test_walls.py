@@ -74,7 +74,7 @@ def test_steering_robots_keep_off_a_wall_that_they_are_told_to_drive_into(kind, 
         poses = poses_at(place, heading=np.arctan2(*velocity[::-1]), towards=velocity)
         commands = Commands(1, 2)
         commands.vectors[:], commands.commanded[:] = (1.0, 0.5), True
-        kind(poses, view_distance=1.0).steer(0.2, np.array([0]), commands.packed.words)
+        kind(poses, view_distance=1.0).steer(0.2, np.array([0]), commands.packed.handle)
         velocity = commands.vectors[0].copy()
         place = place + 0.2 * velocity
         assert place[0] < 4.0 - least
@@ -86,7 +86,7 @@ def test_orca_nears_walls_by_what_is_left_in_its_horizon_from_the_first_pose_on(
     poses.update(np.array([[3.4, 3.0], [2.5, 4.4]]), np.zeros(2), 0.0)
     commands = Commands(2, 2)
     commands.vectors[:], commands.commanded[:] = np.eye(2), True
-    ORCA(poses, view_distance=1.0, distance=0.8).steer(0.0, np.arange(2), commands.packed.words)
+    ORCA(poses, view_distance=1.0, distance=0.8).steer(0.0, np.arange(2), commands.packed.handle)
     assert np.allclose(np.diag(commands.vectors), (0.6 - 0.5 * 0.8) / WALL_HORIZON)
 
 
@@ -100,7 +100,7 @@ def test_far_walls_change_no_bit(kind):
         if kind is RepulsionGradient:
             answers.append(mechanism.move(0.2)[0])
         else:
-            mechanism.steer(0.2, np.arange(2), commands.packed.words)
+            mechanism.steer(0.2, np.arange(2), commands.packed.handle)
             answers.append(commands.vectors.copy())
     assert np.array_equal(*answers)
     assert np.abs(answers[0]).max() > 0.0

@@ -27,7 +27,7 @@ def test_cells_find_the_walls_that_all_segments_show_on_the_torus(seed):
     walls, found = packed_walls(whole, (0.0, 0.0), SIZE), []
     for point in rng.uniform(size=(300, 2)) * SIZE:
         radius = rng.uniform(0.05, 1.5)
-        found.append(touching(*point, radius, walls.words))
+        found.append(touching(*point, radius, walls.handle))
         assert found[-1] == (distances_to(whole, point).min() < radius)
     assert 30 < sum(found) < 290
 

@@ -66,7 +66,7 @@ def test_a_robot_that_follows_a_field_arrives_and_keeps_off_walls(closed, start)
         way = np.array(step_to(*place, *target, ways.fields[0], ways.room, ways.pitch, ways.extent))
         length = np.linalg.norm(way)
         step = way * min(0.05 / length, 1.0)
-        assert not crossing(*place, *step, ways.extent, walls.words)
+        assert not crossing(*place, *step, ways.extent, walls.handle)
         place = (place + step) % SIZE
         if length < 0.1:
             break
@@ -91,7 +91,7 @@ def test_walls_between_places_are_those_that_the_line_meets(length):
             matrix = np.array([way, [ax - bx, ay - by]]).T
             share = np.linalg.solve(matrix, np.array([ax, ay]) - start)
             expected |= bool(((share >= 0.0) & (share <= 1.0)).all())
-        assert crossing(*start, *way, np.zeros(2), walls.words) == expected
+        assert crossing(*start, *way, np.zeros(2), walls.handle) == expected
         met += expected
     assert 40 < met < 390
 
@@ -103,8 +103,8 @@ def test_walls_between_places_are_found_far_across_the_seams_of_a_torus():
     every = packed_walls(images(segments, SIZE, 9.0), (-9.0, -9.0), SIZE + 9.0)
     for _ in range(400):
         start, way = rng.uniform(size=2) * SIZE, rng.uniform(-0.5, 0.5, 2) * SIZE
-        found = crossing(*start, *way, SIZE, walls.words)
-        assert found == crossing(*start, *way, np.zeros(2), every.words)
+        found = crossing(*start, *way, SIZE, walls.handle)
+        assert found == crossing(*start, *way, np.zeros(2), every.handle)
         met += found
     assert 40 < met < 390
 

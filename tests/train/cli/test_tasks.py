@@ -8,9 +8,9 @@ import pytest
 
 from clean_swarm_env.config.load import own_mission
 from clean_swarm_env.config.tasks import find_task
+from clean_swarm_env.recording.reader import RecordedMission, events_of
 from docs.figures.draw_goals import tasks_to_run
 from docs.figures.write_original import measured
-from clean_swarm_env.recording.reader import RecordedMission, events_of
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT

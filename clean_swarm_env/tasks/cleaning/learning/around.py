@@ -17,7 +17,7 @@ from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
 from selector.documents.errors import DocumentError
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.space import nearest_image
 
 PHASES = ("patrol", "approach", "to_recycling", "to_dump")
@@ -42,7 +42,7 @@ def write_way(floor: FloorRecord, row: int, place: Floats, scale: float, way: Fl
 
 
 @part
-def find_items(floor: Words[FloorRecord], rows: Ints) -> None:
+def find_items(floor: Handle[FloorRecord], rows: Ints) -> None:
     """Find the nearest item in sight of each of `rows` (P,), and its phase."""
     f, filled = open_floor(floor), -1
     for row in rows:
@@ -57,7 +57,7 @@ def find_items(floor: Words[FloorRecord], rows: Ints) -> None:
 
 
 @part
-def find_stations(floor: Words[FloorRecord], rows: Ints, near: float) -> None:
+def find_stations(floor: Handle[FloorRecord], rows: Ints, near: float) -> None:
     """Find the ways of `rows` (P,) to the nearest stations of both kinds, and how near these are by `near` [m]."""
     f = open_floor(floor)
     for row in rows:

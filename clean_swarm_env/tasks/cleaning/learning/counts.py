@@ -29,7 +29,7 @@ from clean_swarm_env.world.parts.measure import Achievement
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, Floats, Ints
 from selforg.compiler.decorators import inlined, long_kernel
-from selforg.compiler.records import Packed, Recording, Words, Written
+from selforg.compiler.records import Handle, Packed, Recording, Written
 
 ACHIEVEMENTS = (
     Achievement("picked", "Items that the robot picked in the period and nobody had picked before."),
@@ -91,7 +91,7 @@ class CleaningCounts:
 
     def count(self, entered: Ints) -> None:
         """Add the last tick, whose collision events are `entered` (R,), in worlds where it counts."""
-        records = self._period.words, self._followed.words, self._floor.words, self._paid.words
+        records = self._period.handle, self._followed.handle, self._floor.handle, self._paid.handle
         count_cleaning(*records, entered, self._worlds.period)
 
 
@@ -113,9 +113,9 @@ def add_cost(world: int, dumped: int, tick: float, p: Period, f: FloorRecord, a:
 
 @long_kernel
 def count_cleaning(
-    period: Words[Period],
+    period: Handle[Period],
     followed: Written[Followed],
-    floor: Words[FloorRecord],
+    floor: Handle[FloorRecord],
     paid: Written[PaidWork],
     entered: Ints,
     length: float,

@@ -11,7 +11,7 @@ from clean_swarm_env.tasks.cleaning.learning.around import cleaning_in
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Words
+from selforg.compiler.records import Handle
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
 from selforg.mechanisms.steering.approach_least_busy import others_before
@@ -35,13 +35,13 @@ class LoadsTerm(Term):
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the numbers and the way."""
-        around, poses = self.observed.around.words, self.observed.worlds.minds.poses.packed.words
-        count_loads(around, self._floor.words, poses, rows, self.near, out)
+        around, poses = self.observed.around.handle, self.observed.worlds.minds.poses.packed.handle
+        count_loads(around, self._floor.handle, poses, rows, self.near, out)
 
 
 @kernel
 def count_loads(
-    around: Words[Around], floor: Words[FloorRecord], poses: Words[Poses], rows: Ints, near: float, out: Floats
+    around: Handle[Around], floor: Handle[FloorRecord], poses: Handle[Poses], rows: Ints, near: float, out: Floats
 ) -> None:
     """Write the components of `LoadsTerm` for `rows` (P,) into `out` (components, R)."""
     a, f, p = open_around(around), open_floor(floor), open_poses(poses)

@@ -20,7 +20,7 @@ from clean_swarm_env.tasks.cleaning.learning.around import (
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Packed, Words
+from selforg.compiler.records import Handle, Packed
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
 from selforg.space import Torus
@@ -39,7 +39,7 @@ class ItemsWriter:
     def write(self, worlds: Ints, rows: Ints, seen: Floats) -> None:
         """Write the terms of `rows` (P,), robots at work in `worlds` (C,), into `seen` (R, F)."""
         self._floor.record.phases.reshape(len(self._floor.record.stage), -1)[worlds] = PATROL
-        write_items(self._floor.words, rows, self._near, self._first, seen)
+        write_items(self._floor.handle, rows, self._near, self._first, seen)
 
 
 ITEM_TERMS: TermGroup[FloorRecord] = TermGroup(ItemsWriter)
@@ -113,7 +113,7 @@ write_item_terms = ITEM_TERMS.write_terms
 
 
 @lean_kernel
-def write_items(floor: Words[FloorRecord], rows: Ints, near: float, first: Ints, seen: Floats) -> None:
+def write_items(floor: Handle[FloorRecord], rows: Ints, near: float, first: Ints, seen: Floats) -> None:
     """Find items and stations around `rows` (P,), robots at work, and write ITEM_TERMS.
 
     `first` (TERMS,) holds the first component of each term in `seen` (R, F), -1 for one that is not chosen. A robot is
