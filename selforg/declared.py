@@ -91,10 +91,16 @@ def make_arrays(owner: Any, **sizes: int) -> None:  # noqa: ANN401
     (4, 12, 2)
 
     """
-    for name, field in fields_of(type(owner)).items():
-        if field.mark not in (READ, OUTSIDE) and get_origin(field.hint) not in (list, UnionType):
-            shape = [int(axis) if axis.isdecimal() else sizes[axis] for axis in field.axes]
-            setattr(owner, name, np.zeros(shape, scalar_of(field.hint)))
+    vars(owner).update(arrays_of(type(owner), **sizes))
+
+
+def arrays_of(kind: type, **sizes: int) -> dict[str, Any]:
+    """Return all arrays that a class or a record declares, by name, as `make_arrays` makes them."""
+    return {
+        name: np.zeros([int(axis) if axis.isdecimal() else sizes[axis] for axis in field.axes], scalar_of(field.hint))
+        for name, field in fields_of(kind).items()
+        if field.mark not in (READ, OUTSIDE) and get_origin(field.hint) not in (list, UnionType)
+    }
 
 
 class Declared(NamedTuple):

@@ -15,7 +15,7 @@ from clean_swarm_env.drawing.look import LOOK
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.sampled import things_of, walls_shown, zones_shown
-from clean_swarm_env.world.parts.shown import ROBOT, AnyArray, Counted, Drawn, chosen_of
+from clean_swarm_env.world.parts.shown import ROBOT, WORLD, AnyArray, Drawn, chosen_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
@@ -78,7 +78,6 @@ class _Shown(BaseModel):
     things: tuple[DrawnThing, ...] = ()
     """What lies in the world and has no sign."""
     drawn: tuple[Drawn, ...] = ()
-    counted: Counted | None = None
     ground: Literal["torus", "walled", "open"] = "torus"
     """Of open land the square is shown in which the robots have been."""
     shown: Annotated[tuple[Positive, ...], Field(max_length=2)] = ()
@@ -111,6 +110,7 @@ class RecordedCourse:
         counts = {ROBOT: head["robots"], ITEM: head["items"], THING: moving}
         kinds = CHANNELS | {f"{HELD}{goal}": ROBOT for goal in self._options} | drawn_channels(shown.drawn)
         kinds |= {"thing_x": THING, "thing_y": THING} if moving else {}
+        kinds |= {one.name: WORLD for one in recording.channels.values() if one.axes == (WORLD,)}
         for name, kind in kinds.items():
             shape = recording.channels[name].shape if name in recording else None
             if shape is None or (len(shape) != 1 or shape[0] != counts.setdefault(kind, shape[0])):
@@ -126,7 +126,6 @@ class RecordedCourse:
             low, high = places.min(axis=(0, 1)) - EDGE_OF_LAND, places.max(axis=(0, 1)) + EDGE_OF_LAND
             side = float((high - low).max())
             self._corner, self._extent = low, (side, side)
-        self._counts = _counts_of(recording, shown.counted)
         self._frame = lru_cache(2)(self._canvas)  # several pictures lie between two frames
 
     @property
@@ -152,7 +151,7 @@ class RecordedCourse:
         traces = traces_at(self._recording, frame)
         kinds = self._recording.notes.get("deposits", [])
         trail = np.isin(traces.kind, [k for k, kind in enumerate(kinds) if kind.get("channel") in TRAILS])
-        told = [str(head["about"].get("condition", "")), self._counts[frame] if self._counts else ""]
+        counted = (f"{now[one][0]} {channels[one].about}" for one in now if channels[one].axes == (WORLD,))
         values = {name: now[name] for one in self._shown.drawn for name in one.where}
         for at in {one.at for one in self._shown.drawn} - {ROBOT}:
             values[at] = np.stack([now[f"{at}_x"], now[f"{at}_y"]], axis=1)
@@ -164,7 +163,7 @@ class RecordedCourse:
             height=self._extent[1],
             closed=self._shown.ground != "walled",
             time=frame * self._recording.period,
-            state=", ".join(filter(None, told)),
+            state=", ".join(filter(None, (str(head["about"].get("condition", "")), *counted))),
             radius=self._radii[self._models[there]] if len(self._models) else self._shown.radius,
             models=self._models[there] if len(self._models) else None,
             model_names=tuple(model.model for model in self._shown.groups),
@@ -190,19 +189,8 @@ def drawn_channels(drawn: Iterable[Drawn]) -> dict[str, str]:
 def pictured(head: Mapping[str, Any]) -> tuple[str, ...]:
     """Return how the names of the channels begin that pictures show; the others need not be kept for them."""
     shown = validated(_Shown, head, "head")
-    counted = (shown.counted.name,) if shown.counted else ()
+    counted = (channel["name"] for channel in head["channels"] if channel["axes"] == [WORLD])
     return (*CHANNELS, HELD, THING, *drawn_channels(shown.drawn), *counted)
-
-
-def _counts_of(recording: RecordedMission, counted: Counted | None) -> list[str]:
-    """Return for each frame how many things are done, of how many that came; nothing where they are not counted."""
-    if counted is None or counted.name not in recording:
-        return []
-    stage = recording[counted.name].astype(np.int8)
-    before = np.concatenate([np.full_like(stage[:1], np.iinfo(np.int8).max), stage[:-1]])
-    done = ((stage == counted.done) & (before != counted.done)).sum(axis=1).cumsum()
-    came = ((stage < counted.done) & (before >= counted.done)).sum(axis=1).cumsum()
-    return [f"{k} of {n} {counted.about}" for k, n in zip(done.tolist(), came.tolist(), strict=True)]
 
 
 def signs_of(drawn: Iterable[Drawn], values: Mapping[str, AnyArray], there: Flags, corner: Floats) -> dict[str, Any]:

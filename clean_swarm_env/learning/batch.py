@@ -42,6 +42,7 @@ from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats, Ints
+from selforg.declared import make_arrays
 
 BATCH_STATES = "batch"
 """Kind of the states of worlds of a batch, or of several that are joined."""
@@ -129,14 +130,13 @@ class Batch:
         self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
-        self.worked, self.open_team = self.working.copy(), episodes.fewest < self.robots
+        self.open_team = episodes.fewest < self.robots
         self.rewards = Rewards(reward, self.worlds)
         seen = config_from(ObservationConfig, settings.get("observation"), "observation")
         seen = seen.of(usual_terms(self.mission), driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)
-        self.observations = np.zeros((self.rows, self.observer.width), dtype=np.float32)
-        self._final = np.zeros_like(self.observations)
-        self._gained = np.zeros(self.rows)
+        make_arrays(self, R=self.rows, F=self.observer.width)
+        self.worked[:] = self.working
         self.finished: tuple[Finished, ...] = ()
         self._state = None
         self.doing = [None] * worlds

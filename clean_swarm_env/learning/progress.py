@@ -17,6 +17,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import long_kernel
 from selforg.compiler.records import Packed, Recording, Written
+from selforg.declared import arrays_of
 
 EVENTS = ("collision", "contact", "avoiding")
 """The last rows of `Period.events`, behind the achievements of the task: collision events in which the robot took part,
@@ -112,46 +113,29 @@ class MissionProgress:
     ended: Annotated[Ints, "K", SCRATCH]
 
     def __init__(self, worlds: Worlds) -> None:
-        def numbers(*shape: int) -> Ints:
-            return np.zeros(shape, dtype=np.int64)
-
         self._worlds = worlds
         self._avoiding = avoidance_column(worlds)
         count, rows, achievements = worlds.worlds, worlds.rows, len(worlds.task.achievements)
         self._coordinated = [coordinator.index for coordinator in worlds.coordinators]
         self.acted = np.zeros((rows, len(self._coordinated)), dtype=np.bool_)
-        self.period = PERIOD_RECORD.pack(
-            Period(
-                events=numbers(achievements + len(EVENTS), rows),
-                team=numbers(achievements, count),
-                ticks=numbers(count),
-                outcome=numbers(count),
-                took_part=np.zeros(rows, dtype=np.bool_),
-                cost=np.zeros(count),
-                price=np.zeros(count),
-                bumps=np.zeros(rows),
-            )
-        )
+        sizes = {"E": achievements + len(EVENTS), "A": achievements, "R": rows, "W": count}
+        self.period = PERIOD_RECORD.pack(Period(**arrays_of(Period, **sizes)))
         self.events, self.team, self.ticks, self.outcome, self.took_part = self.period.record[:5]
         self.cost, self.price, self.bumps = self.period.record[5:]
-        self.elapsed, self.idle = numbers(count), numbers(rows)
-        self.collided, self.stopped = np.zeros(rows), np.zeros(rows)
-        self.ended = numbers(0)
+        self.ended = np.zeros(0, dtype=np.int64)
         self._followed = FOLLOWED_RECORD.pack(
             Followed(
                 working=worlds.team.working,
                 in_contact=worlds.collisions.in_contact,
                 limits=worlds.world.limits,
-                elapsed=self.elapsed,
-                idle=self.idle,
-                counts=np.zeros(count, dtype=np.bool_),
-                ended=numbers(count),
                 standing=worlds.task.standing,
-                collided=self.collided,
-                stopped=self.stopped,
                 fading=max(1.0 - worlds.period / MEMORY, 0.0),
+                **arrays_of(Followed, **sizes),
             )
         )
+        followed = self._followed.record
+        self.elapsed, self.idle = followed.elapsed, followed.idle
+        self.collided, self.stopped = followed.collided, followed.stopped
         self._counts = (worlds.task.Counts or Counts)(worlds, self.period, self._followed)
 
     def reset(self, world: int) -> None:

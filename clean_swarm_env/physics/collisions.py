@@ -13,6 +13,7 @@ from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_al
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Written
+from selforg.declared import arrays_of
 from selforg.space import nearest_image
 
 ALL_PAIRS_LIMIT: Final = 50  # robots in a world up to which looking at all pairs is cheaper than keeping a list
@@ -41,7 +42,7 @@ class Counts(NamedTuple):
     links: Annotated[Ints, "N", SCRATCH]  # scratch: see `cells`
     listed: Annotated[Ints, "W", derived(UNLISTED)]  # number of listed pairs, or UNLISTED
     pairs: Annotated[Ints, "W P 2", SCRATCH]  # rows of the pairs that can be close
-    origins: Annotated[Floats, "R 2", SCRATCH]  # positions when the pairs were listed [m]
+    origins: Annotated[Floats, "L 2", SCRATCH]  # positions when the pairs were listed [m]
 
 
 COLLISION_COUNTS = Recording(Counts)
@@ -79,11 +80,6 @@ class CollisionCounter:
         wider: float | Floats = 0.0,
     ) -> None:
         rows, extent = worlds * robots, np.array([width, height], dtype=np.float64)
-        self.samples: Ints = np.zeros((worlds, len(distances)), np.int64)
-        self.events: Ints = np.zeros((worlds, len(distances)), np.int64)
-        self.in_contact: Flags = np.zeros(rows, np.bool_)
-        self.entered: Ints = np.zeros(rows, np.int64)
-        self.entered_in_tick: Ints = np.zeros(rows, np.int64)
         self._robots = robots
         # Cells are at least two reaches wide. So pairs up to two reaches apart are listed, and the list is valid until
         # a robot has moved by half a reach.
@@ -93,11 +89,6 @@ class CollisionCounter:
         room = robots if shape[0] else 0
         self.packed: Packed[Counts] = COLLISION_COUNTS.pack(
             Counts(
-                samples=self.samples,
-                events=self.events,
-                in_contact=self.in_contact,
-                entered=self.entered,
-                entered_in_tick=self.entered_in_tick,
                 distances=np.array(distances, dtype=np.float64),
                 squares=np.square(np.array(distances, dtype=np.float64)),
                 wider=wider,
@@ -105,15 +96,21 @@ class CollisionCounter:
                 width=float(width),
                 height=float(height),
                 extent=extent,
-                before=np.zeros((rows, 2)),
-                counted=np.zeros(rows, np.bool_),
-                cells=np.zeros(shape, np.int64),
-                links=np.zeros(room, np.int64),
-                listed=np.full(worlds, UNLISTED),
-                pairs=np.zeros((worlds, PAIRS_A_ROBOT * room, 2), np.int64),
-                origins=np.zeros((worlds * room, 2)),
+                **arrays_of(
+                    Counts,
+                    W=worlds,
+                    R=rows,
+                    K=len(distances),
+                    N=room,
+                    P=PAIRS_A_ROBOT * room,
+                    L=worlds * room,
+                    lines=shape[0],
+                    columns=shape[1],
+                ),
             )
         )
+        self.packed.record.listed[:] = UNLISTED
+        self.samples, self.events, self.in_contact, self.entered, self.entered_in_tick = self.packed.record[:5]
 
     def reset(self, world: int) -> None:
         """Set the counts of a world to zero; a pair that is close at its next count is an event again."""

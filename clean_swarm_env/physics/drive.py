@@ -58,15 +58,13 @@ class DifferentialDrive:
         turn_in_place_beyond: float | Floats = pi / 3.0,
         command_timeout: float | Floats = 1.0,
     ) -> None:
-        self.speed: Floats = np.zeros(rows)
-        self.turn_rate: Floats = np.zeros(rows)
-        self._commanded_at: Floats = np.zeros(rows)
         settings = max_speed, max_turn_rate, turn_gain, turn_in_place_beyond, command_timeout
         limits = [np.full(rows, setting, dtype=np.float64) for setting in settings]
         self.max_speed = limits[0]
         self.packed: Packed[DriveState] = DRIVE.pack(
-            DriveState(self.speed, self.turn_rate, self._commanded_at, *limits)
+            DriveState(np.zeros(rows), np.zeros(rows), np.zeros(rows), *limits)
         )
+        self.speed, self.turn_rate, self._commanded_at = self.packed.record[:3]
 
     def reset(self, rows: Ints | slice) -> None:
         """Stop the robots in `rows`, as at the beginning."""

@@ -37,6 +37,7 @@ from clean_swarm_env.physics.tick import land_and_go_on, start_tick
 from selforg.arrays import KEPT, READ, Flags, Floats
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
+from selforg.declared import arrays_of
 from selforg.space import wrapped
 from selforg.walls.segments import Walls, no_walls
 
@@ -95,31 +96,16 @@ class Physics:
         rows = worlds * robots
         radii = np.full(rows, settings.radius, dtype=np.float64)
         largest = float(radii.max())
-        self.positions: Floats = np.zeros((rows, 2))
-        self.headings: Floats = np.zeros(rows)
         self.present = np.ones(rows, np.bool_)
-        self.bodies: Floats = np.zeros((rows, 4))
         search = NOBODY_TOUCHES
         if settings.contacts == "solid" and robots > 1:
             search = SEARCH_PAIRS if robots <= PAIR_SEARCH_LIMIT else ALWAYS_TOUCHING
         extent = np.array([settings.width, settings.height], dtype=np.float64)
-        cells = np.zeros(np.maximum(cells_along(robots, 2.0 * largest * (1.0 + SKIN), extent), 1), np.int64)
+        lines, columns = np.maximum(cells_along(robots, 2.0 * largest * (1.0 + SKIN), extent), 1).tolist()
         self._motion: Packed[RobotMotion] = ROBOT_MOTION.pack(
             RobotMotion(
-                positions=self.positions,
-                headings=self.headings,
-                bodies=self.bodies,
-                wanted=np.zeros((rows, 2)),
-                forces=np.zeros((rows, 2)),
                 present=self.present,
-                copies=np.zeros(rows, np.uint8),
-                patience=np.zeros(worlds, np.int64),
-                parts=np.zeros((robots, PARTS), np.int64),
-                walls=np.zeros(len(self.walls.record.segments), np.int64),
-                left=np.zeros(worlds, np.int64),
                 extent=extent,
-                cells=cells,
-                links=np.zeros(robots, np.int64),
                 search=search,
                 width=float(settings.width),
                 height=float(settings.height),
@@ -129,8 +115,19 @@ class Physics:
                 timestep=float(settings.timestep),
                 settling=PERSISTENCE + 1,
                 stiffness=1.0 / settings.timestep,
+                **arrays_of(
+                    RobotMotion,
+                    W=worlds,
+                    N=robots,
+                    R=rows,
+                    PARTS=PARTS,
+                    K=len(self.walls.record.segments),
+                    lines=lines,
+                    columns=columns,
+                ),
             )
         )
+        self.positions, self.headings, self.bodies = self._motion.record[:3]
 
     def place(self, world: int, positions: Floats, headings: Floats) -> None:
         """Put the robots of one world at places, at rest; nothing of their past is left.

@@ -143,8 +143,6 @@ class MissionRecorder:
             facts["models"] = mission.models.tolist()
         prices = task.prices(mission)
         facts |= self._networks | ({"prices": prices} if prices else {})
-        if task.tally is not None:
-            facts["counted"] = task.tally._asdict()
         if not items:
             facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)
             facts["things"] = list(things_of(worlds, world, moving=self.settings.put))

@@ -16,6 +16,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork
 from selforg.arrays import SCRATCH, Floats, Ints
+from selforg.declared import make_arrays
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.causes import MOST_CAUSES, Causes
 from selforg.mechanisms.formula import NeighbourMechanism
@@ -136,8 +137,7 @@ class Movements:
 
     def __init__(self, worlds: Worlds) -> None:
         self._worlds, self._causes = worlds, Causes(worlds.rows)
-        self.commands, self.wishes = np.zeros((worlds.rows, 2)), np.zeros((worlds.rows, 2))
-        self.who, self.shares = self._causes.who.copy(), np.zeros((worlds.rows, MOST_CAUSES))
+        make_arrays(self, R=worlds.rows, MOST=MOST_CAUSES)
 
     def note(self) -> None:
         """Read what the last tick left behind."""

@@ -33,8 +33,6 @@ from selforg.registry import unknown
 class Blueprint(Protocol):
     """What minds must know of a task: buffers and networks."""
 
-    always_acts: bool
-
     def robot(
         self, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
     ) -> RobotNetwork:
@@ -75,7 +73,7 @@ class Minds:
         directories: Sequence[Path] = (),
         explained: bool = False,
     ) -> None:
-        self.rows, self._always = worlds * mission.rows, task.always_acts
+        self.rows = worlds * mission.rows
         self.known: Callable[[], Mapping[str, Floats]] = dict
         self.surroundings = BodiesAround()
         self._build_buffers(mission, worlds, task)
@@ -164,22 +162,6 @@ class Minds:
             self._pose_delivery.deliver()
         for buffer in self._delayed:
             buffer.deliver(now)
-
-    def sense(self, now: float) -> None:
-        """Write the sensors of coordinators into the readings."""
-        self.robots.sense(now)
-
-    def decide(self, rows: Ints | None) -> None:
-        """Step the networks of `rows` (K,), or all, so that they decide which behaviours run."""
-        self.network.step(rows, self._always)
-
-    def act(self, now: float) -> None:
-        """Write a movement vector for every robot in which a behaviour that moves runs, and bend those there are."""
-        self.robots.act(now, self.commands)
-
-    def leave(self, now: float) -> None:
-        """Deposit and spread what others perceive from the next tick on: pheromones and gradients."""
-        self.robots.leave(now)
 
     def follow(self, vectors: Floats, rows: Flags) -> None:
         """Command the robots marked in `rows` (R,) to follow vectors (R, 2) [m/s] in place of their decisions."""

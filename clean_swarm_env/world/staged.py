@@ -21,7 +21,7 @@ from clean_swarm_env.physics.rays import Bodies
 from clean_swarm_env.world.mission_end import NO_TICK
 from clean_swarm_env.world.parts.measure import Measure
 from clean_swarm_env.world.parts.promises import TASK_PROMISES
-from clean_swarm_env.world.parts.shown import NO_END, ROBOT, Counted, Drawn, Shown
+from clean_swarm_env.world.parts.shown import NO_END, ROBOT, WORLD, Drawn, Shown
 from clean_swarm_env.world.parts.things import Things, kinds_of
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.view import CARRYING, TaskView
@@ -51,7 +51,6 @@ class StagedTask(TaskKind, ABC):
         best_score: score of a mission that costs nothing, from which its cost by the time limit is taken [-].
         thinks_when_driven: whether networks of robots go on deciding while a learner drives the robots.
         always_acts: whether networks select again until some behaviour runs.
-        tally: what pictures of recordings count.
         around: the things, as `Task.things` returned them.
         asked: (R, 2) [m/s] what the mechanisms asked for last; 0 for nothing.
         standing: (R,) ticks for which a collision stops the robot, that of the collision included; 0 unless you say so.
@@ -66,7 +65,6 @@ class StagedTask(TaskKind, ABC):
     best_score: ClassVar[float] = 2.0  # 1 where the measure that is worst by its target just meets it
     thinks_when_driven: ClassVar[bool] = True
     always_acts: ClassVar[bool] = True
-    tally: ClassVar[Counted | None] = None
 
     world: TaskView
     around: tuple[Things, ...]
@@ -225,5 +223,6 @@ class StagedTask(TaskKind, ABC):
         return (Drawn(ROBOT, "item", {"cargo": (0, NO_END)}),) if CARRYING in self.world.memory.kinds else ()
 
     def headline(self, world: int) -> str:
-        """Return what there is to say of a world in one line: its measures."""
-        return ", ".join(f"{name} {values[world]:.3g}" for name, values in self.result().items())
+        """Return what there is to say of a world in one line: its measures, and the numbers that it shows of worlds."""
+        measures = (f"{name} {values[world]:.3g}" for name, values in self.result().items())
+        return ", ".join((*measures, *(f"{one.values[world]} {one.about}" for one in self.shown() if one.axis == WORLD)))

@@ -224,15 +224,15 @@ class Worlds:
         minds, task = self.minds, self.task
         task.sense()
         self.world.find_ways()
-        minds.sense(now)
-        minds.decide(able)
+        minds.robots.sense(now)
+        minds.network.step(able, task.always_acts)
         task.after_deciding()
         task.command(minds.commands)
-        minds.act(now)
+        minds.robots.act(now, minds.commands)
         task.after_acting(minds.commands)
         if self._correction is not None:
             minds.commands.add(self._correction * self.team.working[:, None])
-        minds.leave(now)
+        minds.robots.leave(now)
         task.after_leaving()
 
 

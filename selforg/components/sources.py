@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Annotated
 
 import numpy as np
 
 from selforg.arrays import CLOCKED, KEPT, Flags, Floats, Ints
+from selforg.declared import make_arrays
 from selforg.elementary import directions, exponentials, logarithms
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
@@ -58,11 +58,8 @@ class MovementSource(Source):
         if exponent != 0.0 and not exponent > 1.0:
             raise ValueError(f"MovementSource: exponent must be 0 or above 1, got {exponent}")
         self.mechanism, self.hold, self.exponent, self.longest = mechanism, float(hold), exponent, longest
-        rows, dim = mechanism.poses.rows, mechanism.poses.space.dim
-        self.vectors = np.zeros((rows, dim))
-        self.active = np.zeros(rows, dtype=np.bool_)
-        self._asked = np.full(rows, -np.inf)
-        self._holds = np.full(rows, self.hold)
+        make_arrays(self, N=mechanism.poses.rows, D=mechanism.poses.space.dim)
+        self._asked[:], self._holds[:] = -np.inf, self.hold
         self.parts = getattr(mechanism, "parts", ())
 
     def forget(self, rows: Ints) -> None:
@@ -98,10 +95,7 @@ class GoalSource(Source):
     def __init__(self, buffer: SoBuffer, rule: str = "nearest_attractive", look: Filter = EVERYTHING_IN_VIEW) -> None:
         self._queries, self._poses = Queries(buffer), buffer.poses
         self.rule, self.look = rule, look
-        rows, dim = self._poses.rows, self._poses.space.dim
-        self.offsets = np.zeros((rows, dim))
-        self.clearance = np.zeros(rows)
-        self.present = np.zeros(rows, dtype=np.bool_)
+        make_arrays(self, N=self._poses.rows, D=self._poses.space.dim)
 
     def ask(self, now: float, rows: Ints) -> None:
         pairs, found = self._queries.choose(self.rule, now, rows, self.look)
@@ -144,9 +138,4 @@ class Surroundings:
         angles: (K,) to the left of the robot's heading [rad]. things: radius as which things count that have none [m];
         0: rays meet walls and robots only.
         """
-        return partial(met_nothing, len(angles), reach)
-
-
-def met_nothing(count: int, reach: float, rows: Ints) -> Floats:
-    """Return the lengths (P, count) [m] of rays of `rows` (P,) that meet nothing."""
-    return np.full((len(rows), count), reach)
+        return lambda rows: np.full((len(rows), len(angles)), reach)

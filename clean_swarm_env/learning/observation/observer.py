@@ -25,6 +25,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import long_kernel
 from selforg.compiler.records import Handle
+from selforg.declared import make_arrays
 from selforg.mechanisms.steering.base import OTHER_COLUMNS
 
 Observations = NDArray[np.float32]
@@ -59,8 +60,7 @@ class Observer:
         sizes = [len(term.components) for term in terms]
         self._weights = np.repeat([np.float32(term.weight) for term in self.config.terms or ()], sizes)
         self.bounds = np.abs(self._weights)
-        self._rows = np.zeros(worlds.rows, dtype=np.int64)
-        self._seen = np.zeros((worlds.rows, self.width))
+        make_arrays(self, R=worlds.rows, F=self.width)
         self._all = np.arange(worlds.worlds)
         places = [slice(last - size, last) for size, last in zip(sizes, accumulate(sizes), strict=True)]
         chosen = dict(zip((term.name for term in terms), places, strict=True))

@@ -16,6 +16,7 @@ from selforg.arrays import SCRATCH, Floats, Ints, Links, Octets
 from selforg.commands import Commanded, Commands, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Handle
+from selforg.declared import make_arrays
 from selforg.network import state as st
 from selforg.walls.ways import NO_FIELD, shared_square, square_of, to_target, way_down
 
@@ -33,8 +34,7 @@ class Rounds:
 
     def __init__(self, world: TaskView, site: Site, movers: Movers) -> None:
         self._site, self._movers, self._ways = site, movers, world.ways
-        self._goals = np.zeros((world.rows, 2))
-        self._squares = np.zeros((world.rows, 2), dtype=np.int64)
+        make_arrays(self, R=world.rows)
 
     def command_ways(self, commands: Commands) -> None:
         """Turn the commands of robots that go to a station or an item into the ways there."""

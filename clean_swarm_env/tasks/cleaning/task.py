@@ -33,7 +33,7 @@ from clean_swarm_env.tasks.cleaning.robot import CargoMemory, coordinating_more,
 from clean_swarm_env.tasks.cleaning.rounds import Rounds
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings, settings_of
 from clean_swarm_env.tasks.cleaning.site import STATION_CHANNELS, Site
-from clean_swarm_env.world.parts.shown import NO_END, ROBOT, WORLD, Counted, Destination, Drawn, Shown
+from clean_swarm_env.world.parts.shown import NO_END, ROBOT, WORLD, Destination, Drawn, Shown
 from clean_swarm_env.world.parts.things import TaskState, WorldStart
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.task import Task
@@ -68,7 +68,6 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         "crowd", "avoidance", "movement", "time", "idle", "holds",
     )  # fmt: skip
     achievements, phases, Counts = ACHIEVEMENTS, PHASES, CleaningCounts
-    tally = Counted("item_stage", DONE, "items dumped")
     Starts = missions.CleaningStarts
     doing = {"PickGarbage": "picks an item", "Recycle": "recycles its item", "Dump": "dumps its leftovers"}
     searching = {"Patrol": "patrol", "ExplorationPatrol": "patrol"}
@@ -263,14 +262,11 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         """Return the phase in which each robot (R,) was when it was last observed; see `learning.terms`."""
         return self.site.packed.record.phases
 
-    def headline(self, world: int) -> str:
-        """Return how many items are dumped."""
-        return f"{self.garbage.done[world]} of {self.garbage.arrived[world]} items dumped"
-
     def shown(self) -> tuple[Shown, ...]:
         """Return cargo, items and stations, and how many items are dumped."""
-        done, share = self.garbage.done, self.garbage.done / np.maximum(self.garbage.arrived, 1)
-        return (*self._shown, Shown("done", WORLD, done, "items dumped", {"garbage_done": share}, recorded=False))
+        share = {"garbage_done": self.garbage.done / np.maximum(self.garbage.arrived, 1)}
+        dumped = Shown("dumped", WORLD, self.garbage.done, "items dumped", share)
+        return (*self._shown, dumped, Shown("came", WORLD, self.garbage.arrived, "items came"))
 
     @cached_property
     def _shown(self) -> tuple[Shown, ...]:

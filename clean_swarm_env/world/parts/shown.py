@@ -101,13 +101,3 @@ def chosen_of(one: Drawn | Destination, values: Mapping[str, AnyArray], count: i
     if one.numbers is not None:
         flags &= np.isin(np.arange(count), one.numbers)
     return np.flatnonzero(flags)
-
-
-class Counted(NamedTuple):
-    """What pictures of a recording count: things whose stage reached `done`, of those that came."""
-
-    name: str
-    """Of the shown array of stages; those below `done` are still to be done."""
-    done: int
-    about: str
-    """Such as "items dumped"."""

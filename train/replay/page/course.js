@@ -55,7 +55,7 @@ export function eventsOf(run) {
 function carriedOf(run, events) {
   let before = Array.from({ length: run.head.robots }, (_, robot) => loadOf(run, 0, robot));
   for (let frame = 1; frame < run.frames; frame++) {
-    const now = before.map((_, robot) => loadOf(run, frame, robot)), done = doneIn(run, frame);
+    const now = before.map((_, robot) => loadOf(run, frame, robot)), done = valueAt(run, "dumped", frame) - valueAt(run, "dumped", frame - 1);
     /** @type {number[]} */
     const put = [];
     now.forEach((load, robot) => {
@@ -64,17 +64,9 @@ function carriedOf(run, events) {
       else events.push({ frame, kind: before[robot] ? "recycled" : "found", robot });
     });
     for (let k = 0; k < done; k++) events.push({ frame, kind: "dumped", robot: put[k] ?? put[0] ?? -1 });
-    if (!run.head.counted) for (const robot of put) events.push({ frame, kind: "put", robot });
+    if (!run.tracks.has("dumped")) for (const robot of put) events.push({ frame, kind: "put", robot });
     before = now;
   }
-}
-
-/** Return how many things become done at a frame, of those that the recording counts. @param {Run} run @param {number} frame */
-function doneIn(run, frame) {
-  const { name = "", done } = run.head.counted ?? {}, columns = run.tracks.get(name)?.columns ?? 0;
-  let count = 0;
-  for (let k = 0; k < columns; k++) if (valueAt(run, name, frame, k) === done && valueAt(run, name, frame - 1, k) !== done) count++;
-  return count;
 }
 
 /** Return items dumped and collision events up to each frame. @param {Run} run @param {RunEvent[]} all @returns {{items: Float64Array, contacts: Float64Array}} */

@@ -75,7 +75,7 @@ export class Page {
   /** Build the figure of a run. @param {Run} run @param {number} k @returns {Shown} */
   build(run, k) {
     const figure = document.createElement("figure");
-    const titles = ["Option held by each robot", !run.head.counted ? "Collisions" : "Items dumped (line), collisions (dashes)", "What the chooser thinks of each option, averaged over robots"];
+    const titles = ["Option held by each robot", !run.tracks.has("dumped") ? "Collisions" : "Items dumped (line), collisions (dashes)", "What the chooser thinks of each option, averaged over robots"];
     figure.innerHTML = `<figcaption><b></b><span class="caption"></span></figcaption><div class="score"></div>
       <div class="stage"><canvas class="world" tabindex="0" role="img" aria-label="The world of run ${k + 1}"></canvas></div>
       <details class="charts"><summary>Charts</summary>
@@ -259,7 +259,7 @@ export class Page {
     const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.prices?.items || run.head.items, counts.items[counts.items.length - 1] ?? 0)), 1);
     for (const { run, counts, charts } of this.shown) {
       const curves = [{ values: counts.contacts, colour: LOOK.contact, dash: [5, 4], most }];
-      if (run.head.counted) curves.unshift({ values: counts.items, colour: LOOK.attracts, dash: [], most: items });
+      if (run.tracks.has("dumped")) curves.unshift({ values: counts.items, colour: LOOK.attracts, dash: [], most: items });
       drawHeld(run, this.frames, charts[0]);
       drawCurves(curves, this.frames, charts[1]);
       drawCurves(opinionCurves(run, charts[2].width), this.frames, charts[2]);

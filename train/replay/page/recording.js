@@ -12,7 +12,6 @@
  *   networks?: Record<string, NetworkNames>, models?: number[], walls?: [number, number, number, number][], zones?: [string, number, number, number, number][], shown?: [number, number], field?: number,
  *   things?: Thing[], option_words?: Record<string, string[]>, inputs?: string[],
  *   policies?: Record<string, import("./policy.js").Policy>, drawn?: Drawn[], events?: {of: string, event: string, about: string}[], destinations?: Destination[], task_words?: TaskWords,
- *   counted?: {name: string, done: number, about: string},
  *   prices?: {event: number, sample: number, limit: number, left: number, items: number}}} Head; models: number of each robot's model, if they differ; of tasks other than cleaning: field, the longer
  *   side of the ground, or of the rectangle of open land in which robots start [m], and the things
  * @typedef {{channel: string, attraction: number, x: number, y: number, radius: number, moves?: number}} Thing at the start; moves: its

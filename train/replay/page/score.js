@@ -30,7 +30,7 @@ const whole = (seconds) => `${Math.round(seconds).toLocaleString("en")} s`;
 export function scoreOf(run, counts, frame, time) {
   const collisions = counts.contacts[frame] ?? 0, cost = costOf(run, counts, frame, time);
   const events = `<span title="Pairs of robots that came closer than ${run.head.mission.collision_distances?.[0] ?? 0.55} m."><b data-collisions>${collisions}</b> collision${collisions === 1 ? "" : "s"}</span>`;
-  if (!run.head.counted) return events;
+  if (!run.tracks.has("dumped")) return events;
   const of = cost?.all ? ` of ${cost.all}` : "", items = counts.items[frame] ?? 0;
   const dumped = `<span title="Items that have been recycled and dumped: the work that is done."><b data-items>${items}</b>${of} item${cost?.all || items !== 1 ? "s" : ""} dumped</span>`;
   if (!cost) return `${dumped}${events}`;
