@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.errors import DocumentError, check_unique, shown, validated
 from selector.documents.fields import JOINT, Closed, DocumentName, Label, Name, NonNegative, Number, checked_name
 from selector.documents.find import all_files, files_of, find_file
 from selector.documents.plain import plain, short
@@ -118,10 +118,7 @@ class _KnowledgeFile(Closed):
     @model_validator(mode="after")
     def _unique_names(self) -> Self:
         for goal, options in self.goals.items():
-            names = [checked_name(option.name, f"goals.{goal}: name") for option in options]
-            for name in names:
-                if names.count(name) > 1:
-                    raise ValueError(f"goals.{goal}: option {name!r} is given twice")
+            check_unique(f"goals.{goal}", [checked_name(option.name, f"goals.{goal}: name") for option in options])
         return self
 
 

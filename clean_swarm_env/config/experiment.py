@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from clean_swarm_env.config.mission import MissionConfig, OptionScores, StartConfiguration
 from clean_swarm_env.config.types import Scenarios
 from selector.coordination.selection import BY_SCORE
-from selector.documents.errors import impossible
+from selector.documents.errors import check_unique
 from selector.documents.fields import Closed, Label, Name, Number
 from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS, check_trust
 from selector.strategies.registry import StrategySpec, spec_from_text
@@ -78,11 +78,6 @@ class ExperimentConfig(Closed):
 
     @model_validator(mode="after")
     def _unique_names(self) -> Self:
-        for key, names in (
-            ("conditions", [c.name for c in self.conditions]),
-            ("starts", [s.id for s in self.starts]),
-        ):
-            for name in names:
-                if names.count(name) > 1:
-                    raise impossible(key, "unique names", f"{name!r} twice")
+        check_unique("conditions", [condition.name for condition in self.conditions])
+        check_unique("starts", [start.id for start in self.starts])
         return self

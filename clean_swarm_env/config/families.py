@@ -65,6 +65,12 @@ class Scenario:
         return self.mission.events
 
 
+def check_span(key: str, span: tuple[float, float]) -> None:
+    """Raise the error of a span at the dotted `key` whose least number is larger than its largest."""
+    if span[0] > span[1]:
+        raise impossible(key, "the least before the largest", f"[{span[0]:g}, {span[1]:g}]")
+
+
 class ChangesConfig(Closed):
     """Number, kinds and sizes of the events of a scenario."""
 
@@ -86,9 +92,7 @@ class ChangesConfig(Closed):
     @model_validator(mode="after")
     def _possible(self) -> Self:
         for name in ("number", "items", "respawn", "reach", "loss"):
-            least, most = getattr(self, name)
-            if least > most:
-                raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
+            check_span(name, getattr(self, name))
         if self.number[1] > 0 and not self.kinds:
             raise impossible("kinds", "at least one kind of event", "none")
         if self.number[1] > 0 and self.phases > 0:
@@ -141,9 +145,7 @@ class FamilyConfig(Closed):
         self.__dict__.update({name: (one, one) for name, one in own.items() if name not in self.model_fields_set})
         self._sum_groups()
         for name in ("robots", "items", "respawn", "spots", "station_places"):
-            least, most = getattr(self, name) or (0, 0)
-            if least > most:
-                raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
+            check_span(name, getattr(self, name) or (0, 0))
         for name in ("robots", "items"):
             counts = {len(getattr(start, name)) for start in self.starts}
             if counts and counts != set(getattr(self, name)):
@@ -187,12 +189,11 @@ class FamilyConfig(Closed):
     def _sum_groups(self) -> None:
         """Check the numbers of robots of models, if they are drawn, and let `robots` be their sums."""
         names = [model.model for model in self.mission.robots.groups]
-        for name, (least, most) in self.groups.items():
+        for name, span in self.groups.items():
             if name not in names:
                 expected = f"models of the mission's groups ({', '.join(names) or 'it has none'})"
                 raise impossible("groups", expected, repr(name))
-            if least > most:
-                raise impossible(f"groups.{name}", "the least before the largest", f"[{least}, {most}]")
+            check_span(f"groups.{name}", span)
         totals = tuple(sum(spans) for spans in zip(*self._spans, strict=True))
         if self.groups and "robots" in self.model_fields_set and self.robots != totals:
             raise impossible("robots", "nothing beside `groups`", list(self.robots))

@@ -11,7 +11,7 @@ from math import ceil
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE, DeliveryConfig
 from clean_swarm_env.config.events import MOST_TIMES, Again, Event, Join, SetDelivery, check_team
@@ -41,17 +41,12 @@ PUSHED = 1.4
 class StartConfiguration(Closed):
     """Places of robots and items at the start of a mission."""
 
-    id: Name
-    """Name of the scenario, unique among those of an experiment."""
+    id: Annotated[Name, BeforeValidator(lambda value: str(value) if type(value) is int else value)]
+    """Name of the scenario, or its number, unique among those of an experiment."""
     robots: tuple[Pose, ...]
     """(N, 3) x [m], y [m] and heading [rad] of each robot; empty where the task of the mission places them."""
     items: tuple[Point, ...] = ()
     """(M, 2) x [m] and y [m] of each item."""
-
-    @field_validator("id", mode="before")
-    @classmethod
-    def _numbers_are_names(cls, value: object) -> object:
-        return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
 class NetworkConfig(SettingsSpec):

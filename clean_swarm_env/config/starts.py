@@ -17,7 +17,7 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.robots import models_of_rows, of_each
 from clean_swarm_env.config.tasks import NO_ITEMS, TaskSettings, items_of, with_items
 from clean_swarm_env.config.types import ConfigurationError, Point
-from selector.documents.errors import impossible, shown, validated
+from selector.documents.errors import check_unique, shown, validated
 from selector.documents.fields import Closed, Positive
 from selector.documents.reading import read_json
 from selforg.arrays import Floats
@@ -202,9 +202,7 @@ class StartsFile(Closed, extra="ignore"):
 
     @model_validator(mode="after")
     def _unique_ids(self) -> Self:
-        ids = [case.id for case in self.cases]
-        for twice in (one for one in ids if ids.count(one) > 1):
-            raise impossible("cases", "unique ids", f"{twice!r} twice")
+        check_unique("cases", [case.id for case in self.cases], "ids")
         return self
 
     @classmethod

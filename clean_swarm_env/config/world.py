@@ -82,17 +82,13 @@ class WorldConfig(Closed):
     """Decisions of every robot per second [Hz]; the physics rate is a whole multiple of it."""
 
     @model_validator(mode="after")
-    def _whole_steps(self) -> Self:
+    def _possible(self) -> Self:
         ratio = self.physics_rate / self.control_rate
         if ratio > MOST_STEPS:
             raise impossible("physics_rate", f"at most {MOST_STEPS} steps in a control period", self.physics_rate)
         if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
             expected = f"a rate that divides physics_rate {self.physics_rate:g} Hz into whole steps"
             raise impossible("control_rate", expected, self.control_rate)
-        return self
-
-    @model_validator(mode="after")
-    def _zones_on_the_ground(self) -> Self:
         for k, zone in enumerate(self.zones):
             (left, bottom), (right, top) = zone.area
             if not (0.0 <= left < right <= self.width and 0.0 <= bottom < top <= self.height):

@@ -69,11 +69,7 @@ class Reception:
 
     def of_poses(self, poses: OwnPoses) -> PoseDelivery | None:
         """Return the delivery of `poses`; None if robots share one content."""
-        if not self.own_contents:
-            return None
-        delivery = PoseDelivery(poses, self.reaches, self.losses, self._generators, self.delay_ticks, self._ranges)
-        delivery.in_zones, delivery.walls = self._in_zones, self._walls or delivery.walls
-        return delivery
+        return PoseDelivery(poses, self.delivery(), self.delay_ticks) if self.own_contents else None
 
     def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Set range, losses and random draws of a world that is reset."""

@@ -225,4 +225,6 @@ class StagedTask(TaskKind, ABC):
     def headline(self, world: int) -> str:
         """Return what there is to say of a world in one line: its measures, and the numbers that it shows of worlds."""
         measures = (f"{name} {values[world]:.3g}" for name, values in self.result().items())
-        return ", ".join((*measures, *(f"{one.values[world]} {one.about}" for one in self.shown() if one.axis == WORLD)))
+        return ", ".join(
+            (*measures, *(f"{one.values[world]} {one.about}" for one in self.shown() if one.axis == WORLD))
+        )

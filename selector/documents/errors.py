@@ -1,7 +1,7 @@
 """Errors in documents, as one line each: file, key, what was expected and what was given."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from typing import TypeVar
 
@@ -42,6 +42,13 @@ def impossible(key: str, expected: str, given: object) -> PydanticCustomError:
     """Return the error of a value that does not fit the values around it, at the dotted `key` below the model."""
     message = "expected {expected}, got {given}"
     return PydanticCustomError(IMPOSSIBLE, message, {"key": key, "expected": expected, "given": str(given)})
+
+
+def check_unique(key: str, names: Sequence[str], what: str = "names") -> None:
+    """Raise the error of the first name that is there twice, at the dotted `key` below the model."""
+    for name in names:
+        if names.count(name) > 1:
+            raise impossible(key, f"unique {what}", f"{name!r} twice")
 
 
 def unknown_key(key: str, known: Iterable[str]) -> PydanticCustomError:

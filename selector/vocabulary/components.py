@@ -7,7 +7,15 @@ target or a piece of knowledge by the name that this has in the document.
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeAlias, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    Field,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
 from selector.documents.errors import of_part
 from selector.documents.fields import Closed, Flag, Name, NonNegative
@@ -29,7 +37,7 @@ DEFAULT_BUFFER = "gradients"
 class MechanismSpec(Closed):
     """A registered mechanism with its parameters."""
 
-    type: ClassName
+    type: Annotated[ClassName, AfterValidator(lambda name: registered(name, MECHANISMS))]
     """Name of the mechanism's class, or `module:Class`."""
     buffer: Name = DEFAULT_BUFFER
     """Name of the host's buffer that the mechanism reads and spreads to."""
@@ -41,11 +49,6 @@ class MechanismSpec(Closed):
     """Longest time that is drawn [s]."""
     parameters: dict[Name, Any] = Field(default_factory=dict)
     """Keyword arguments of the mechanism."""
-
-    @field_validator("type")
-    @classmethod
-    def _registered(cls, name: str) -> str:
-        return registered(name, MECHANISMS)
 
 
 class TargetSpec(Closed):

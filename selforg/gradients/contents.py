@@ -5,7 +5,7 @@ The order of storing stays, so that the team finds the same gradients in the sam
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from selforg.gradients.delivery import Post
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.linking import claim_slot, link
 from selforg.gradients.store.records import Store, open_store
-
-if TYPE_CHECKING:  # which imports this
-    from selforg.gradients.buffer import SoBuffer
 
 
 class TeamContents(NamedTuple):
@@ -37,7 +34,7 @@ class TeamContents(NamedTuple):
     mail: list[Post]  # under way; rows count from the team's first
 
 
-def part_of(buffer: SoBuffer, team: int) -> TeamContents:
+def part_of(buffer: Any, team: int) -> TeamContents:  # noqa: ANN401  (an SoBuffer, which stands above this module)
     """Return the stored gradients of a team, with its messages under way."""
     store, channels = buffer.table.record, buffer.channels.numbered()
     layers = buffer.layers_of(team, np.arange(len(channels)))
@@ -62,7 +59,7 @@ def part_of(buffer: SoBuffer, team: int) -> TeamContents:
     return TeamContents(store.near[slots], store.far[slots], links, marks, sweeps, *names, payloads, mail)
 
 
-def put_part(buffer: SoBuffer, team: int, state: TeamContents, later: float) -> None:
+def put_part(buffer: Any, team: int, state: TeamContents, later: float) -> None:  # noqa: ANN401
     """Replace the stored gradients of a team by the result of `part_of`, `later` [s] after it; as many rows."""
     buffer.clear(team)
     near, far, links, marks = state.near.copy(), state.far.copy(), state.links.copy(), state.marks.copy()

@@ -192,12 +192,7 @@ class PoseDelivery:
     """Delivers poses among the rows of `poses`; call `deliver` after each update of the poses.
 
     Attributes:
-        reaches: (T,) farthest receiver in each team [m]; the owner may change it.
-        losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
-        ranges: (N,) farthest receiver of the pose of each row [m], if `reaches` is larger.
-        in_zones: (N,) probability that a pose from or to each row gets lost where it is; empty: only `losses` count.
-        walls: stop poses to rows behind them; none unless the owner gives some.
-        generators: one for each row, for the losses of what it spreads; the owner may change it.
+        rule: range, losses and what else decides who hears whom; reach and loss are arrays (T,), its delay is not read.
         delay: age of a pose on its arrival [updates].
 
     Raises:
@@ -205,27 +200,17 @@ class PoseDelivery:
 
     """
 
-    ranges: Annotated[Floats, "N", READ]
-    in_zones: Annotated[Floats, "N", READ]
+    _ranges: Annotated[Floats, "N", READ]
     _draws: Annotated[Floats, "N MEMBERS", SCRATCH]
 
-    def __init__(
-        self,
-        poses: OwnPoses,
-        reaches: Floats,
-        losses: Floats,
-        generators: Sequence[np.random.Generator],
-        delay: int = 0,
-        ranges: Floats | None = None,
-    ) -> None:
+    def __init__(self, poses: OwnPoses, rule: Delivery, delay: int = 0) -> None:
         if poses.row_table.shape[1] == c.ROW_HEARD:
             raise ValueError("PoseDelivery: the poses must be made with hearing=True")
         if not 0 <= delay < max(poses.history, 1):
             raise ValueError(f"PoseDelivery: delay must lie in the history of {poses.history} poses, got {delay!r}")
-        self.poses, self.delay = poses, delay
-        self.reaches, self.losses, self.generators = reaches, losses, generators
-        self.ranges = np.full(poses.rows, np.inf) if ranges is None else ranges
-        self.in_zones, self.walls = np.zeros(0), no_walls()
+        self.poses, self.rule, self.delay = poses, rule, delay
+        self._ranges = rule.ranges if len(rule.ranges) else np.full(poses.rows, np.inf)
+        self._walls = rule.walls or no_walls()
         self._draws = np.zeros((poses.rows, (poses.row_table.shape[1] - c.ROW_HEARD) // 2))
 
     def deliver(self) -> None:
@@ -233,12 +218,13 @@ class PoseDelivery:
 
         Losses are drawn, and ranges measured from where the pose was sent, on its arrival.
         """
-        lossy = (self.losses > 0.0) & (self.losses < 1.0) | (len(self.in_zones) > 0)
+        rule, reaches, losses = self.rule, np.asarray(self.rule.reach), np.asarray(self.rule.loss)
+        lossy = (losses > 0.0) & (losses < 1.0) | (len(rule.in_zones) > 0)
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
-                self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        poses, walls, losses, in_zones = self.poses.packed.handle, self.walls.handle, self.losses, self.in_zones
-        deliver_poses(poses, self.reaches, self.ranges, losses, in_zones, self._draws, self.delay, walls)
+                self._draws[row] = rule.generators[row].random(self._draws.shape[1])
+        poses, walls = self.poses.packed.handle, self._walls.handle
+        deliver_poses(poses, reaches, self._ranges, losses, rule.in_zones, self._draws, self.delay, walls)
 
 
 @kernel

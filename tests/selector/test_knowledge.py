@@ -56,7 +56,7 @@ def test_scores_for_what_does_not_exist_are_refused(scores, message):
         ({"goals": {"G": [{"configuration": "A", "score": "1"}]}}, r"goals\.G\.0\.score: expected .*number, got '1'"),
         ({"goals": {"G": [{"configuration": "A", "score": True}]}}, r"goals\.G\.0\.score: expected .*number, got True"),
         ({"goals": {"G": [{"configuration": "A", "score": 1.0, "scroe": 2.0}]}}, r"goals\.G\.0\.scroe: unknown key"),
-        ({"goals": {"G": [OPTIONS[0], OPTIONS[0]]}}, r"k\.yaml: goals\.G: option 'A' is given twice"),
+        ({"goals": {"G": [OPTIONS[0], OPTIONS[0]]}}, r"k\.yaml: goals\.G: expected unique names, got 'A' twice"),
         ({}, "goals: missing key"),
         ({"goals": {"G": [{"score": 1.0}]}}, r"goals\.G: name: expected at least 1 character"),
         (

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Self
 
-from pydantic import BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import Count
@@ -21,7 +21,7 @@ from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation import thing_terms as thing_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.task import task_class
-from selector.documents.errors import DocumentError, validated
+from selector.documents.errors import DocumentError, check_unique, validated
 from selector.documents.fields import Closed, Number, Positive
 from selector.documents.imported import NameOrImport, registered
 from selforg.registry import unknown
@@ -38,15 +38,10 @@ class TermConfig(Closed):
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Number] = Field(init=False)
 
-    name: NameOrImport
+    name: Annotated[NameOrImport, AfterValidator(lambda name: registered(name, TERMS))]
     """Name of a registered term, or `module:class` of one that is registered when that is imported."""
     weight: Number = 1.0
     """Factor on the components of the term [-]."""
-
-    @field_validator("name", mode="after")
-    @classmethod
-    def _registered(cls, name: str) -> str:
-        return registered(name, TERMS)
 
 
 def _by_name(given: object) -> object:
@@ -72,10 +67,7 @@ class ObservationConfig(Closed):
     @model_validator(mode="after")
     def _possible(self) -> Self:
         terms = self.terms or ()
-        names = [term.name for term in terms]
-        for name in names:
-            if names.count(name) > 1:
-                raise ValueError(f"terms: {name!r} is given twice")
+        check_unique("terms", [term.name for term in terms])
         ranges = self.neighbour_ranges
         if any(near >= far for near, far in pairwise(ranges)):
             raise ValueError(f"neighbour_ranges: expected growing distances, got {list(ranges)}")

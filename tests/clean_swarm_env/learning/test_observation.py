@@ -163,7 +163,7 @@ def test_terms_are_chosen_ordered_and_weighted():
     ("given", "message"),
     [
         ({"terms": ["garbag"]}, "unknown observation term 'garbag'.*did you mean 'garbage'"),
-        ({"terms": ["cargo", "cargo"]}, "terms: 'cargo' is given twice"),
+        ({"terms": ["cargo", "cargo"]}, "expected unique names, got 'cargo' twice"),
         ({"terms": []}, "at least 1"),
         ({"terms": [{"name": "cargo", "wait": 1.0}]}, "wait"),
         ({"neighbour_ranges": [1.0, 1.0]}, "expected growing distances"),

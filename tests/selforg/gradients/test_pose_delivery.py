@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from selforg.gradients.delivery import PoseDelivery
+from selforg.gradients.delivery import Delivery, PoseDelivery
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.space import Euclidean
@@ -13,10 +13,10 @@ def ages(ticks, history=4, **settings):
     """The ages of the last two poses that row 0 received from row 1, after each tick; settings of each tick."""
     poses = OwnPoses(Euclidean(2), ROWS, history=history, hearing=True)
     generators = [np.random.default_rng(row) for row in range(ROWS)]
-    delivery = PoseDelivery(poses, np.array([5.0]), np.zeros(1), generators, **settings)
+    delivery = PoseDelivery(poses, Delivery(np.array([5.0]), np.zeros(1), generators=generators), **settings)
     told = []
     for now, (reach, loss) in enumerate(ticks):
-        delivery.reaches[0], delivery.losses[0] = reach, loss
+        delivery.rule.reach[0], delivery.rule.loss[0] = reach, loss
         poses.update(np.arange(float(ROWS))[:, None] * [1.0, 0.0], None, float(now))
         delivery.deliver()
         told.append(poses.row_table[0, [c.ROW_HEARD + 1, c.ROW_HEARD + ROWS + 1]].tolist())
@@ -43,7 +43,8 @@ def test_poses_have_the_age_since_they_were_sent(ticks, settings, told):
 
 def test_losses_have_the_given_probability_and_differ_among_receivers():
     poses = OwnPoses(Euclidean(2), rows=20, hearing=True)
-    delivery = PoseDelivery(poses, np.array([99.0]), np.array([0.3]), [np.random.default_rng(s) for s in range(20)])
+    generators = [np.random.default_rng(s) for s in range(20)]
+    delivery = PoseDelivery(poses, Delivery(np.array([99.0]), np.array([0.3]), generators=generators))
     received = []
     for now in range(100):
         poses.update(np.zeros((20, 2)), None, float(now))
@@ -55,6 +56,6 @@ def test_losses_have_the_given_probability_and_differ_among_receivers():
 
 def test_poses_that_nobody_hears_and_a_delay_beyond_the_history_are_refused():
     with pytest.raises(ValueError, match="must be made with hearing=True"):
-        PoseDelivery(OwnPoses(Euclidean(2), ROWS), np.ones(1), np.zeros(1), [])
+        PoseDelivery(OwnPoses(Euclidean(2), ROWS), Delivery(np.ones(1), np.zeros(1)))
     with pytest.raises(ValueError, match="delay must lie in the history of 4 poses, got 4"):
         ages([], delay=4)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from selforg.commands import Commands
-from selforg.gradients.delivery import PoseDelivery
+from selforg.gradients.delivery import Delivery, PoseDelivery
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import ApproachLeastBusy
 from selforg.space import Torus
@@ -121,11 +121,11 @@ def test_nobody_waits_longer_than_its_patience_and_waiting_begins_anew_when_the_
 
 def test_a_robot_counts_only_where_its_pose_was_received():
     world = world_of([[6.5, 6.0], [2.5, 6.0]], [[2.0, 6.0], [11.5, 6.0]], history=6, hearing=True)
-    delivery = PoseDelivery(world.poses, np.array([3.0]), np.zeros(1), [np.random.default_rng(0)] * 2)
+    delivery = PoseDelivery(world.poses, Delivery(np.array([3.0]), np.zeros(1)))
     mechanism = ApproachLeastBusy(world.buffer, weight=3.0, loyalty=0.0)
     delivery.deliver()
     assert steered(mechanism).vectors[0, 0] < 0.0
-    delivery.reaches[0] = 9.0
+    delivery.rule.reach[0] = 9.0
     delivery.deliver()
     assert steered(mechanism).vectors[0, 0] > 0.0
 

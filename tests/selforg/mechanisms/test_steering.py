@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from selforg.commands import Commands
 from selforg.compiler.decorators import kernel
 from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.delivery import PoseDelivery
+from selforg.gradients.delivery import Delivery, PoseDelivery
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, ORCA, PredictiveSteering, SteeringMechanism
 from selforg.mechanisms.steering.base import OTHER_COLUMNS, note_others
@@ -275,12 +275,12 @@ def test_steering_needs_a_plane(name):
 
 def test_places_and_velocities_are_those_of_the_poses_received():
     poses = make_world(Torus(SIDE, SIDE), rows=2, history=6, hearing=True).poses
-    delivery = PoseDelivery(poses, np.array([3.0]), np.zeros(1), [np.random.default_rng(0)] * 2)
+    delivery = PoseDelivery(poses, Delivery(np.array([3.0]), np.zeros(1)))
     place, seen = 10.0, []
     for tick in range(9):
         now = DT * tick
         poses.update(np.array([[1.0, 5.0], [place % SIDE, 5.0]]), np.zeros(2), now + 1.0)
-        delivery.reaches[0] = 3.0 if tick in (0, 2, 3) else 0.0
+        delivery.rule.reach[0] = 3.0 if tick in (0, 2, 3) else 0.0
         delivery.deliver()
         others = np.zeros((2, OTHER_COLUMNS))
         count = noted(0, now + 1.0, 10.0, others, poses.packed.handle)
