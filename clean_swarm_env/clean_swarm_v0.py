@@ -127,8 +127,8 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observations], AgentInfos]:
         """Begin an episode; `options["start"]` may give a `StartConfiguration` or its keys."""
-        start = start_of(options, ("start", "options"))  # PettingZoo's own tests give {"options": 1}
-        seen = self._batch.reset([seed], [start])
+        known = ("start", "options")  # PettingZoo's own tests give {"options": 1}
+        seen = self._batch.reset([seed], [start_of(options, known)])
         self.agents, self._left = self.at_work(), self._cycles or 0
         self._view.reset()
         return self._of(self.agents, seen.copy()), self._of(self.agents, robot_infos(self._batch))

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Final, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config.events import Event, Join
+from clean_swarm_env.config.events import Join
 from clean_swarm_env.config.known import knowing
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
@@ -58,11 +58,6 @@ class Scenario:
     seed: int
     mission: MissionConfig
     start: StartConfiguration
-
-    @property
-    def events(self) -> tuple[Event, ...]:
-        """What changes during the mission."""
-        return self.mission.events
 
 
 def check_span(key: str, span: tuple[float, float]) -> None:

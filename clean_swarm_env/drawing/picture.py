@@ -117,7 +117,9 @@ class _Picture:
         self._pen.set_clip_rectangle(Bbox.from_bounds(self._left, self._bottom, self._across, self._up))
         renderer.draw_image(self._pen, self._left, self._bottom, _trail(self._canvas, self._across, self._up))
         self._draw_things()
-        self._draw_walls()
+        walls = Affine2D.from_values(self._scale, 0.0, 0.0, self._scale, self._left, self._bottom)
+        for wall in self._canvas.walls:
+            self._outline(Outline(wall.reshape(2, 2)), walls, NO_COLOUR, LOOK.wall.colour, LOOK.wall_width)
         self._draw_robots()
         self._pen.set_clip_rectangle(None)
         middle = Affine2D.from_values(across, 0.0, 0.0, up, self._left + across, self._bottom + up)
@@ -153,12 +155,6 @@ class _Picture:
                 if radius > 0.0:
                     self._area(x, y, radius, sign.colour)
                 self._sign(sign, x, y, max(sign.half * self._scale, LEAST_STATION if sign.letter else 0.0))
-
-    def _draw_walls(self) -> None:
-        """Draw walls."""
-        place = Affine2D.from_values(self._scale, 0.0, 0.0, self._scale, self._left, self._bottom)
-        for wall in self._canvas.walls:
-            self._outline(Outline(wall.reshape(2, 2)), place, NO_COLOUR, LOOK.wall.colour, LOOK.wall_width)
 
     def _draw_robots(self) -> None:
         """Draw robots with fronts and cargo, and then their numbers, which nothing hides."""

@@ -29,7 +29,8 @@ def traces_at(recording: RecordedMission, frame: int) -> Traces:
 
     A robot of the mission stores fewer: of traces within the aggregation distance it keeps one.
     """
-    parts = []
+    nothing = np.zeros(0, dtype=np.int64)
+    parts = [Traces(nothing, np.zeros((0, 2)), np.zeros(0), nothing)]
     bits = recording.whole("deposit")[:frame]
     for kind, facts in enumerate(recording.notes.get("deposits", [])):
         made, robot = np.nonzero(bits & (1 << kind))
@@ -44,7 +45,4 @@ def traces_at(recording: RecordedMission, frame: int) -> Traces:
             [recording.whole(name)[made, robot] / recording.channels[name].scale for name in ("x", "y")], axis=1
         )
         parts.append(Traces(np.full(len(made), kind), places, left, robot))
-    if not parts:
-        nothing = np.zeros(0, dtype=np.int64)
-        return Traces(nothing, np.zeros((0, 2)), np.zeros(0), nothing)
     return Traces(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))

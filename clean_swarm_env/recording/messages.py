@@ -51,16 +51,12 @@ class MessageLog:
 
     def _note(self, name: str, rows: Ints, message: Floats, tag: Ints) -> None:
         if message is not self._message:  # a mechanism that leaves gradients has one message for all of them
-            self._message, self._bit = message, self._bit_of(name, message, tag)
+            key = name, message[LASTING].tobytes(), int(tag[c.TAG_CHANNEL]), int(tag[c.TAG_SIGN])
+            if key not in self._bits:
+                self._bits[key] = 1 << len(self.kinds)
+                self.kinds.append(_kind(name, self._buffers[name], message, tag))
+            self._message, self._bit = message, self._bits[key]
         mark_rows(self.deposits, rows, self._bit)
-
-    def _bit_of(self, name: str, message: Floats, tag: Ints) -> int:
-        """Return the bit of a kind of deposits, a new one for a new kind."""
-        key = name, message[LASTING].tobytes(), int(tag[c.TAG_CHANNEL]), int(tag[c.TAG_SIGN])
-        if key not in self._bits:
-            self._bits[key] = 1 << len(self.kinds)
-            self.kinds.append(_kind(name, self._buffers[name], message, tag))
-        return self._bits[key]
 
     def arrays(self) -> Iterator[Sampled]:
         """Yield the arrays, both of one tick."""

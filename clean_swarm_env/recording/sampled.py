@@ -58,8 +58,8 @@ def floor_arrays(worlds: Worlds, shown: Iterable[Shown]) -> Iterator[Sampled]:
     if worlds.task.priced:
         about = "pairs closer than the first collision distance, summed over the physics steps before the frame's end"
         own.append(Shown("samples", "distance", worlds.collisions.samples[:, :1], about))
-    for c in worlds.coordinators:
-        own.append(Shown(f"held/{c.model.goal}", ROBOT, c.held, "the option that serves the goal in the robot"))
+    serves = "the option that serves the goal in the robot"
+    own += [Shown(f"held/{c.model.goal}", ROBOT, c.held, serves) for c in worlds.coordinators]
     for one in (*own, *shown):
         axis = (one.axis, one.values.reshape(worlds.worlds, -1, *one.values.shape[2:]).shape[1])
         if one.values.ndim == 3:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Protocol
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -18,28 +18,14 @@ from clean_swarm_env.world.reception import Localisation, Reception, pose_histor
 from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
-from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import CoordinatedRobots
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.components.memory import RobotMemory
-from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.network.planning.planner import planner_named
 from selforg.randomness import DirectionStream
 from selforg.registry import unknown
-
-
-class Blueprint(Protocol):
-    """What minds must know of a task: buffers and networks."""
-
-    def robot(
-        self, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
-    ) -> RobotNetwork:
-        """Return the network of a robot."""
-
-    def buffers(self, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:
-        """Return the buffers by name."""
 
 
 class Minds:
@@ -69,7 +55,7 @@ class Minds:
         mission: MissionConfig,
         models: Sequence[CoordinatorModel],
         worlds: int,
-        task: Blueprint,
+        task: Any,  # noqa: ANN401  (a class of `Task`, which stands above this module)
         directories: Sequence[Path] = (),
         explained: bool = False,
     ) -> None:
@@ -80,7 +66,7 @@ class Minds:
         self._build_network(mission, models, task, directories, explained)
         self.commands = Commands(self.rows, 2)
 
-    def _build_buffers(self, mission: MissionConfig, worlds: int, task: Blueprint) -> None:
+    def _build_buffers(self, mission: MissionConfig, worlds: int, task: Any) -> None:  # noqa: ANN401
         space = Ground.of(mission).space
         self.reception = Reception(mission, worlds, self.rows)
         self._localisation = Localisation(mission, self.rows)
@@ -96,14 +82,14 @@ class Minds:
         )
         self._pose_delivery = self.reception.of_poses(self.poses)
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
-        self.buffers = task.buffers(mission, self.poses, self.reception)
+        self.buffers: dict[str, SoBuffer] = task.buffers(mission, self.poses, self.reception)
         self._delayed = [buffer for buffer in self.buffers.values() if buffer.delivery.delay > 0.0]
 
     def _build_network(
         self,
         mission: MissionConfig,
         models: Sequence[CoordinatorModel],
-        task: Blueprint,
+        task: Any,  # noqa: ANN401
         directories: Sequence[Path],
         explained: bool,
     ) -> None:

@@ -7,7 +7,7 @@ the mission says so, still carries its pose gradient. No robot comes back: robot
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Protocol
+from typing import Annotated, Any, Final
 
 import numpy as np
 
@@ -24,29 +24,19 @@ MOST_DRAWS: Final = 1_000
 """Draws for a free place before a robot that is to join has to wait."""
 
 
-class Following(Protocol):
-    """What a task does with robots that come and go."""
-
-    def lose(self, rows: Ints) -> None:
-        """Let go of robots in `rows` (K,) that are about to be taken away or to fail."""
-
-    def renew(self, rows: Ints) -> None:
-        """Forget what happened to the robots in `rows` (K,), which begin anew."""
-
-
 class Team:
     """The robots of all worlds of a batch that are present and at work; see `Worlds` for the letters.
 
     Attributes:
         working: (R,) bool, robots that sense, decide and act; read only.
         joined: (W,) int64, rows of each world that have been used since its reset; read only.
-        task: is told about robots that come and go.
+        task: is told about robots that come and go, by `lose` and `renew`.
 
     """
 
     working: Annotated[Flags, "R", KEPT]
     joined: Annotated[Ints, "W", KEPT]
-    task: Following
+    task: Any
     _radii: Annotated[Floats, "R", READ]  # [m]
     _listed: Annotated[Flags, "1", derived(False)]  # whether `_at_work` is what follows from `working`
     _at_work: Annotated[Ints | None, "K", SCRATCH]

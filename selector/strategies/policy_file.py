@@ -229,8 +229,7 @@ class Network:
         values: Floats32 = normal.astype(np.float32)
         for layer in self._hidden:
             values = passed(values, layer, self._activation)
-        none = ACTIVATIONS["none"]
-        heads = {name: passed(values, head, none).astype(np.float64) for name, head in self._heads.items()}
+        heads = {name: passed(values, head, ACTIVATIONS["none"]).astype(float) for name, head in self._heads.items()}
         if "vector" in heads:
             heads["vector"] = np.clip(heads["vector"], -1.0, 1.0)
         return heads

@@ -148,8 +148,7 @@ class DecisionStrategy(ABC):
         count = self.draws_per_decision + self.draws_per_option * self.options
         draws = uniforms(self.keys[deciding], self.counters[deciding], count)
         draws.flags.writeable = False
-        groups = self.group_of[deciding]
-        options = self._checked(Decisions(deciding, groups, seen, can_serve, draws))
+        options = self._checked(Decisions(deciding, self.group_of[deciding], seen, can_serve, draws))
         self.counters[deciding] += np.uint64(1)
         return options
 
@@ -189,8 +188,7 @@ class DecisionStrategy(ABC):
         groups = self.group_of[decided]
         # sums over a batch must not depend on the order of its rows
         order = np.lexsort((*seen.T, likely, gained, chosen, groups))
-        outcomes = Outcomes(groups[order], chosen[order], gained[order], seen[order], likely[order])
-        self._update(outcomes)
+        self._update(Outcomes(groups[order], chosen[order], gained[order], seen[order], likely[order]))
 
     @final
     def reseed(self, rows: Ints, keys: Keys) -> None:

@@ -52,8 +52,7 @@ class FreeGround:
         xs, ys = (low[k] + (np.arange(n) + 0.5) * size[k] / n for k, n in enumerate((columns, lines)))
         for corners in solids:
             regions[inside(xs, ys, corners)] = NO_ROOM
-        stack = np.zeros(lines * columns, np.int64)
-        found = number_regions(regions, closed, stack)
+        found = number_regions(regions, closed, np.zeros(lines * columns, np.int64))
         return cls(segments, low, high, radius, regions, np.bincount(regions[regions >= 0], minlength=found))
 
     @property

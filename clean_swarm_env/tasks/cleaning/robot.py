@@ -110,8 +110,7 @@ def network_of_robots(
     """Return the network of all documents of a mission's robots."""
     network, networks = mission.network, {}
     for name, by in documents_of(mission).items():
-        named = network.model_copy(update={"robot": name})
-        networks[name] = robot_network(named, models, directories, by)
+        networks[name] = robot_network(network.model_copy(update={"robot": name}), models, directories, by)
     return merged_networks(networks)
 
 

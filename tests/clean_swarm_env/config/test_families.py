@@ -71,7 +71,7 @@ def test_accepted_families_are_frozen(name):
     family, found = load_family(name), 0
     for scenario in [family.scenario(3, k, split) for split in ("train", "test") for k in range(20)]:
         mission, start = scenario.mission, scenario.start
-        events = [event.model_dump(exclude=NEWER) for event in scenario.events]
+        events = [event.model_dump(exclude=NEWER) for event in scenario.mission.events]
         world = mission.world.width, mission.world.height, mission.time_limit, mission.collision_cost
         task = mission.task.garbage.respawn, mission.task.garbage.spots, mission.task.stations.places
         harm = mission.task.consequences.stop, mission.task.consequences.harmless

@@ -48,7 +48,7 @@ def test_a_disturbance_changes_the_mission_and_nothing_else(tmp_path):
     assert base.seed == lossy.seed == failing.seed
     assert base.start == lossy.start == failing.start
     assert lossy.mission.delivery.loss == 1.0
-    assert [event.do for event in failing.events] == ["fail"]
+    assert [event.do for event in failing.mission.events] == ["fail"]
     assert base.mission == lossy.mission.model_copy(update={"delivery": base.mission.delivery})
 
 
