@@ -22,6 +22,7 @@ from selector.coordination.robots import CoordinatedRobots
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.components.memory import RobotMemory
+from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.network.planning.planner import planner_named
 from selforg.randomness import DirectionStream

@@ -36,5 +36,4 @@ def shares(preferences: Floats) -> Floats:
 
 def chance_of(chances: Floats, option: Ints) -> Floats:
     """Return the probability (K,) of each chosen `option` (K,) among `chances` (K, O)."""
-    taken: Floats = np.take_along_axis(chances, option[:, None], axis=1)[:, 0]
-    return taken
+    return np.take_along_axis(chances, option[:, None], axis=1)[:, 0]

@@ -93,8 +93,7 @@ class ComponentSpec(Closed, Generic[Component], extra="allow"):
     @property
     def component(self) -> ClassOf[Component]:
         """The class."""
-        found: ClassOf[Component] = self.registry.find(self.type)
-        return found
+        return self.registry.find(self.type)
 
     @property
     def _form(self) -> ClassOf[BaseModel]:

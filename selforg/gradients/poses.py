@@ -210,14 +210,12 @@ class OwnPoses:
     @property
     def positions(self) -> Floats:
         """Newest position of each row, (N, D) [m]; only meaningful where `known`."""
-        positions: Floats = self.own[:, 0, c.X : c.X + self.space.dim]
-        return positions
+        return self.own[:, 0, c.X : c.X + self.space.dim]
 
     @property
     def known(self) -> Flags:
         """Whether each row has spread a pose yet, (N,) bool."""
-        known: Flags = self.row_table[:, c.ROW_POSES] > 0
-        return known
+        return self.row_table[:, c.ROW_POSES] > 0
 
 
 @long_kernel

@@ -93,8 +93,7 @@ class FreeGround:
 
     def _middle(self, line: int, column: int) -> Floats:
         lines, columns = self.regions.shape
-        middle: Floats = self.low + (np.array([column, line]) + 0.5) * (self.high - self.low) / (columns, lines)
-        return middle
+        return self.low + (np.array([column, line]) + 0.5) * (self.high - self.low) / (columns, lines)
 
 
 def inside(xs: Floats, ys: Floats, corners: Floats) -> Flags:
@@ -107,8 +106,7 @@ def inside(xs: Floats, ys: Floats, corners: Floats) -> Flags:
         lines = np.flatnonzero((ay > ys) != (by > ys))
         beside = (ys[lines] - ay) * (bx - ax) / (by - ay) + ax
         begins[lines, np.searchsorted(xs, beside)] ^= True
-    within: Flags = np.logical_xor.accumulate(begins[:, :0:-1], axis=1)[:, ::-1]
-    return within
+    return np.logical_xor.accumulate(begins[:, :0:-1], axis=1)[:, ::-1]
 
 
 @lean_kernel

@@ -27,8 +27,7 @@ NO_END: Final = 1 << 30
 
 def in_span(values: AnyArray, span: Span) -> Flags:
     """Return which values lie within a span."""
-    flags: Flags = values == span[0] if span[0] == span[1] else (values >= span[0]) & (values <= span[1])
-    return flags
+    return values == span[0] if span[0] == span[1] else (values >= span[0]) & (values <= span[1])
 
 
 class Shown(NamedTuple):

@@ -53,8 +53,7 @@ class EXP3(DecisionStrategy):
     def chances(self, decisions: Decisions) -> Floats:
         """Return the probability (K, O) of each option: (1 - gamma) * its share of the weights + gamma / O."""
         logarithms = np.where(decisions.allowed, self.log_weights[decisions.groups], -np.inf)
-        mixed: Floats = (1.0 - self.gamma) * shares(logarithms) + self.gamma * even(decisions.allowed)
-        return mixed
+        return (1.0 - self.gamma) * shares(logarithms) + self.gamma * even(decisions.allowed)
 
     def _select(self, decisions: Decisions) -> Ints:
         chances = self.chances(decisions)
@@ -72,5 +71,4 @@ class EXP3(DecisionStrategy):
         self.log_weights -= self.log_weights.max(axis=1, keepdims=True)
 
     def _scaled(self, reward: Floats) -> Floats:
-        scaled: Floats = np.clip((reward - self.lowest) / (self.highest - self.lowest), 0.0, 1.0)
-        return scaled
+        return np.clip((reward - self.lowest) / (self.highest - self.lowest), 0.0, 1.0)
