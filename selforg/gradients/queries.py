@@ -5,7 +5,7 @@ the answer is an empty range of the table, an empty list, or a mask that is Fals
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -26,7 +26,7 @@ from selforg.gradients.pair import (
 )
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.columns import PAIR_COLUMNS
-from selforg.gradients.store.gathering import gather, keep_ahead, look_all_around
+from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import SIGHT, Margins, Poses, Sight, Store, open_poses, open_sight
 
 
@@ -180,43 +180,7 @@ class Queries:
 
         An infinite view distance shows all, even without an own pose, unless `signs` leaves some out (B1).
         """
-        return self._objects(self.gather(now, [row], look, signs=signs, without_pose=all(signs)).pairs)
-
-    def neighbours(self, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:
-        """Return the newest moving gradient in view of every other robot, per channel and source."""
-        look = replace(look, static=False, moving=True)
-        return self._objects(self.gather(now, [row], look, own=False).pairs)
-
-    def neighbour_histories(
-        self, row: int, now: float, look: Filter = Filter(), *, own: bool = False
-    ) -> list[list[Gradient]]:
-        """Return the stored moving gradients in view, one list per channel and source, the oldest first.
-
-        own: also those the row itself spread on other channels than its poses'.
-        """
-        look = replace(look, static=False, moving=True)
-        found = self._objects(self.gather(now, [row], look, own=own, histories=True).pairs)
-        histories: dict[tuple[str, int | str], list[Gradient]] = {}
-        for gradient in sorted(found, key=lambda g: g.stamp):
-            histories.setdefault((gradient.channel, gradient.source), []).append(gradient)
-        return list(histories.values())
-
-    def static_ahead(
-        self, row: int, now: float, angle_xy: float, angle_yz: float = np.inf, look: Filter = Filter()
-    ) -> list[Gradient]:
-        """Return the static gradients in view within the view angles [rad] to either side of the heading."""
-        look = replace(look, static=True, moving=False)
-        found = int(self.gather(now, [row], look).start[-1])
-        sight = self._room.sight(now, tuple(look.channels))
-        kept = keep_ahead(row, found, angle_xy, angle_yz, sight, self._buffer.poses.packed.handle)
-        return self._objects(self._room.pairs[:kept])
-
-    def chosen(self, rule: str, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:
-        """Return the gradient that `rule` chooses for `row`, in a list that is empty if there is none."""
-        pairs, found = self.choose(rule, now, [row], look)
-        return self._objects(pairs[found])
-
-    def _objects(self, pairs: Floats) -> list[Gradient]:
+        pairs = self.gather(now, [row], look, signs=signs, without_pose=all(signs)).pairs
         return [self._buffer.gradient_of(pair) for pair in pairs]
 
 

@@ -9,6 +9,7 @@ from selforg.gradients.queries import ATTRACTIVE, EVERYTHING, REPULSIVE, Filter,
 from tests.golden.case import Case, SetAside, difference
 from tests.golden.scene import Scene, channel_of
 from tests.golden.ties import equally_good
+from tests.selforg.gradients.objects import chosen, histories, neighbours, static_ahead
 
 SIGNS = {"gradients": EVERYTHING, "attractive_gradients": ATTRACTIVE, "repulsive_gradients": REPULSIVE}
 CHOICES = {
@@ -67,23 +68,21 @@ def filter_of(args: dict[str, Any], view_distance: float | None = None) -> Filte
 
 def query(scene: Scene, call: str, now: float, args: dict[str, Any]) -> Any:
     """Return the answer to one of the original's queries, in its form."""
-    queries = Queries(scene.buffer)
     look = filter_of(args, np.inf if call == "all_gradients" else None)
     if call == "own_pose":
         return written(scene.poses.gradient(0)) if scene.poses.known[0] else None
     if call in CHOICES:
-        found = queries.chosen(CHOICES[call], 0, now, look)
+        found = chosen(scene.buffer, CHOICES[call], now, look)
         return written(found[0]) if found else None
     if call == "agent_list":
-        answer = queries.neighbours(0, now, look)
+        answer = neighbours(scene.buffer, now, look)
     elif call == "agent_set":
-        histories = queries.neighbour_histories(0, now, look, own=args.get("include_own", True))
-        answer = [gradient for history in histories for gradient in history]
+        answer = histories(scene.buffer, now, look, own=args.get("include_own", True))
     elif call == "static_list_angle":
         xy, yz = args.get("view_angle_xy"), args.get("view_angle_yz")
-        answer = queries.static_ahead(0, now, np.inf if xy is None else xy, np.inf if yz is None else yz, look)
+        answer = static_ahead(scene.buffer, now, np.inf if xy is None else xy, np.inf if yz is None else yz, look)
     else:
-        answer = queries.gradients(0, now, look, signs=SIGNS.get(call, EVERYTHING))
+        answer = Queries(scene.buffer).gradients(0, now, look, signs=SIGNS.get(call, EVERYTHING))
     return sorted((written(gradient) for gradient in answer), key=lambda entry: entry["id"])
 
 

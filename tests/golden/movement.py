@@ -14,6 +14,7 @@ from tests.golden.case import Case, SetAside, difference
 from tests.golden.flocking import replay_term
 from tests.golden.scene import Scene, channel_of
 from tests.golden.ties import equally_good
+from tests.selforg.gradients.objects import neighbours
 
 PARAMETERS = {"maxvel": "max_speed", "minvel": "min_speed"}
 SAME_NAME = ("angle_xy", "angle_yz", "moving", "static", "a", "b", "epsilon", "h", "max_acceleration")
@@ -63,7 +64,7 @@ def moved(mechanism: Any, case: Case) -> list[float] | None:
 
 def overlaps(scene: Scene, now: float) -> bool:
     """Tell whether the goal area of a neighbour touches the own one."""
-    own, others = scene.poses.gradient(0), Queries(scene.buffer).neighbours(0, now, Filter((scene.poses.channel,)))
+    own, others = scene.poses.gradient(0), neighbours(scene.buffer, now, Filter((scene.poses.channel,)))
     return any(math.dist(own.position, other.position) <= own.goal_radius + other.goal_radius for other in others)
 
 

@@ -81,7 +81,7 @@ def play(rule, torus, whole_seconds, sequence):
         vectors += [mechanism.move(now)[0][0].copy() for mechanism in looking]
         queries.gradients(0, now, Filter(view_distance=np.inf))
         for choice in ("nearest_attractive", "farthest_attractive", "most_reach_attractive", "strongest"):
-            queries.chosen(choice, 0, now)
+            queries.choose(choice, now, [0])
     return refused, np.array(vectors)
 
 

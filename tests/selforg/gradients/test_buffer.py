@@ -11,6 +11,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.space import Euclidean, Torus
+from tests.selforg.gradients.objects import histories, neighbours
 
 EVERYTHING = Filter(view_distance=np.inf)
 
@@ -162,9 +163,8 @@ def test_moving_gradients_keep_a_history_of_newer_ones_only():
     buffer = buffer_of(space=Euclidean(2), moving_storage_size=3)
     for stamp in (1.0, 2.0, 2.0, 1.5, 3.0, 4.0):
         buffer.store(Gradient("f", (stamp, 0.0), source="x", stamp=stamp, moving=True), 4.0)
-    (history,) = Queries(buffer).neighbour_histories(0, 4.0, EVERYTHING)
-    assert [g.stamp for g in history] == [2.0, 3.0, 4.0]
-    (newest,) = Queries(buffer).neighbours(0, 4.0, EVERYTHING)
+    assert [g.stamp for g in histories(buffer, 4.0, EVERYTHING)] == [2.0, 3.0, 4.0]
+    (newest,) = neighbours(buffer, 4.0, EVERYTHING)
     assert newest.stamp == 4.0
 
 

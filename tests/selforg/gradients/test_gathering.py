@@ -8,6 +8,7 @@ from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.columns import PAIR_DISTANCE, PAIR_DX, PAIR_SLOT
 from selforg.gradients.store.gathering import IN_CACHE
 from selforg.space import Torus
+from tests.selforg.gradients.objects import neighbours
 from tests.selforg.worlds import make_world, scatter
 
 SETTINGS = BufferSettings(aggregation_distance=0.0, aggregation={"DEFAULT": "max"})
@@ -65,7 +66,7 @@ def test_teams_do_not_see_each_other():
     world = make_world(rows=4, teams=[0, 1, 0, 1], settings=SETTINGS)
     scatter(world, 20, team=1, diffusion=100.0)
     queries = Queries(world.buffer)
-    assert len(queries.gradients(0, 0.0)) == len(queries.neighbours(0, 0.0)) <= 1
+    assert len(queries.gradients(0, 0.0)) == len(neighbours(world.buffer, 0.0)) <= 1
     assert len(queries.gradients(1, 0.0)) >= 20
 
 
@@ -92,6 +93,6 @@ def test_a_row_without_a_pose_sees_nothing_unless_it_asks_for_everything():
 
 def test_neighbours_leave_with_their_pose():
     world = make_world(rows=3, size=1.0)
-    assert len(Queries(world.buffer).neighbours(0, 0.0)) == 2
+    assert len(neighbours(world.buffer, 0.0)) == 2
     world.poses.forget([2])
-    assert len(Queries(world.buffer).neighbours(0, 0.0)) == 1
+    assert len(neighbours(world.buffer, 0.0)) == 1

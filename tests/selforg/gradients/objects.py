@@ -1,0 +1,42 @@
+"""Queries of the original for one row, with gradients as objects."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from selforg.components.sources import EVERYTHING_IN_VIEW
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.gradient import Gradient
+from selforg.gradients.queries import Filter, Queries
+from selforg.gradients.store.gathering import keep_ahead
+
+
+def objects(buffer: SoBuffer, pairs: np.ndarray) -> list[Gradient]:
+    return [buffer.gradient_of(pair) for pair in pairs]
+
+
+def chosen(buffer: SoBuffer, rule: str, now: float, look: Filter = EVERYTHING_IN_VIEW) -> list[Gradient]:
+    """Return the gradient that `rule` chooses for row 0, in a list that is empty if there is none."""
+    pairs, found = Queries(buffer).choose(rule, now, [0], look)
+    return objects(buffer, pairs[found])
+
+
+def neighbours(buffer: SoBuffer, now: float, look: Filter = EVERYTHING_IN_VIEW) -> list[Gradient]:
+    """Return the newest moving gradient in view of row 0 of every other robot, per channel and source."""
+    seen = Queries(buffer).gather(now, [0], replace(look, static=False, moving=True), own=False)
+    return objects(buffer, seen.pairs)
+
+
+def histories(buffer: SoBuffer, now: float, look: Filter = EVERYTHING_IN_VIEW, *, own: bool = False) -> list[Gradient]:
+    """Return the stored moving gradients in view of row 0, the oldest first; `own`: also what it spread itself."""
+    seen = Queries(buffer).gather(now, [0], replace(look, static=False, moving=True), own=own, histories=True)
+    return sorted(objects(buffer, seen.pairs), key=lambda gradient: gradient.stamp)
+
+
+def static_ahead(buffer: SoBuffer, now: float, angle_xy: float, angle_yz: float, look: Filter) -> list[Gradient]:
+    """Return the static gradients in view of row 0 within the angles [rad] to either side of its heading."""
+    queries = Queries(buffer)
+    found = int(queries.gather(now, [0], replace(look, static=True, moving=False)).start[-1])
+    sight = queries._room.sight(now, tuple(look.channels))
+    kept = keep_ahead(0, found, angle_xy, angle_yz, sight, buffer.poses.packed.handle)
+    return objects(buffer, queries._room.pairs[:kept])
