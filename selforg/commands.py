@@ -47,10 +47,6 @@ class Commands:
         for array in self.packed.record:
             array[:] = 0
 
-    def keep_wishes(self) -> None:
-        """Keep what is commanded now as the wishes."""
-        self.wishes[:] = self.vectors
-
     def copy_from(self, others: Commands) -> None:
         """Take over the commands of as many robots."""
         for array, given in zip(self.packed.record, others.packed.record, strict=True):

@@ -7,7 +7,7 @@ import numpy as np
 from selforg.arrays import READ, Floats
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Handle, Packed
+from selforg.compiler.records import Handle
 
 
 class Zones:
@@ -18,10 +18,8 @@ class Zones:
     speeds: (Z,) share of its largest speed that a robot has inside.
 
     >>> zones = Zones(np.array([[0.0, 0.0, 2.0, 2.0]]), np.array([0.9]), np.array([1.0]))
-    >>> found = np.zeros(2)
-    >>> zones.write_losses(np.array([[1.0, 1.0], [3.0, 1.0]]), found)
-    >>> found.tolist(), zones.silent, zones.slow
-    ([0.9, 0.0], True, False)
+    >>> zones.silent, zones.slow
+    (True, False)
     """
 
     corners: Annotated[Floats, "Z 4", READ]
@@ -31,14 +29,6 @@ class Zones:
     def __init__(self, corners: Floats, losses: Floats, speeds: Floats) -> None:
         self.corners, self.losses, self.speeds = corners, losses, speeds
         self.silent, self.slow = bool((losses > 0.0).any()), bool((speeds < 1.0).any())
-
-    def write_losses(self, positions: Floats, losses: Floats) -> None:
-        """Write the probability that a message from or to each robot at `positions` (R, 2) [m] gets lost."""
-        write_losses(positions, self.corners, self.losses, losses)
-
-    def slow_down(self, commands: Packed[Commanded], positions: Floats, max_speed: Floats) -> None:
-        """Shorten the commands to robots at `positions` (R, 2) [m] in slow zones; max_speed (R,) [m/s]."""
-        slow_down(commands.handle, positions, max_speed, self.corners, self.speeds)
 
 
 @inlined
@@ -51,7 +41,10 @@ def is_inside(row: int, zone: int, positions: Floats, corners: Floats) -> bool:
 
 @lean_kernel
 def write_losses(positions: Floats, corners: Floats, given: Floats, losses: Floats) -> None:
-    """Write the largest loss of the zones in which each robot is; see `Zones`."""
+    """Write the probability that a message from or to each robot at `positions` (R, 2) [m] gets lost.
+
+    It is the largest one `given` for the zones in which the robot is.
+    """
     for row in range(positions.shape[0]):
         losses[row] = 0.0
         for zone in range(corners.shape[0]):
@@ -63,7 +56,7 @@ def write_losses(positions: Floats, corners: Floats, given: Floats, losses: Floa
 def slow_down(
     commands: Handle[Commanded], positions: Floats, max_speed: Floats, corners: Floats, speeds: Floats
 ) -> None:
-    """Scale commands by the least speed of the zones in which a robot is; see `Zones`."""
+    """Shorten the commands to robots at `positions` (R, 2) [m] by the slowest zone around; max_speed (R,) [m/s]."""
     given = open_commanded(commands)
     for row in range(positions.shape[0]):
         share = 1.0

@@ -13,6 +13,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
+from clean_swarm_env.physics.zones import slow_down
 from clean_swarm_env.world.ground import Ground, walls_of, zones_of
 from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.commands import Commanded
@@ -87,5 +88,6 @@ class Floor:
             turned = self._holonomic & given.commanded & ~given.in_place & (given.vectors != 0.0).any(axis=1)
             self.physics.headings[turned] = directions(given.vectors[turned])
         if self._zones.slow:
-            self._zones.slow_down(commands, self.physics.positions, self.drive.max_speed)
+            corners, speeds = self._zones.corners, self._zones.speeds
+            slow_down(commands.handle, self.physics.positions, self.drive.max_speed, corners, speeds)
         self.physics.tick(now, self._substeps, commands, self.drive, self.collisions)

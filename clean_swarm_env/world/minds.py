@@ -23,6 +23,7 @@ from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.delivery import PoseDelivery
 from selforg.gradients.poses import OwnPoses
 from selforg.network.planning.planner import planner_named
 from selforg.randomness import DirectionStream
@@ -81,7 +82,8 @@ class Minds:
             hearing=mission.own_contents,
             walls=walls_of(mission) if mission.world.has_walls else None,
         )
-        self._pose_delivery = self.reception.of_poses(self.poses)
+        own, delay = self.reception.own_contents, self.reception.delay_ticks
+        self._pose_delivery = PoseDelivery(self.poses, self.reception.delivery(), delay) if own else None
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
         self.buffers: dict[str, SoBuffer] = task.buffers(mission, self.poses, self.reception)
         self._delayed = [buffer for buffer in self.buffers.values() if buffer.delivery.delay > 0.0]

@@ -16,10 +16,10 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.zones import write_losses
 from clean_swarm_env.world.ground import walls_of, zones_of
 from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints
-from selforg.gradients.delivery import Delivery, PoseDelivery
-from selforg.gradients.poses import OwnPoses
+from selforg.gradients.delivery import Delivery
 
 LOSSES, ERRORS = 0xFFFFFFFD, 0xFFFFFFFC
 """Spawn keys of the streams of losses and of errors of poses in a world; other streams have other keys."""
@@ -67,10 +67,6 @@ class Reception:
         zones, walls = self._in_zones, self._walls
         return Delivery(self.reaches, self.losses, self._delay, self._generators, self._ranges, zones, walls)
 
-    def of_poses(self, poses: OwnPoses) -> PoseDelivery | None:
-        """Return the delivery of `poses`; None if robots share one content."""
-        return PoseDelivery(poses, self.delivery(), self.delay_ticks) if self.own_contents else None
-
     def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Set range, losses and random draws of a world that is reset."""
         if self.own_contents:
@@ -81,7 +77,7 @@ class Reception:
     def locate(self, positions: Floats) -> None:
         """Note in which zones robots at `positions` (R, 2) [m] are."""
         if self._zones.silent:
-            self._zones.write_losses(positions, self._in_zones)
+            write_losses(positions, self._zones.corners, self._zones.losses, self._in_zones)
 
     def set(self, world: int, reach: float, loss: float) -> None:
         """Set the delivery of a world: messages reach robots within `reach` [m] and get lost with probability `loss`.

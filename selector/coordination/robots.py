@@ -78,7 +78,7 @@ class CoordinatedRobots:
         for inside in self._inside:
             inside.act(now, commands)
         if self.network.explained:
-            commands.keep_wishes()
+            commands.wishes[:] = commands.vectors
         for inside in self._inside:
             inside.steer(now, commands)
 

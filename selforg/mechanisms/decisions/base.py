@@ -1,10 +1,9 @@
 """The blueprint of decision mechanisms: a value and a state for each row, spread so that others can decide by them."""
 
 from abc import abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, ClassVar, NamedTuple, TypeAlias, Unpack, final
+from typing import Annotated, ClassVar, NamedTuple, Unpack, final
 
 import numpy as np
 import numpy.typing as npt
@@ -135,12 +134,9 @@ class DecisionRule(NamedTuple):
 DECISION_RULE = Recording(DecisionRule)
 open_decision_rule = DECISION_RULE.open
 
-DecisionTerm: TypeAlias = Callable[[int, int, Handle[Sight], Handle[DecisionRule], Handle[Store]], None]
-"""(row, number of pairs, sight, deciding, store); writes value and state, which come in as they are up to now."""
-
 
 def decided(row: int, found: int, sight: Handle[Sight], deciding: Handle[DecisionRule], store: Handle[Store]) -> None:
-    """Stand for the `DecisionTerm` of a mechanism."""
+    """Stand for the term of a mechanism: it writes value and state of a row, which come in as they are up to now."""
     raise NotImplementedError
 
 
