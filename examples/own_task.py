@@ -2,8 +2,7 @@
 
 pip install .
 python examples/own_task.py
-clean-swarm --import examples/own_task.py run Shepherding
-clean-swarm --import examples/own_task.py evaluate Shepherding --scenarios 10 --record
+clean-swarm evaluate Shepherding --import examples/own_task.py --scenarios 10 --record
 """
 
 from typing import Annotated

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.gradients.contents import TeamContents, part_of, put_part
+from selforg.gradients.contents import TeamContents, put_team_contents, team_contents
 from selforg.gradients.delivery import Delivery, Mail, address
 from selforg.gradients.gradient import Gradient, check_fields, check_gradient, check_places, require
 from selforg.gradients.poses import OwnPoses
@@ -229,11 +229,11 @@ class SoBuffer:
 
     def part_of(self, team: int) -> TeamContents:
         """Return the stored gradients of a team, with its messages under way."""
-        return part_of(self, team)
+        return team_contents(self, team)
 
     def put_part(self, team: int, state: TeamContents, later: float) -> None:
         """Replace the stored gradients of a team by the result of `part_of`, `later` [s] after it; as many rows."""
-        put_part(self, team, state, later)
+        put_team_contents(self, team, state, later)
 
     def layers_of(self, team: int, channels: Ints) -> Ints:
         """Return the layers of a team on `channels`, channel by channel."""

@@ -34,7 +34,7 @@ class TeamContents(NamedTuple):
     mail: list[Post]  # under way; rows count from the team's first
 
 
-def part_of(buffer: Any, team: int) -> TeamContents:  # noqa: ANN401  (an SoBuffer, which stands above this module)
+def team_contents(buffer: Any, team: int) -> TeamContents:  # noqa: ANN401  (an SoBuffer, which stands above this module)
     """Return the stored gradients of a team, with its messages under way."""
     store, channels = buffer.table.record, buffer.channels.numbered()
     layers = buffer.layers_of(team, np.arange(len(channels)))
@@ -59,8 +59,8 @@ def part_of(buffer: Any, team: int) -> TeamContents:  # noqa: ANN401  (an SoBuff
     return TeamContents(store.near[slots], store.far[slots], links, marks, sweeps, *names, payloads, mail)
 
 
-def put_part(buffer: Any, team: int, state: TeamContents, later: float) -> None:  # noqa: ANN401
-    """Replace the stored gradients of a team by the result of `part_of`, `later` [s] after it; as many rows."""
+def put_team_contents(buffer: Any, team: int, state: TeamContents, later: float) -> None:  # noqa: ANN401
+    """Replace the stored gradients of a team by the result of `team_contents`, `later` [s] after it; as many rows."""
     buffer.clear(team)
     near, far, links, marks = state.near.copy(), state.far.copy(), state.links.copy(), state.marks.copy()
     count = len(near)
