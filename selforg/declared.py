@@ -91,7 +91,8 @@ def make_arrays(owner: Any, **sizes: int) -> None:  # noqa: ANN401
     (4, 12, 2)
 
     """
-    vars(owner).update(arrays_of(type(owner), **sizes))
+    for name, array in arrays_of(type(owner), **sizes).items():
+        setattr(owner, name, array)  # `vars` would make each look at the object slower from then on
 
 
 def arrays_of(kind: type, **sizes: int) -> dict[str, Any]:
