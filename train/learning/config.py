@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.types import Count, Scenarios, WorldCount
-from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
 from selector.documents.errors import DocumentError
@@ -83,21 +82,6 @@ class PpoConfig(Closed):
     """Largest norm of the gradient [-]."""
     hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=4096)], ...], Field(max_length=10)] = (64, 64)
     """Widths of the hidden layers, of policy and value function alike; an observation has some tens of components."""
-    action: Mode = "option"
-    """What the policy learns: the option of the goal, a movement vector in place of the network's, or an option and a
-    correction of the movement. What was tried beside a policy of options:
-    docs/decisions/0219-no-corrections-beside-a-chooser.md."""
-    deviation: Positive = 1.0
-    """Standard deviation of vectors at the beginning, in shares of the largest speed [-]."""
-    critic: Literal["own", "team"] = "own"
-    """What the value function sees: what the robot sees, or the global state of its world too (MAPPO). It is needed in
-    training only."""
-
-    @model_validator(mode="after")
-    def _has_a_say(self) -> Self:
-        if self.running and self.action != "option":
-            raise ValueError(f"running: expected none with action {self.action}, got {', '.join(self.running)}")
-        return self
 
 
 class CreditConfig(Closed):
@@ -226,11 +210,6 @@ class TrainingConfig(Closed):
     def learner(self) -> str:
         """Kind of learner."""
         return next(name for name in LEARNERS if getattr(self, name) is not None)
-
-    @property
-    def action(self) -> ActionConfig:
-        """What a learner gives."""
-        return ActionConfig(mode=self.ppo.action) if self.ppo else ActionConfig()
 
 
 def load_training(name: str, learner: str, directories: Sequence[Path] = ()) -> TrainingConfig:

@@ -55,7 +55,6 @@ class Curriculum:
                 threads=threads,
                 observation=config.observation,
                 reward=given if isinstance(given := config.reward, str) else given.model_dump(exclude_unset=True),
-                action=config.action,
                 directories=directories,
             )
             self.batches += own

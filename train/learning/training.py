@@ -164,7 +164,6 @@ class Training(ABC):
             self.decides or self.goal.problem.goal,
             observation=job.config.observation,
             directories=job.directories,
-            action=job.config.action,
         )
         self.decisions, self.history = 0, list[dict[str, Any]]()
         self.validation = validation_in(job.folder.path)

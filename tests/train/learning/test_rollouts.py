@@ -55,7 +55,7 @@ def filled(course, rollouts):
     buffer = RobotRollouts(
         PERIODS, Box(-1e9, 1e9, (10,)), MultiDiscrete(COUNTS), device="cpu", gae_lambda=TRACE, gamma=GAMMA,
         n_envs=ROWS, deciding=lambda: course.working[now["t"]], effective=lambda: course.goals[now["t"] - 1],
-        parts=lambda: PARTS.expand(ROWS, -1), counts=COUNTS, drives=False,
+        parts=lambda: PARTS.expand(ROWS, -1), counts=COUNTS,
     )  # fmt: skip
     starts = np.ones(ROWS)
     for rollout in range(rollouts):

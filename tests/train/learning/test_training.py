@@ -26,7 +26,7 @@ from train.request import Request
 from train.running.run_folder import RESULTS_FORMAT
 
 POLICY, BANDIT = ("ppo", "policy/policy.safetensors"), ("bandit", "strategy.safetensors")
-RESULTS = {"ppo": POLICY, "both": POLICY, "goals": POLICY, "bandit": BANDIT}
+RESULTS = {"ppo": POLICY, "goals": POLICY, "bandit": BANDIT}
 TIMEOUT = 400.0
 
 

@@ -18,9 +18,6 @@ COMMON = {
 SMALL = {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}
 KINDS = {
     "ppo": {"ppo": SMALL},
-    "team": {"ppo": SMALL | {"critic": "team"}},
-    "both": {"ppo": SMALL | {"critic": "team", "action": "both"}},
-    "velocity": {"ppo": SMALL | {"hidden": [], "critic": "team", "action": "velocity"}},
     "goals": {
         "tasks": [{"family": "random", "worlds": 2}, {"family": "hotspots", "worlds": 1}],
         "goal": "ExplorationPatrol+AvoidCollision",

@@ -41,8 +41,7 @@ class RobotRollouts(RolloutBuffer):
         deciding: returns which rows (R,) have a robot that decides now.
         effective: returns for which goals (R, G) an option was chosen that had an effect in the last period.
         parts: returns the logarithms of the probabilities (R, G) with which the options were chosen.
-        counts: (G,) number of options of each goal; none if actions are only vectors.
-        drives: whether actions have vectors beside options; vectors always count.
+        counts: (G,) number of options of each goal.
         **settings: of the base class.
 
     Attributes:
@@ -62,11 +61,9 @@ class RobotRollouts(RolloutBuffer):
         effective: Callable[[], Flags],
         parts: Callable[[], torch.Tensor],
         counts: Sequence[int],
-        drives: bool,
         **settings: Any,  # noqa: ANN401
     ) -> None:
-        self._now, self._effective, self._parts = deciding, effective, parts
-        self._counts, self._drives = counts, drives
+        self._now, self._effective, self._parts, self._counts = deciding, effective, parts, counts
         self._waiting: dict[str, NDArray[Any]] = {}
         super().__init__(steps + 1, *spaces, **settings)
         self._waited = np.ones(self.n_envs)  # discount of the time for which decisions have waited
@@ -80,20 +77,16 @@ class RobotRollouts(RolloutBuffer):
             getattr(self, name)[0] = waiting
         self.pos, self.deciding = 1, self._now()
 
-    def add(self, *step: Any) -> None:  # noqa: ANN401  (of the base class)
+    def add(self, seen: NDArray[Any], actions: NDArray[Any], *step: Any) -> None:  # noqa: ANN401  (of the base class)
         """Add a period that has just passed.
 
         Where the option of a goal had no effect, no other is possible afterwards: its probability is 1.
         """
-        self._there[self.pos], self.counted[self.pos] = self.deciding, self.deciding
-        if self._counts:
-            seen, actions, *others, chances = step
-            effective = self._effective()
-            self.counted[self.pos] &= effective.any(axis=1) | self._drives
-            seen, options = seen.copy(), actions[:, : len(self._counts)].astype(np.int64)
-            keep_only(seen[:, -sum(self._counts) :], self._counts, options, ~effective)
-            step = seen, actions, *others, chances - (self._parts() * torch.as_tensor(~effective)).sum(dim=1)
-        super().add(*step)
+        effective, (*others, chances), seen = self._effective(), step, seen.copy()
+        self._there[self.pos], self.counted[self.pos] = self.deciding, self.deciding & effective.any(axis=1)
+        keep_only(seen[:, -sum(self._counts) :], self._counts, actions.astype(np.int64), ~effective)
+        without = (self._parts() * torch.as_tensor(~effective)).sum(dim=1)
+        super().add(seen, actions, *others, chances - without)
         self.deciding = self._now()
 
     def compute_returns_and_advantage(self, last_values: torch.Tensor, dones: NDArray[np.bool_]) -> None:

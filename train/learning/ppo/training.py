@@ -36,7 +36,7 @@ from train.learning.config import CreditConfig
 from train.learning.credit import Credit
 from train.learning.ppo.networks import RobotPolicy, exported
 from train.learning.ppo.rollouts import MomentsOfRobots, RobotPPO, RobotRollouts
-from train.learning.ppo.worlds import SelectorEnv, TeamEnv
+from train.learning.ppo.worlds import SelectorEnv
 from train.learning.training import Checkpoint, Training
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
@@ -66,14 +66,12 @@ class PpoTraining(Training):
         assert self.config.ppo is not None
         self.settings = settings = self.config.ppo
         self.robots = RobotVecEnv(batches=self.curriculum.batches, threads=self.job.threads)
-        self.normal = VecNormalize(
-            TeamEnv(self.robots) if settings.critic == "team" else self.robots, gamma=settings.discount
-        )
+        self.normal = VecNormalize(self.robots, gamma=settings.discount)
         self._seen = self.normal.obs_rms = MomentsOfRobots(self._working, self.normal.observation_space.shape or ())
         self._paid = self.normal.ret_rms = MomentsOfRobots(lambda: self.model.rollout_buffer.deciding)
         goals = [named_goal(tuple(self.robots.options), name) for name in self.decides]
         holds = {goal: settings.holds.get(goal, 1) for goal in goals}
-        self.envs = SelectorEnv(self.normal, self.robots, holds, settings.action)
+        self.envs = SelectorEnv(self.normal, self.robots, holds)
         with warnings.catch_warnings():  # the last part of the rows is smaller, as teams differ
             warnings.filterwarnings("ignore", "You have specified a mini-batch size")
             self.model = self._model()
@@ -102,7 +100,7 @@ class PpoTraining(Training):
             self.curriculum.batches[0].observer.names,
             self.envs.options,
             definitions={goal: self.curriculum.definitions[goal] for goal in self.envs.options},
-            holds=self.settings.holds if self.envs.options else {},
+            holds=self.settings.holds,
             terms=terms if usual else (),
             observation={} if usual else observation.model_dump(mode="json"),
             training=training,
@@ -174,7 +172,6 @@ class PpoTraining(Training):
                 "effective": self._effective,
                 "parts": lambda: self.model.policy.action_dist.parts,
                 "counts": self.envs.counts,
-                "drives": settings.action == "both",
             },
             n_steps=settings.steps,
             batch_size=settings.minibatch,
@@ -188,8 +185,6 @@ class PpoTraining(Training):
             max_grad_norm=settings.gradient,
             policy_kwargs={
                 "net_arch": {"pi": layers, "vf": layers},
-                "log_std_init": float(np.log(settings.deviation)),
-                "own": self.curriculum.batches[0].observer.width,
                 "counts": self.envs.counts,
                 "start": start,
             },
