@@ -7,6 +7,7 @@ import json
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from itertools import chain
 from pathlib import Path
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, scenario_name
@@ -22,7 +23,7 @@ from selector.documents.find import load_file
 from selector.documents.writing import write_whole
 from train.evaluation.scenarios import scenario_named
 from train.learning.config import TrainingConfig
-from train.running.trial_task import TASK_SCENARIOS, TrialTask
+from train.running.trial_task import TrialTask
 
 SEASON = "true_season"
 """Term that tells a team the season, which no robot can know."""
@@ -89,14 +90,11 @@ def _judged(manifest: Manifest, family: str, label: str) -> Judged:
     excesses, unfinished = [0.0] * len(drawn), list[int]()
     for member in dict.fromkeys(members):
         own = [k for k, other in enumerate(members) if other == member]
-        for first in range(0, len(own), TASK_SCENARIOS):
-            part = own[first : first + TASK_SCENARIOS]
-            scenarios = tuple(drawn[k] for k in part)
-            goal = compared.goal or manifest.goal
-            records = TrialTask(given.name, manifest.seed, scenarios, label, member, goal).run()
-            for k, record in zip(part, records, strict=True):
-                excesses[k] = round(record.result.excess_s, 4)
-                unfinished += [] if record.result.completed else [k]
+        scenarios, goal = tuple(drawn[k] for k in own), compared.goal or manifest.goal
+        parts = TrialTask(given.name, manifest.seed, scenarios, label, member, goal).parts()
+        for k, record in zip(own, chain(*(part.run() for part in parts)), strict=True):
+            excesses[k] = round(record.result.excess_s, 4)
+            unfinished += [] if record.result.completed else [k]
     ends = not items_keep_coming(drawn[0].mission)
     used = round(time.process_time() - began, 1)
     of = _identity(manifest, label, members)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from functools import partial
 from multiprocessing import Pipe, get_context
 from pathlib import Path
 from typing import Any, TypeVar
@@ -93,7 +94,7 @@ def apart(work: Callable[[], T], *places: Path) -> T:
 def faked_missions(trials: Callable[..., object] = fake_mission.trials) -> Iterator[None]:
     """Let missions of experiments take no time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(scenarios, "each_trial", trials)
+        patch.setattr(scenarios, "TrialTask", partial(fake_mission.FakeTask, trials=trials))
         patch.setattr(pipeline, "compiled_before", lambda: True)  # a warm-up would be one more fake mission
         yield
 

@@ -4,15 +4,18 @@ import os
 import signal
 import time
 import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from clean_swarm_env.world.mission import MissionResult
+from train.running.trial_task import TrialTask
 
 
 def trials(scenarios, *_):
-    """Do fake missions; see `each_trial`."""
+    """Do fake missions."""
     for place, scenario in enumerate(scenarios):
         yield place, result_of(scenario)
 
@@ -60,11 +63,23 @@ def trials_but_die_on_2(scenarios, *_):
         yield place, result_of(scenario)
 
 
+@dataclass(frozen=True)
+class FakeTask(TrialTask):
+    """Missions that a function does, in workers, too."""
+
+    trials: Callable[..., Iterator[tuple[int, MissionResult]]] = field(default=trials, kw_only=True)
+
+    def each(self):
+        """Yield the missions as soon as they are done."""
+        for place, result in self.trials(self.scenarios):
+            yield self.finished(self.scenarios[place], result, 0.0)
+
+
 if __name__ == "__main__":
-    # spawned workers find the function by this module's name, not by __main__
+    # spawned workers find the class by this module's name, not by __main__
     from tests.train import fake_mission
     from train.cli import main
     from train.evaluation import scenarios
 
-    scenarios.each_trial = fake_mission.trials
+    scenarios.TrialTask = fake_mission.FakeTask
     main()

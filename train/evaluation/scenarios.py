@@ -11,7 +11,6 @@ from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.deciders.named import decider_named
 from train.running.runs import RunKey
 from train.running.trial_task import TrialTask
-from train.running.trials import each_trial
 
 
 def scenario_named(family: FamilyConfig, seed: int, name: str) -> Scenario:
@@ -42,7 +41,7 @@ def experiment_tasks(
             if (start.id, condition.name) not in done
         ]
         own = (experiment.name, seed, tuple(drawn), condition.name, member, "" if made else goal)
-        found += TrialTask(*own, directories=directories, trials=each_trial).parts()
+        found += TrialTask(*own, directories=directories).parts()
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +13,7 @@ import numpy as np
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
-from clean_swarm_env.deciders.decider import Decider, DeciderMaker
+from clean_swarm_env.deciders.decider import Decider
 from clean_swarm_env.deciders.named import FIXED, NamedDecider, decider_named
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
@@ -31,8 +31,6 @@ TASK_SCENARIOS = 25
 """Scenarios of one task, which run at the same time in one batch."""
 WARM_UP_LIMIT = 300.0
 """Time limit of a mission that runs only to compile kernels [s]: by then robots have met and stores have grown."""
-Trials = Callable[[Sequence[Scenario], DeciderMaker, TrialSettings], Iterator[tuple[int, MissionResult]]]
-"""Does missions, as `each_trial` does."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +51,6 @@ class TrialTask:
     """The user's own directories of configurations."""
     record: RecordSettings | None = field(default=None, kw_only=True)
     """Where the missions are recorded; none is unless given."""
-    trials: Trials = field(default=each_trial, kw_only=True)
-    """Function that does the missions."""
 
     @property
     def keys(self) -> tuple[RunKey, ...]:
@@ -93,7 +89,7 @@ class TrialTask:
     def each(self) -> Iterator[RunRecord]:
         """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
         before = time.perf_counter()
-        for place, result in self.trials(self.scenarios, self.decider, replace(self.settings, record=self.recording)):
+        for place, result in each_trial(self.scenarios, self.decider, replace(self.settings, record=self.recording)):
             before, began = time.perf_counter(), before
             yield self.finished(self.scenarios[place], result, before - began)
 
