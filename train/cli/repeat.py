@@ -39,7 +39,8 @@ def explain_command(
     from train.evaluation import explain as explaining
     from train.running.needs import most_numbers
 
-    with recorded(run, scenario, condition, time) as (task, path):
+    also = "; run again for --what-if" if what_if else ""
+    with recorded(run, scenario, condition, time, also=also) as (task, path):
         recording = RecordedMission(path, most=most_numbers())
         explained = explaining.explained(task, recording, robot, time, ahead=what_if)
     if json:
@@ -106,11 +107,12 @@ def recorded(
     *,
     minds: bool = True,
     output: Path | None = None,
+    also: str = "",
 ) -> Iterator[tuple["TrialTask", Path]]:
     """Give the task of a run in a directory of results, and its recording, with or without minds.
 
     A run that has none is repeated up to a time [s], and recorded in `output`, or for a while. The standard error says
-    at the end which was done, and with what versions that have changed since the run.
+    at the end which was done, what `also`, and with what versions that have changed since the run.
     """
     from train.evaluation.repeat import changed_versions, record_run, recording_of, task_of  # these import Numba
     from train.running.commands import progress
@@ -128,7 +130,7 @@ def recorded(
                 update(most=min(until, task.first.mission.time_limit))
                 path = record_run(task, output or Path(folder) / "run.swarm", minds=minds, until=until)
         yield task, path
-    error_console().print(told, markup=False)
+    error_console().print(told + also, markup=False)
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks import Cleaning
 from clean_swarm_env.world.explaining import explain_robot
 from selector.documents.errors import DocumentError
-from tests.train.commands import done
+from tests.train.commands import command, done
 from tests.train.replay.conftest import CONDITIONS
 from train.evaluation.why import Facts, facts_of, sentence
 
@@ -125,7 +125,9 @@ def test_what_if_it_goes_on_as_it_did(results, recordings):
 
 def test_what_if_takes_the_runs_of_an_experiment(tmp_path):
     done("evaluate", "--scenarios", 1, "--workers", 1, "--output", tmp_path / "run")
-    assert "the next 5 s if it took" in done("explain", tmp_path / "run", "--robot", 0, "--time", 1, "--what-if")
+    code, told, said = command("explain", tmp_path / "run", "--robot", 0, "--time", 1, "--what-if")
+    assert (code, "the next 5 s if it took" in told) == (0, True)
+    assert said.endswith("has no recording of it with --minds; run again for --what-if\n")
 
 
 @pytest.mark.page
