@@ -70,7 +70,7 @@ def explained(
     unseen = _latest((recording["robot/readings"][own][:, seen] == 0.0) | (seen < 0))
     facts = facts_of(worlds, step, now, round(unseen * period, 9))
     told: dict[str, Any] = {"sentence": sentence(facts, type(worlds.task)), "facts": asdict(facts), "policy": {}}
-    if isinstance(decider, PolicyDecider):
+    if isinstance(decider, PolicyDecider) and task.named.mode != "velocity":
         told["policy"] = decider.moves(dict(zip(recording.head["inputs"], now["input"][robot].tolist(), strict=True)))
     if ahead:
         one = next(one for one in steps_of(task) if one.batch.worlds.ticks[0] == frame + 1)
