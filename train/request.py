@@ -52,8 +52,6 @@ class Request:
     """Whether to do only what the directory lacks."""
     every_table: bool = False
     """Whether to print all tables, not only that of what is compared."""
-    figure: Path | None = None
-    """File to which the figure is written, too."""
     record: RecordSettings | None = None
     """How missions are recorded, in a directory below that of the results; they are not unless given."""
     machine: Machine = ALONE

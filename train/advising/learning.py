@@ -123,7 +123,6 @@ def _judge(advice: Advice, seed: int, console: Console) -> int:
         knowledge=None,
         output=folder / JUDGED,
         resume=(folder / JUDGED).exists(),
-        figure=None,
     )
     judge = FamilyEvaluation(again)
     with (folder / "judged.log").open("w", encoding="utf-8") as log:

@@ -100,18 +100,14 @@ SHARED: dict[str, tuple[Any, Any]] = {
         Annotated[bool, typer.Option("--all", help="Print all tables; table.md has them anyway.")],
         False,
     ),
-    "figure": (
-        Annotated[Path | None, typer.Option(help="Write the figure here, too: .svg, .png or .pdf.", metavar="FILE")],
-        None,
-    ),
     "configs": (Configs, None),
 }
 """Options that commands share: name -> type and help, default."""
 KEEPING = ("output", "resume", "workers", "on", "force", "configs")
 """Options of all commands that do missions and keep results."""
-REPORTING = (*KEEPING, "every_table", "figure")
+REPORTING = (*KEEPING, "every_table")
 """Options of those that report on them."""
-TAKEN_OVER = ("scenarios", "seed", "knowledge", "goal", "output", "resume", "every_table", "figure")
+TAKEN_OVER = ("scenarios", "seed", "knowledge", "goal", "output", "resume", "every_table")
 """Those that a request has as they are given."""
 BOUNDS = {"scenarios": (1, MOST_SCENARIOS), "seed": (0, MOST_SEED), "workers": (1, 1000), "threads": (1, 1000)}
 """Least and largest number."""
@@ -153,7 +149,6 @@ class GivenOptions:
         """Raise ConfigurationError for numbers out of bounds, and for options that exclude each other."""
         value = self.values.get
         check_whole({f"--{name}": (value(name), *bounds) for name, bounds in BOUNDS.items()})
-        check_figure("--figure", value("figure"))
         if value("learn") and value("on") is not None:
             raise ConfigurationError("--on: expected no --learn, where missions learn in turn")
 

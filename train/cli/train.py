@@ -29,7 +29,7 @@ Config = Annotated[str, typer.Option(help="Name of a training, or path to its YA
 MOST_SEEDS = 100
 SPAN = r"\d{1,18}(-\d{1,18})?"
 """A seed, or the first and the last of some."""
-ALONE = ("seed", "output", "resume", "figure", "force", "configs")
+ALONE = ("seed", "output", "resume", "force", "configs")
 """Options of trainings in one process."""
 
 
@@ -69,7 +69,7 @@ def bandit(config: Config, *, given: GivenOptions) -> None:
 
 
 @app.command()
-@asking("seed", "figure", *KEEPING)
+@asking("seed", *KEEPING)
 def es(config: Config = "es", *, given: GivenOptions) -> None:
     """Train a linear policy by evolution strategies on the costs of whole missions, and export it."""
     check_named(given.directories, training=config)
@@ -79,7 +79,7 @@ def es(config: Config = "es", *, given: GivenOptions) -> None:
 
 
 @app.command()
-@asking("seed", "figure", *KEEPING)
+@asking("seed", *KEEPING)
 def design(config: Config = "design", *, given: GivenOptions) -> None:
     """Design a finite state machine by iterated races on the costs of whole missions, and export it."""
     check_named(given.directories, training=config)
@@ -94,7 +94,7 @@ def _train(learner: str, config: str, given: GivenOptions, made: "Callable[[Trai
 
     try:
         console, request = Console(highlight=False, emoji=False), given.request(config)
-        code = run_training(learner, request, made, console, lambda training: _conclude(training, request, console))
+        code = run_training(learner, request, made, console, lambda training: _conclude(training, console))
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
     raise typer.Exit(code)
@@ -118,8 +118,7 @@ def _train_seeds(seeds: Sequence[int], request: "Request", directory: Path) -> N
     from clean_swarm_env.learning.warm_up import usable_cpus
     from train.learning.seeds import trained
     from train.report_page.results import results_in
-    from train.reports.curves import Trained, draw_curves
-    from train.reports.text_table import write_figure
+    from train.reports.curves import Trained, write_curves
     from train.running.commands import FINISHED, progress
 
     root, console = request.output or Path("results") / directory, Console(highlight=False, emoji=False)
@@ -134,8 +133,7 @@ def _train_seeds(seeds: Sequence[int], request: "Request", directory: Path) -> N
         raise typer.Exit(request.ended(end, root, ": trainings are kept")) from end
     results = [results_in(folder) for folder in folders.values()]
     console.print(summary_of(results), soft_wrap=True)
-    curves = draw_curves([Trained(one.name, one.history, one.validation) for one in results])
-    write_figure(curves if request.figure is not None else None, request.figure, console)
+    write_curves([Trained(one.name, one.history, one.validation) for one in results], root)
     raise typer.Exit(FINISHED)
 
 
@@ -158,12 +156,10 @@ def summary_of(results: "Sequence[HeldResults]") -> str:
     return f"{results[0].name}, {len(held)} seeds: {lost}{beside}"
 
 
-def _conclude(training: "Training", request: "Request", console: Console) -> None:
-    """Print what the training gained on its validation missions, and draw its curves where the user wants them."""
-    from train.reports.curves import Trained, draw_curves, verdict_of
-    from train.reports.text_table import write_figure
+def _conclude(training: "Training", console: Console) -> None:
+    """Print what the training gained on its validation missions, and draw its curves."""
+    from train.reports.curves import Trained, verdict_of, write_curves
 
     for line in verdict_of(training.validation) if training.validation is not None else ():
         console.print(line, soft_wrap=True)
-    curves = Trained(training.config.name, training.history, training.validation)
-    write_figure(draw_curves([curves]) if request.figure is not None else None, request.figure, console)
+    write_curves([Trained(training.config.name, training.history, training.validation)], training.job.folder.path)

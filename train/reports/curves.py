@@ -7,17 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from selector.documents.writing import write_whole
 from selforg.arrays import Floats
 from train.analysis.statistics import summarise
 from train.analysis.verdict import Ranking
 from train.learning.yardstick import Validation
-from train.reports.charts import TEXT_COLOUR, colour_of, fit_axis, label_of, panels
+from train.reports.charts import TEXT_COLOUR, colour_of, fit_axis, label_of, panels, picture_of
 
 EXCESS = "/excess_s"
 COLUMNS, WIDTH, HEIGHT = 3, 3.6, 2.7
@@ -75,6 +77,13 @@ def draw_curves(trainings: Sequence[Trained]) -> Figure | None:
         key = {label: line for one in axes.flat for line, label in zip(*one.get_legend_handles_labels(), strict=True)}
         figure.legend(list(key.values()), list(key), loc="outside lower center", ncols=3, frameon=False)
         return figure
+
+
+def write_curves(trainings: Sequence[Trained], folder: Path) -> None:
+    """Write the curves of trainings into a folder, if anything was measured."""
+    figure = draw_curves(trainings)
+    if figure is not None:
+        write_whole(folder / "curves.svg", picture_of(figure, ".svg"))
 
 
 def _draw_family(axes: Axes, family: str, groups: Mapping[str, Sequence[Trained]]) -> None:

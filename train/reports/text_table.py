@@ -19,13 +19,10 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from selector.documents.writing import write_whole
 from train.request import Request
 from train.running.run_folder import RunFolder
 
 if TYPE_CHECKING:  # the runs need no Matplotlib
-    from pathlib import Path
-
     from matplotlib.figure import Figure
 
 POINT = "●"
@@ -166,7 +163,7 @@ class Publication:
     summary: Mapping[str, Any]
     """Content of `summary.json`."""
     figure: Figure | None = None
-    """What `figure.png` shows."""
+    """What `figure.png` and `figure.svg` show."""
 
 
 def publish(publication: Publication, folder: RunFolder, console: Console, request: Request) -> None:
@@ -179,7 +176,8 @@ def publish(publication: Publication, folder: RunFolder, console: Console, reque
     if publication.figure is not None:
         from train.reports.charts import picture_of
 
-        folder.write("figure.png", picture_of(publication.figure, ".png"))
+        for suffix in (".png", ".svg"):
+            folder.write(f"figure{suffix}", picture_of(publication.figure, suffix))
     for grid in (first, *(more if request.every_table else ())):
         console.print(TerminalTable(grid))
         console.print()
@@ -187,17 +185,3 @@ def publish(publication: Publication, folder: RunFolder, console: Console, reque
         console.print(line, highlight=False)
     hidden = f"; {len(more)} more tables with --all and in table.md" if more and not request.every_table else ""
     console.print(f"results in {folder.path}{hidden}", soft_wrap=True, highlight=False)
-    write_figure(publication.figure, request.figure, console)
-
-
-def write_figure(figure: Figure | None, file: Path | None, console: Console) -> None:
-    """Write the figure to the file that `--figure` names, if any."""
-    if file is None:
-        return
-    if figure is None:
-        console.print("--figure: these results have no figure", highlight=False)
-        return
-    from train.reports.charts import picture_of
-
-    write_whole(file, picture_of(figure, file.suffix))
-    console.print(f"figure in {file}", soft_wrap=True, highlight=False)

@@ -15,7 +15,7 @@ from tests.train import fake_mission
 from tests.train.commands import command, cut, done, faked_missions, refused, rows, run, runs
 from train.cli.listing import LINES, LISTED_KINDS
 
-FILES = {"manifest.json", "runs.jsonl", "runs.csv", "summary.json", "table.md", "figure.png"}
+FILES = {"manifest.json", "runs.jsonl", "runs.csv", "summary.json", "table.md", "figure.png", "figure.svg"}
 WORDS = ("evaluate", "--scenarios", 4, "--workers", 1)
 
 

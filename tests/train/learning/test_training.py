@@ -63,13 +63,13 @@ def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
 @pytest.mark.extra
 def test_seeds_side_by_side_come_to_the_bits_that_each_has_alone_and_go_on_together(tmp_path):
     pytest.importorskip("stable_baselines3")
-    config, words = written(tmp_path, "ppo"), ("--seeds", "4-5", "--figure", str(tmp_path / "curve.svg"))
+    config, words = written(tmp_path, "ppo"), ("--seeds", "4-5")
     finish(command("ppo", config, tmp_path / "alone"))
     finish(command("ppo", config, tmp_path / "both", *words))
     (tmp_path / "both/seed-4/checkpoint.pt").unlink()  # as if it had been killed
-    (tmp_path / "curve.svg").unlink()
+    (tmp_path / "both/curves.svg").unlink()
     finish(command("ppo", config, tmp_path / "both", *words, "--resume"))
-    assert "2 seeds" in (tmp_path / "curve.svg").read_text()
+    assert "2 seeds" in (tmp_path / "both/curves.svg").read_text()
     for name in ("policy/policy.safetensors", "history.jsonl"):
         assert (tmp_path / "both/seed-5" / name).read_bytes() == (tmp_path / "alone" / name).read_bytes(), name
 
