@@ -5,6 +5,8 @@ from functools import cache
 from inspect import Parameter
 from typing import Annotated, TypeAlias, get_args, get_type_hints
 
+from selforg.plugins import broken
+
 Finite: TypeAlias = Annotated[float, "finite"]
 AtLeastZero: TypeAlias = Annotated[float, "finite", "at least 0"]
 UpToOne: TypeAlias = Annotated[float, "from 0 to 1"]
@@ -23,10 +25,12 @@ def parameters_of(cls: type) -> dict[str, Parameter]:
     hints = get_type_hints(cls, include_extras=True) if fields else {}
     for name, parameter in inspect.signature(cls.__init__, eval_str=not fields).parameters.items():  # type: ignore[misc]
         if parameter.kind is Parameter.VAR_KEYWORD:
-            (options,) = get_args(parameter.annotation)
+            if not (options := get_args(parameter.annotation)):
+                expected = f"expected parameters by name, or **{name}: Unpack[...] of a TypedDict, got **{name} alone"
+                raise broken(cls, "__init__", expected)
             found |= {
                 option: Parameter(option, Parameter.KEYWORD_ONLY, default=None, annotation=hint)
-                for option, hint in get_type_hints(options).items()
+                for option, hint in get_type_hints(options[0]).items()
                 if option not in found
             }
         elif name != "self":
