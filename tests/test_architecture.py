@@ -77,7 +77,7 @@ OF_EXTRAS = (
 )
 """What `pip install .` does not bring."""
 MAIN_JOBS = (
-    *("evaluation.pipeline", "evaluation.family", "evaluation.repeat", "evaluation.experiment"),
+    *("evaluation.pipeline", "evaluation.comparing", "evaluation.repeat"),
     *("live.session", "replay.page_file"),
 )
 

@@ -27,7 +27,7 @@ class Request:
     name: str
     """Experiment, family or training, by name or by path."""
     strategies: tuple[str, ...] = ()
-    """Strategies to compare; see `entrants_of`."""
+    """Strategies to compare; see `conditions_of`."""
     seed: int = 0
     """Seed of everything random."""
     scenarios: int | None = None
@@ -60,15 +60,20 @@ class Request:
     """The command as it was typed: for people, who read it in the manifest. Nothing obeys it."""
 
     @property
+    def compares(self) -> bool:
+        """Whether strategies are compared, on a family even if an experiment has its name."""
+        return bool(self.strategies or self.knowledge or self.worlds > 1)
+
+    @property
     def engine(self) -> Engine:
         """What does the missions: processes of this machine, or workers at the place that it names."""
         place = self.machine.place
         return Processes(self.machine.workers) if place is None else DaskEngine(place)
 
     @contextmanager
-    def results(self, directory: Path, manifest: Json, growing: str = "") -> Iterator[RunFolder]:
+    def results(self, directory: Path, manifest: Json) -> Iterator[RunFolder]:
         """Give the run folder of the results, new or to resume, which no other command writes meanwhile."""
-        folder = RunFolder(directory, {**manifest, COMMAND: [*self.words]}, resume=self.resume, growing=growing)
+        folder = RunFolder(directory, {**manifest, COMMAND: [*self.words]}, resume=self.resume)
         with folder.alone():
             yield folder
 

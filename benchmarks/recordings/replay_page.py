@@ -15,15 +15,15 @@ from playwright.sync_api import Browser
 
 from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of
-from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from docs.figures.draw_replay import chromium, opened
 from docs.figures.draw_replay import record as record_pair
-from train.evaluation.scenarios import experiment_tasks
+from train.evaluation.comparing import Comparing
 from train.replay.page_file import write_page
+from train.request import Request
 
 MANY = 1000
 REPEATS = 5
@@ -41,7 +41,7 @@ def many(folder: Path) -> list[RecordedMission]:
 
 def longest(folder: Path) -> list[RecordedMission]:
     """Record the missions of Table 1; return the longest."""
-    for task in experiment_tasks(load_experiment("table1"), 0):
+    for task in Comparing(Request("table1")).tasks({}):
         task.recorded(RecordSettings(folder / "table1", minds=True)).run()
     return [max(map(RecordedMission, (folder / "table1").iterdir()), key=lambda run: run.frames)]
 

@@ -6,13 +6,16 @@ from typing import Annotated, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, OptionScores, StartConfiguration
+from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.config.types import Scenarios
 from selector.coordination.selection import BY_SCORE
-from selector.documents.errors import check_unique
+from selector.documents.errors import DocumentError, check_unique
 from selector.documents.fields import Closed, Label, Name, Number
 from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS, check_trust
 from selector.strategies.registry import StrategySpec, spec_from_text
+from selforg.registry import unknown
 
 
 def _text_of(given: object) -> object:
@@ -54,8 +57,8 @@ class PublishedFigures(Closed):
     """Condition -> metric -> one figure per scenario, in the order of the start configurations."""
 
 
-class ExperimentConfig(Closed):
-    """A mission, the conditions to compare on it and their start configurations."""
+class GivenStarts(Closed):
+    """A mission, and the start configurations of its scenarios."""
 
     name: Name
     """Name of the experiment."""
@@ -63,18 +66,41 @@ class ExperimentConfig(Closed):
     """What the experiment shows, in one sentence."""
     mission: MissionConfig = Field(default_factory=MissionConfig)
     """The mission."""
-    conditions: Annotated[tuple[ConditionConfig, ...], Field(min_length=1)]
-    """The conditions; each one runs on every start configuration."""
     starts: tuple[StartConfiguration, ...] = ()
     """The start configurations; random ones if empty."""
+
+    @property
+    def variants(self) -> Mapping[str, Self]:
+        """The mission as it is, without a name; see `FamilyConfig`."""
+        return {"": self}
+
+    @property
+    def largest(self) -> MissionConfig:
+        """The mission with the most robots and items."""
+        most = max(self.starts, key=lambda start: len(start.robots) + len(start.items))
+        return for_start(self.mission, most)
+
+    def scenario_named(self, seed: int, name: str) -> Scenario:
+        """Return the scenario that begins as the start of a name; DocumentError if there is none."""
+        found = {start.id: start for start in self.starts}
+        if name not in found:
+            raise DocumentError(unknown("scenario", name, list(found)))
+        return Scenario(name, run_seed(seed, name), for_start(self.mission, found[name]), found[name])
+
+    def bound(self, name: str) -> MissionConfig:
+        """Return the mission of a scenario; DocumentError if there is no such scenario."""
+        return self.scenario_named(0, name).mission
+
+
+class ExperimentConfig(GivenStarts):
+    """A mission, the conditions to compare on it and their start configurations."""
+
+    conditions: Annotated[tuple[ConditionConfig, ...], Field(min_length=1)]
+    """The conditions; each one runs on every start configuration."""
     scenarios: Scenarios = 30
     """Number of random start configurations when there are no given ones."""
     reference: PublishedFigures | None = None
     """Figures to print beside ours."""
-
-    def under(self, condition: ConditionConfig) -> MissionConfig:
-        """Return the mission with the scores of a condition."""
-        return self.mission.model_copy(update={"scores": {**self.mission.scores, **condition.scores}})
 
     @model_validator(mode="after")
     def _unique_names(self) -> Self:

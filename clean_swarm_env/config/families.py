@@ -95,6 +95,26 @@ class ChangesConfig(Closed):
         return self
 
 
+class Disturbance(Closed):
+    """One disturbance of a comparison."""
+
+    kind: Name
+    """Name of its kind; the levels of one kind are drawn as one line."""
+    level: Name
+    """Name of how large it is."""
+    mission: MissionConfig
+    """The mission under it; a document gives what differs from the mission of the comparison."""
+
+    @property
+    def name(self) -> str:
+        """Name in all results."""
+        return f"{self.kind} {self.level}"
+
+
+UNDISTURBED: Final = "none"
+"""Name of the missions without a disturbance."""
+
+
 class FamilyConfig(Closed):
     """A family of scenarios: a mission, and the ranges of the draws for each scenario."""
 
@@ -128,6 +148,10 @@ class FamilyConfig(Closed):
     """Start configurations of the split "test", taken in turn; random ones if empty, as in the split "train"."""
     scenarios: Scenarios = 100
     """Number of scenarios of an evaluation."""
+    strategies: tuple[Label, ...] = ()
+    """Strategies to compare unless others are named, as `clean-swarm evaluate --strategy` takes them."""
+    disturbances: Annotated[tuple[Disturbance, ...], Field(max_length=100)] = ()
+    """Disturbances under which strategies are compared, too."""
     draws_as: Name | None = None
     """Name whose scenarios these are, as one that the family had; its own unless given."""
 
@@ -150,7 +174,32 @@ class FamilyConfig(Closed):
             expected = f"{self.mission.robots.count}, as in the groups of the mission, or `groups`; and no joins drawn"
             raise impossible("robots", expected, list(self.robots))
         self._check_scenarios()
+        names = [UNDISTURBED, *(disturbance.name for disturbance in self.disturbances)]
+        for k, disturbance in enumerate(self.disturbances):
+            if names.count(disturbance.name) > 1:
+                raise impossible(f"disturbances.{k}", "names of their own", f"{disturbance.name!r} twice")
+            try:
+                self._under(disturbance)._check_scenarios()
+            except ValueError as error:
+                raise ValueError(f"disturbances.{k}: {error}") from error
         return self
+
+    @property
+    def variants(self) -> dict[str, Self]:
+        """The family without and under each disturbance, by name; only itself without a name if it has none."""
+        if not self.disturbances:
+            return {"": self}
+        return {UNDISTURBED: self, **{each.name: self._under(each) for each in self.disturbances}}
+
+    def scenario_named(self, seed: int, name: str) -> Scenario:
+        """Return the scenario of a name such as `test-3`; DocumentError if there is none."""
+        index, world = place_of(name)
+        return self.scenario(seed, index, "train" if name.startswith("train") else "test", world)
+
+    def bound(self, name: str) -> MissionConfig:
+        """Return a mission as large as that of a scenario or larger; DocumentError if there is no such scenario."""
+        place_of(name)
+        return self.largest
 
     def scenario(self, seed: int, index: int, split: Split, world: int = 0) -> Scenario:
         """Return scenario `index` (from 0) of a split, the same for the same seed.
@@ -180,6 +229,10 @@ class FamilyConfig(Closed):
     def largest(self) -> MissionConfig:
         """The mission with the most robots, on the first torus and without events; items have room in it as in all."""
         return self._largest_on(self.tori[0])
+
+    def _under(self, disturbance: Disturbance) -> Self:
+        """Return the family under a disturbance; its scenarios have the same starts."""
+        return self.model_copy(update={"mission": disturbance.mission, "disturbances": ()})
 
     def _sum_groups(self) -> None:
         """Check the numbers of robots of models, if they are drawn, and let `robots` be their sums."""
@@ -267,56 +320,6 @@ class FamilyConfig(Closed):
         changes = self.changes.number[1] if self._draws_joins else 0
         joining = sum(event.robots for event in self.mission.events if isinstance(event, Join))
         return max(self.robots[1] + changes + joining, self.mission.robots.capacity)
-
-
-class Disturbance(Closed):
-    """One disturbance of a comparison."""
-
-    kind: Name
-    """Name of its kind; the levels of one kind are drawn as one line."""
-    level: Name
-    """Name of how large it is."""
-    mission: MissionConfig
-    """The mission under it; a document gives what differs from the mission of the comparison."""
-
-    @property
-    def name(self) -> str:
-        """Name in all results."""
-        return f"{self.kind} {self.level}"
-
-
-UNDISTURBED: Final = "none"
-"""Name of the missions without a disturbance."""
-
-
-class RobustnessConfig(FamilyConfig):
-    """A family, the strategies to compare on it, and the disturbances under which they are compared."""
-
-    strategies: Annotated[tuple[Label, ...], Field(min_length=1)]
-    """The strategies, as `clean-swarm evaluate --strategy` takes them."""
-    disturbances: Annotated[tuple[Disturbance, ...], Field(min_length=1, max_length=100)]
-    """The disturbances."""
-
-    @model_validator(mode="after")
-    def _possible_disturbed(self) -> Self:
-        names = [UNDISTURBED, *(disturbance.name for disturbance in self.disturbances)]
-        for k, disturbance in enumerate(self.disturbances):
-            if names.count(disturbance.name) > 1:
-                raise impossible(f"disturbances.{k}", "names of their own", f"{disturbance.name!r} twice")
-            try:
-                self.under(disturbance)._check_scenarios()
-            except ValueError as error:
-                raise ValueError(f"disturbances.{k}: {error}") from error
-        return self
-
-    def under(self, disturbance: Disturbance) -> "RobustnessConfig":
-        """Return the family under a disturbance; its scenarios have the same starts."""
-        return self.model_copy(update={"mission": disturbance.mission})
-
-    @property
-    def disturbed(self) -> dict[str, "RobustnessConfig"]:
-        """The family without and under each disturbance, by name."""
-        return {UNDISTURBED: self, **{each.name: self.under(each) for each in self.disturbances}}
 
 
 def seed_of(family: str, seed: int, index: int, split: Split) -> int:

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
+from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.task_names import named_file
+from clean_swarm_env.config.task_names import COMPARED, OF_EXPERIMENTS, OF_ROBUSTNESS, named_file
 from clean_swarm_env.config.tasks import find_task, with_changes
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
@@ -21,22 +21,24 @@ from selector.documents.find import find_file, is_path
 from selector.documents.reading import read_mapping
 from selector.documents.trust import reading_files
 
-OF_ROBUSTNESS = {"disturbances", "strategies"}
-"""Keys of an experiment that compares strategies, in place of conditions."""
+
+def load_compared(name_or_path: str, directories: Sequence[Path] = ()) -> ExperimentConfig | FamilyConfig:
+    """Return the experiment of a name or path, or the family where no experiment has the name; see `load_family`."""
+    path = named_file(name_or_path, directories, kinds=COMPARED)
+    found = own_mission(name_or_path) if path is None else _document(read_mapping(path), path, directories)
+    return random_starts(found) if isinstance(found, MissionConfig) else found
 
 
-def load_experiment(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> ExperimentConfig:
-    """Return the experiment of a name or of a path to a YAML file, its mission and start configurations resolved."""
+def load_experiment(
+    name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False
+) -> ExperimentConfig | FamilyConfig:
+    """Return the experiment of a name or of a path to a YAML file, its mission and start configurations resolved.
+
+    It has conditions, or it is a family with strategies, and maybe with disturbances, each of which has its mission.
+    """
     path = find_file("experiments", name_or_path, directories)
     with reading_files(trust=trust):
-        return validated(ExperimentConfig, _resolved(read_mapping(path), path, directories), shown(path))
-
-
-def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> RobustnessConfig | None:
-    """Return the experiment of a name or path if it compares strategies; else None, for it has conditions."""
-    path = find_file("experiments", name_or_path, directories)
-    content = read_mapping(path)
-    return _robustness(content, path, directories) if content.keys() & OF_ROBUSTNESS else None
+        return _experiment(read_mapping(path), path, directories)
 
 
 def load_family(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> FamilyConfig:
@@ -59,17 +61,13 @@ def load_named(
     path = named_file(name_or_path, directories)
     if path is None:
         return own_mission(name_or_path)
-    content, where = read_mapping(path), shown(path)
     with reading_files(trust=trust):
-        if content.keys() & OF_ROBUSTNESS:
-            return _robustness(content, path, directories)
-        if "conditions" in content:
-            known = validated(ExperimentConfig, _resolved(content, path, directories), where)
-            given = {"name": known.name, "description": known.description, "mission": known.mission}
-            return validated(FamilyConfig, given | {"starts": known.starts}, where) if known.starts else known.mission
-        if content.keys() & {"mission", "description"}:
-            return validated(FamilyConfig, _resolved(content, path, directories), where)
-        return validated(MissionConfig, _with_own_knowledge(content, path), where)
+        found = _document(read_mapping(path), path, directories)
+        if not isinstance(found, ExperimentConfig):
+            return found
+        given = {"name": found.name, "description": found.description, "mission": found.mission}
+        starts = {"starts": found.starts}
+        return validated(FamilyConfig, given | starts, shown(path)) if found.starts else found.mission
 
 
 def random_starts(mission: MissionConfig) -> FamilyConfig:
@@ -94,15 +92,21 @@ def own_mission(task: str) -> MissionConfig:
     return validated(MissionConfig, {"name": name, "task": name}, f"task {name}")
 
 
-def _robustness(content: dict[str, Any], path: Path, directories: Sequence[Path]) -> RobustnessConfig:
-    """Return an experiment that compares strategies; each of its disturbances has its whole mission."""
-    content = _resolved(content, path, directories)
-    given = content.get("disturbances")
-    for each in given if isinstance(given, list) else ():
-        if isinstance(each, dict) and isinstance(content["mission"], dict):
-            changes = each.get("mission", {})
-            each["mission"] = with_changes(content["mission"], changes) if isinstance(changes, dict) else changes
-    return validated(RobustnessConfig, content, shown(path))
+def _document(
+    content: dict[str, Any], path: Path, directories: Sequence[Path]
+) -> ExperimentConfig | FamilyConfig | MissionConfig:
+    """Return what a file holds, by its keys."""
+    if OF_EXPERIMENTS & content.keys():
+        return _experiment(content, path, directories)
+    if content.keys() & {"mission", "description"}:
+        return validated(FamilyConfig, _resolved(content, path, directories), shown(path))
+    return validated(MissionConfig, _with_own_knowledge(content, path), shown(path))
+
+
+def _experiment(content: dict[str, Any], path: Path, directories: Sequence[Path]) -> ExperimentConfig | FamilyConfig:
+    compares = content.keys() & OF_ROBUSTNESS
+    content, where = _resolved(content, path, directories), shown(path)
+    return validated(FamilyConfig, content, where) if compares else validated(ExperimentConfig, content, where)
 
 
 def _resolved(content: dict[str, Any], path: Path, directories: Sequence[Path]) -> dict[str, Any]:
@@ -112,6 +116,11 @@ def _resolved(content: dict[str, Any], path: Path, directories: Sequence[Path]) 
         name = checked_name(given, f"{shown(path)}: starts")
         starts = read_mapping(find_file("starts", name, directories, f"{shown(path)}: starts: "))
         content["starts"] = starts.get("starts")
+    disturbances = content.get("disturbances")
+    for each in disturbances if isinstance(disturbances, list) else ():
+        if isinstance(each, dict) and isinstance(content["mission"], dict):
+            changes = each.get("mission", {})
+            each["mission"] = with_changes(content["mission"], changes) if isinstance(changes, dict) else changes
     return content
 
 

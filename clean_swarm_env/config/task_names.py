@@ -21,6 +21,12 @@ TASKS_HOME: Final = "clean_swarm_env.tasks"
 """The package whose import registers our tasks."""
 KIND_WORDS: Final = {"missions": "mission", "families": "family", "experiments": "experiment"}
 """Kind of file that gives missions -> what one is called; names are looked for in this order."""
+COMPARED: Final = ("experiments", "missions", "families")
+"""The order for comparisons: of a name that is an experiment, too, its conditions are compared."""
+OF_ROBUSTNESS: Final = {"disturbances", "strategies"}
+"""Keys of an experiment that compares strategies, in place of conditions."""
+OF_EXPERIMENTS: Final = {"conditions", *OF_ROBUSTNESS}
+"""Keys by which the file of an experiment is told from that of a mission or a family."""
 OWN_TASK: Final = "; a task of your own: --import MODULE or FILE.py"
 """What follows the error of an unknown name."""
 

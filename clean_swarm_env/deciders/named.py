@@ -39,6 +39,8 @@ BY_MODEL = "models"
 """Kind of a decider that follows one for each model of robots."""
 FILED = (POLICY, LEARNED, MACHINE, VELOCITY)
 """Kinds of deciders that name a file."""
+DIGEST = " sha256:"
+"""What follows the text of a decider that names a file, before the digest of the file."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ class NamedDecider:
     @property
     def identity(self) -> str:
         """The text with a digest of what it names, if that is a file: another training is another decider."""
-        return f"{self.text} sha256:{self.digest}" if self.digest else self.text
+        return f"{self.text}{DIGEST}{self.digest}" if self.digest else self.text
 
     @property
     def learns(self) -> bool:
@@ -98,6 +100,11 @@ class NamedDecider:
             return validated(ObservationConfig, self.sees or {"terms": self.terms}, self.text, own=True)
         further = [term for term in self.further if term not in usual]
         return ObservationConfig().of((*usual, *further), driven=self.mode == "velocity")
+
+
+def without_digest(identity: str) -> str:
+    """Return the text of a decider from its identity."""
+    return identity.partition(DIGEST)[0]
 
 
 def decider_named(text: str, directories: Sequence[Path] = ()) -> NamedDecider:

@@ -24,10 +24,9 @@ from clean_swarm_env.deciders.named import FIXED
 from docs.figures.stored import ROOT, record
 from selector.documents.fields import JOINT
 from selector.knowledge import Option
-from train.advising.evaluation import AdviceEvaluation
+from train.advising.advice import Advising
 from train.advising.opening import OpenedMission, document_of, open_mission, variants_of
 from train.evaluation import pipeline
-from train.evaluation.scenarios import scenario_named
 from train.request import Request
 from train.running.trial_task import TrialTask
 
@@ -41,7 +40,7 @@ STARTS, FIRST, TIMES, NEAR = 100, 20, 2.0, 1.1
 def excesses(wide: OpenedMission, arm: str, file: Path, starts: range) -> list[float]:
     """Return the excess of an arm on starts [s]."""
     family = wide.with_knowledge(file)
-    drawn = tuple(scenario_named(family, SEED, scenario_name("test", k)) for k in starts)
+    drawn = tuple(family.scenario_named(SEED, scenario_name("test", k)) for k in starts)
     records = TrialTask(family.name, SEED, drawn, arm, arm, JOINT.join(wide.goals)).run()
     return [round(record.result.excess_s, 3) for record in records]
 
@@ -101,7 +100,7 @@ def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) 
     for seed in seeds[len(found) :]:
         with TemporaryDirectory() as place:
             folder = Path(place) / "advice"
-            evaluation = AdviceEvaluation(Request(mission, seed=seed, output=folder), minutes)
+            evaluation = Advising(Request(mission, seed=seed, output=folder), minutes)
             with Path(place, "log").open("w", encoding="utf-8") as log:
                 assert pipeline.evaluate(evaluation, Console(file=log)) == 0
             said = json.loads((folder / "summary.json").read_text(encoding="utf-8"))

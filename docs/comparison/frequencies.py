@@ -12,7 +12,6 @@ from clean_swarm_env.learning.batch import Batch
 from docs.comparison.manifest import Manifest
 from docs.comparison.missions import family_of
 from selector.documents.fields import JOINT
-from train.evaluation.scenarios import scenario_named
 from train.reports.text_table import markdown_table
 from train.running.trial_task import TrialTask
 
@@ -35,7 +34,7 @@ def frequencies_table(manifest: Manifest) -> str:
 def _count(manifest: Manifest, family: str, number: int, found: dict[tuple[str, str], Counter[str]]) -> None:
     """Count the options of one test mission of a family: case and goal -> option -> how often robots took it."""
     given = family_of(family, manifest.families[family])
-    scenario = scenario_named(given, manifest.seed, scenario_name("test", number))
+    scenario = given.scenario_named(manifest.seed, scenario_name("test", number))
     waiting, goal = iter([scenario]), manifest.families[family].goal or manifest.goal
     member = manifest.strategies[manifest.claimed]
     task = TrialTask(given.name, manifest.seed, (scenario,), manifest.claimed, member, goal)

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.deciders.decider import Decider, TeamsDecider
 from clean_swarm_env.deciders.machines import FixedDecider
 from clean_swarm_env.deciders.named import FIXED
@@ -35,14 +36,15 @@ from clean_swarm_env.world.task import task_class
 from docs.comparison.claims import too_few
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
-from train.analysis.family_report import FamilyRuns, censored, excesses_of, ranking_of, unfinished_of
+from train.analysis.family_report import EXCESS, ranking_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import Ratio
+from train.analysis.runs import Runs
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import BestFixed
 from train.analysis.verdict import unfinished_sentence
-from train.evaluation.base import Done
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.comparing import Comparing
+from train.evaluation.evaluation import Done
 from train.evaluation.pipeline import evaluate
 from train.reports.text_table import EMPTY_CELL, Grid, Publication, interval_cell
 from train.request import Request
@@ -85,7 +87,7 @@ class Lacking(Exception):
         self.tasks = tasks
 
 
-class HeadroomEvaluation(FamilyEvaluation):
+class HeadroomEvaluation(Comparing):
     """The search for the best options of each kind and the best single option, and the runs that judge them.
 
     Args:
@@ -96,15 +98,15 @@ class HeadroomEvaluation(FamilyEvaluation):
 
     """
 
-    growing = ""
+    usual = ()
 
     def __init__(
         self, request: Request, searched: int, family: FamilyConfig | None = None, *, finalists: int = 0
     ) -> None:
         self.beside_baselines = not finalists
-        super().__init__(request, family, headroom={"scenarios": searched, "finalists": finalists})
+        asked = family or load_family(request.name).with_knowledge(request.knowledge)
+        super().__init__(request, asked, headroom={"scenarios": searched, "finalists": finalists})
         self._searched, self._finalists = searched, finalists
-        self._drawn = partial(self.scenario, self.family)
         self.stem += "-headroom"
 
     def tasks(self, done: Done) -> list[TrialTask]:
@@ -130,15 +132,15 @@ class HeadroomEvaluation(FamilyEvaluation):
         """Return the costs of the rule found, Off and Random beside those of the best single choice."""
         done = {record.key: record for record in records}
         others = list(self._others(done).values())
-        labels = [SINGLE, RULE_FOUND, *others, *(entrant.label for entrant in self.entrants)]
+        labels = [SINGLE, RULE_FOUND, *others, *self.labels]
         runs, against = self.runs(records, {label: (label,) for label in labels}), dict.fromkeys(labels, SINGLE)
-        ratio, excesses = excess_ratios(runs, against)[RULE_FOUND], excesses_of(runs)
+        ratio, excesses = excess_ratios(runs, against)[RULE_FOUND], runs.table(EXCESS)
         best = BestFixed.of(excesses, (SINGLE, *others))
         hindsight = Ratio.of(excesses[RULE_FOUND], best.judged(excesses))
         told = "" if hindsight.ratio is None else f"{hindsight.ratio:.3f} {interval_cell(hindsight.ci95)}"
         ends = "" if ratio.ci95 is None else " [{:.1%}, {:.1%}]".format(*(1.0 - end for end in reversed(ratio.ci95)))
         cases, saved = self._cases(done), 1.0 - (np.inf if ratio.ratio is None else ratio.ratio)
-        single, many = self.options[self._single(done)], len(self.scenarios)
+        single, many = self.problem.options[self._single(done)], len(self.scenarios)
         named = f"Choosing for each case in place of always {single}"
         verdict = f"{named} is not shown to save anything on {many} scenarios: {saved:.0%}{ends} of the excess."
         if ratio.p is not None and ratio.p < ALPHA:
@@ -148,7 +150,7 @@ class HeadroomEvaluation(FamilyEvaluation):
             f"{sum(name.startswith('train') for name, _ in done)} missions of search",
             f"best single choice: {single}",
             *([f"ratio to the best in hindsight of {len(others) + 1}, {best.label}: {told}"] if others else []),
-            "best choices: " + ", ".join(f"{case} {self.options[option]}" for case, option in cases.items()),
+            "best choices: " + ", ".join(f"{case} {self.problem.options[option]}" for case, option in cases.items()),
         )
         said, head = [verdict], "ratio to the best single choice"
         return excess_publication(runs, against, "headroom", head, notes=notes, verdict=said)
@@ -160,7 +162,7 @@ class HeadroomEvaluation(FamilyEvaluation):
 
     def _left(self, done: Done) -> Ints:
         """Return numbers (L,) of the options that no round has dropped: the best, and those of each kind."""
-        left, count = np.arange(len(self.options)), min(FIRST_SCENARIOS, self._searched)
+        left, count = np.arange(len(self.problem.options)), min(FIRST_SCENARIOS, self._searched)
         most = len(left) if self._finalists else 0
         while most > self._finalists:
             most = max(most // 2, self._finalists)
@@ -174,9 +176,10 @@ class HeadroomEvaluation(FamilyEvaluation):
     def _others(self, done: Done) -> dict[int, str]:
         """Return the finalists beside the best single option, each with its label."""
         single = self._single(done)
-        labels = {int(option): f"{FIXED}:{self.options[option]}" for option in self._left(done) if option != single}
-        taken = [entrant.label for entrant in self.entrants]
-        return {option: label for option, label in labels.items() if self._finalists and label not in taken}
+        labels = {
+            int(option): f"{FIXED}:{self.problem.options[option]}" for option in self._left(done) if option != single
+        }
+        return {option: label for option, label in labels.items() if self._finalists and label not in self.labels}
 
     def _cases(self, done: Done) -> dict[str, int]:
         """Return the best option for each kind."""
@@ -193,11 +196,11 @@ class HeadroomEvaluation(FamilyEvaluation):
         tasks = [
             task
             for option in options
-            for task in self._chosen_tasks(names, self.options[option], np.full(len(names), option), done)
+            for task in self._chosen_tasks(names, self.problem.options[option], np.full(len(names), option), done)
         ]
         if tasks:
             raise Lacking(tasks)
-        found = [[done[name, self.options[option]] for name in names] for option in options]
+        found = [[done[name, self.problem.options[option]] for name in names] for option in options]
         return np.array([[record.result.excess_s for record in row] for row in found])
 
     def _chosen_tasks(self, names: Sequence[str], condition: str, options: Ints, done: Done) -> list[TrialTask]:
@@ -205,24 +208,28 @@ class HeadroomEvaluation(FamilyEvaluation):
         chosen = {
             name: option for name, option in zip(names, options.tolist(), strict=True) if (name, condition) not in done
         }
-        task = self.task([self._drawn(name) for name in chosen], condition, "")
-        return ChosenTask(**vars(task), chosen=chosen).parts()
+        drawn = tuple(self._scenario(name) for name in chosen)
+        own = (self.document.name, self.request.seed, drawn, condition, "", self.problem.goal)
+        return ChosenTask(*own, directories=self.directories, chosen=chosen).parts()
+
+    def _scenario(self, name: str) -> Scenario:
+        return self.document.scenario_named(self.request.seed, name)
 
     @cache  # noqa: B019  (an evaluation lives as long as its process)
     def _kinds(self, split: Split) -> NDArray[np.str_]:
         """Return the kinds (T,) of the scenarios of the search, or of those that judge."""
         count = self._searched if split == "train" else len(self.scenarios)
-        return np.array(scenario_kinds([self._drawn(scenario_name(split, k)) for k in range(count)]))
+        return np.array(scenario_kinds([self._scenario(scenario_name(split, k)) for k in range(count)]))
 
 
-def excess_ratios(runs: FamilyRuns, against: Mapping[str, str]) -> dict[str, Ratio]:
+def excess_ratios(runs: Runs, against: Mapping[str, str]) -> dict[str, Ratio]:
     """Return label -> ratio of the mean excess to that of what it is compared with; nothing for the latter."""
-    excesses, left = excesses_of(runs), censored(runs)
+    excesses, left = runs.table(EXCESS), runs.censored
     return {label: Ratio.between(label, other, excesses, left) for label, other in against.items() if label != other}
 
 
 def excess_publication(
-    runs: FamilyRuns,
+    runs: Runs,
     against: Mapping[str, str],
     title: str,
     head: str,
@@ -241,7 +248,7 @@ def excess_publication(
         verdict: sentences that come before those on the order of strategies.
 
     """
-    left, ratios, ranking = unfinished_of(runs), excess_ratios(runs, against), ranking_of(runs)
+    left, ratios, ranking = runs.unfinished, excess_ratios(runs, against), ranking_of(runs)
     rows, summary = [], dict[str, dict[str, object]]()
     for label, excess in ranking.means.items():
         share = float(left[label].mean()) if left else None
@@ -254,10 +261,10 @@ def excess_publication(
         rows.append((label, share_cell(share), f"{excess.value:.1f}", *cells))
     heads = ("strategy", "unfinished", "excess s", head, "95 %")
     few = too_few(runs.scenarios, len(ratios))
-    grid = Grid(f"{runs.family.name}: {title}", heads, rows, notes=(*notes, f"excess: {Cleaning.excess}", *few))
-    content = {"family": runs.family.name, "strategies": summary, "notes": list(notes)}
+    grid = Grid(f"{runs.document.name}: {title}", heads, rows, notes=(*notes, f"excess: {Cleaning.excess}", *few))
+    content = {"family": runs.document.name, "strategies": summary, "notes": list(notes)}
     said = [*verdict, *ranking.sentences(), *filter(None, [unfinished_sentence(left, ranking)])][:MOST_SENTENCES]
-    return Publication(runs.family.name, runs.family.description, said, [grid], content)
+    return Publication(runs.document.name, runs.document.description, said, [grid], content)
 
 
 def race(

@@ -14,7 +14,7 @@ from docs.comparison.headroom import race
 from docs.comparison.loop import LoopedFamily, LoopedMissions, LoopManifest
 from docs.comparison.running import run
 from selforg.arrays import Floats
-from train.evaluation.entrants import RANDOM
+from train.analysis.verdict import RANDOM
 from train.evaluation.pipeline import mission_score
 from train.running.finished_runs import JOURNAL, runs_of
 

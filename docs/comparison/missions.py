@@ -21,7 +21,6 @@ from docs.comparison.running import run, written
 from docs.figures.stored import ROOT
 from selector.documents.find import load_file
 from selector.documents.writing import write_whole
-from train.evaluation.scenarios import scenario_named
 from train.learning.config import TrainingConfig
 from train.running.trial_task import TrialTask
 
@@ -85,7 +84,7 @@ def _judged(manifest: Manifest, family: str, label: str) -> Judged:
     if label in manifest.trained:
         training_s = _train(manifest, label)
     given, began = family_of(family, compared), time.process_time()
-    drawn = [scenario_named(given, manifest.seed, scenario_name("test", k)) for k in range(compared.scenarios)]
+    drawn = [given.scenario_named(manifest.seed, scenario_name("test", k)) for k in range(compared.scenarios)]
     members = _members(manifest, family, label, drawn)
     excesses, unfinished = [0.0] * len(drawn), list[int]()
     for member in dict.fromkeys(members):

@@ -23,7 +23,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from train.cli.options import wide_console
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.comparing import Comparing
 from train.evaluation.pipeline import evaluate
 from train.live.chosen import chosen, playable
 from train.live.conductor import Conductor
@@ -120,7 +120,7 @@ def pictures(page: Page, frames: int) -> Iterator[Image.Image]:
 def write_report(folder: Path) -> Path:
     """Evaluate both conditions on some scenarios and write the report; return it."""
     kept = {"output": folder, "record": RecordSettings(Path(RECORDINGS))}
-    evaluate(FamilyEvaluation(Request(FAMILY, CONDITIONS, 0, SCENARIOS, goal=GOAL, **kept)), wide_console())
+    evaluate(Comparing(Request(FAMILY, CONDITIONS, 0, SCENARIOS, goal=GOAL, **kept)), wide_console())
     page = folder / "report.html"
     page.write_text(report_of_results([results_in(folder)]), encoding="utf-8")
     return page

@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.load import load_robustness
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.load import load_experiment
 from docs.figures.stored import record
 from train.analysis.intervals import Estimate
 from train.analysis.robustness_report import RobustnessReport
@@ -28,9 +29,9 @@ def report_of(summary: dict[str, Any]) -> RobustnessReport:
         }
         for name, by_label in summary["disturbances"].items()
     }
-    robustness = load_robustness(summary["experiment"])
-    assert robustness is not None
-    return RobustnessReport(robustness, summary["seed"], summary["scenarios"], estimates)
+    family = load_experiment(summary["experiment"])
+    assert isinstance(family, FamilyConfig)
+    return RobustnessReport(family, summary["seed"], summary["scenarios"], estimates)
 
 
 def table(report: RobustnessReport) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
+from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.robots import RobotConfig, RobotModel
 from clean_swarm_env.config.task_names import task_names
@@ -48,8 +48,6 @@ def page() -> str:
             parts += [f"## Settings of the task {name}\n", *tables(settings, "task", done)]
     parts += ["## Families\n", *tables(FamilyConfig, "", done)]
     parts += ["## Experiments with conditions\n", *tables(ExperimentConfig, "", done)]
-    parts += ["## Experiments with disturbances\n", "Beside the keys of families:\n"]
-    parts += tables(RobustnessConfig, "", done, besides=FamilyConfig)
     return "\n".join(parts)
 
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from docs.figures.draw_goals import tasks_to_run
 from docs.figures.stored import take
-from train.analysis.family_report import family_report_of
+from train.analysis.family_report import FamilyReport
 from train.analysis.statistics import Summary
 from train.analysis.task_report import MeasuredStrategy
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.comparing import Comparing
 from train.request import Request
 from train.running.engine import in_turn
 
@@ -60,11 +60,11 @@ Outcome = tuple[str, list[MeasuredStrategy]]
 
 def measured(task: str, knowledge: str | None, runs: int) -> Outcome:
     """Return the option of the highest score for a task by some knowledge, and its measures."""
-    evaluation = FamilyEvaluation(Request(task, (BY_SCORE,), scenarios=runs, knowledge=knowledge))
+    evaluation = Comparing(Request(task, (BY_SCORE,), scenarios=runs, knowledge=knowledge))
     records = list(in_turn(evaluation.tasks({})))
-    report = family_report_of(evaluation.runs(records, {BY_SCORE: (BY_SCORE,)}))
+    report = FamilyReport.of(evaluation.runs(records, {BY_SCORE: (BY_SCORE,)}))
     best = int(evaluation.batch.choices.default[0])
-    return evaluation.options[best], [one for one in report.measured if one.strategy == BY_SCORE]
+    return evaluation.problem.options[best], [one for one in report.measured if one.strategy == BY_SCORE]
 
 
 def rows(goal: str, ours: Outcome, theirs: Outcome) -> list[str]:

@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from clean_swarm_env.config.load import load_experiment, load_family, load_mission, load_robustness
+from clean_swarm_env.config.load import load_experiment, load_family, load_mission
 from clean_swarm_env.tasks.cleaning.missions import CleaningStarts
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import trial_host
@@ -40,7 +40,7 @@ def read_robot(path: Path) -> None:
 
 
 READERS: dict[str, Callable[[Path], object]] = {
-    "experiments": lambda path: load_robustness(str(path)) or load_experiment(str(path)),
+    "experiments": lambda path: load_experiment(str(path)),
     "families": lambda path: load_family(str(path)),
     "knowledge": lambda path: load_knowledge(str(path)),
     "machines": lambda path: load_machine(str(path)),

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import yaml
 
+from clean_swarm_env.config.experiment import GivenStarts
 from clean_swarm_env.config.load import load_experiment, load_family, load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
@@ -95,26 +96,26 @@ def _play(folder: Path) -> Path:
 
 def _results(folder: Path) -> list[Path]:
     beside = {"versions": versions(), "command": ["clean-swarm", "evaluate"]}
-    experiment = load_experiment("table1").model_dump(mode="json")
-    conditions = [{"name": "a", "strategy": OWN}]
+    experiment = load_experiment("table1").model_dump(mode="json", include=set(GivenStarts.model_fields))
     members = ("canary:Own", "policy:evil.zip", "velocity:evil.pt")
     family = load_family("table1-starts").model_dump(mode="json")
     family["mission"] |= {"time_limit": SHORT["time_limit"]}
     digests = [_digest(folder / "canary.py"), _digest(folder / "evil.zip", folder / "evil.pkl")]
     digests += [_digest(folder / "evil.pt", folder / "evil.pkl")]
-    held = {member: [f"{member} sha256:{digest}"] for member, digest in zip(members, digests, strict=True)}
+    held = {one: {"members": [f"{one} sha256:{digest}"]} for one, digest in zip(members, digests, strict=True)}
+    own = {"a": {"members": held["canary:Own"]["members"]}}
     identities = {
-        "own": {"experiment": "x", "configuration": experiment | {"conditions": conditions}},
-        "model": {"family": family, "goal": "AvoidCollision", "strategies": held},
+        "own": {"document": experiment, "goal": "AvoidCollision", "conditions": own},
+        "model": {"document": family, "goal": "AvoidCollision", "conditions": held},
     }
     found = []
     for name, identity in identities.items():
         path = folder / f"results-{name}"
         path.mkdir()
-        whole = {"seed": 3, "files": fingerprints(), "directories": [], **identity}
+        whole = {"seed": 3, "files": fingerprints(), **identity}
         (path / "manifest.json").write_text(json.dumps({"identity": whole, **beside}))
-        conditions_of = members if name == "model" else ("a",)
-        lines = [json.dumps(record("test-1", one).as_mapping()) + "\n" for one in conditions_of]
+        scenario, conditions = ("test-1", members) if name == "model" else ("1", ("a",))
+        lines = [json.dumps(record(scenario, one).as_mapping()) + "\n" for one in conditions]
         (path / "runs.jsonl").write_text("".join(lines))
         found.append(path)
     return found

@@ -23,9 +23,10 @@ from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from tests.attacks.targets import Target, attack, damaged, put, read_or_refused, recorded
 from tests.train.live.sessions import SMALL, play_of
+from train.evaluation.comparing import Comparing
 from train.evaluation.repeat import record_run
-from train.evaluation.scenarios import experiment_tasks
 from train.live.session import Session
+from train.request import Request
 
 
 def field(number: int, *values: int | str | bytes) -> bytes:
@@ -102,7 +103,7 @@ def test_a_full_disk_names_the_file_and_leaves_nothing_that_the_next_try_refuses
     experiment = load_experiment("table1")
     mission = experiment.mission.model_copy(update={"time_limit": 6.0})
     small = experiment.model_copy(update={"mission": mission, "starts": (random_start(mission, 1, 0),)})
-    task = experiment_tasks(small, 0)[0]
+    task = Comparing(Request("table1"), small).tasks({})[0]
     writers = [(Path("new.swarm"), partial(record_run, task))]
     noise = np.random.default_rng(0).integers(256, size=(20, 64, 64, 3), dtype=np.uint8)
     videos = ["new.webp", "new.gif", *(("new.webm", "new.mp4") if find_spec("cv2") else ())]

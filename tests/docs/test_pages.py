@@ -21,7 +21,7 @@ import pytest
 import typer.main
 import yaml
 
-from clean_swarm_env.config.load import load_experiment, load_family, load_mission, load_robustness
+from clean_swarm_env.config.load import load_experiment, load_family, load_mission
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.configurations.library import Library
@@ -166,7 +166,7 @@ def test_the_example_of_play_follows_a_session(folder):
 
 
 LOADERS = {
-    "experiments": lambda name, directories: load_robustness(name, directories) or load_experiment(name, directories),
+    "experiments": lambda name, directories: load_experiment(name, directories),
     "families": load_family,
     "knowledge": load_knowledge,
     "mechanisms": lambda name, directories: Library(directories).configuration(name),
@@ -190,7 +190,7 @@ HOLDS = {
     "docs/cost.md": lambda family: family.mission.task.consequences.drop,
     "docs/own_plugins.md": lambda training: training.reward == RewardConfig(),
     "docs/own_task.md": lambda mission: mission.task.sheep == 30,
-    "docs/robustness.md": lambda experiment: list(experiment.disturbed) == ["none", "messages lost 0.5"],
+    "docs/robustness.md": lambda experiment: list(experiment.variants) == ["none", "messages lost 0.5"],
 }
 """Page -> whether its document is what the page speaks of."""
 

@@ -23,7 +23,7 @@ from tests.paths import ROOT
 from tests.train import fake_mission
 from tests.train.waiting import until
 from train import cli
-from train.evaluation import pipeline, scenarios
+from train.evaluation import comparison, pipeline
 
 T = TypeVar("T")
 
@@ -94,7 +94,7 @@ def apart(work: Callable[[], T], *places: Path) -> T:
 def faked_missions(trials: Callable[..., object] = fake_mission.trials) -> Iterator[None]:
     """Let missions of experiments take no time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(scenarios, "TrialTask", partial(fake_mission.FakeTask, trials=trials))
+        patch.setattr(comparison, "TrialTask", partial(fake_mission.FakeTask, trials=trials))
         patch.setattr(pipeline, "compiled_before", lambda: True)  # a warm-up would be one more fake mission
         yield
 

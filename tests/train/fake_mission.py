@@ -79,7 +79,7 @@ if __name__ == "__main__":
     # spawned workers find the class by this module's name, not by __main__
     from tests.train import fake_mission
     from train.cli import main
-    from train.evaluation import scenarios
+    from train.evaluation import comparison
 
-    scenarios.TrialTask = fake_mission.FakeTask
+    comparison.TrialTask = fake_mission.FakeTask
     main()

@@ -18,52 +18,48 @@ from clean_swarm_env.config.load import load_family, random_starts
 from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.deciders.named import FIXED, MACHINE, POLICY, decider_named
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
 from selector.documents.errors import DocumentError, within
 from selector.documents.fields import JOINT
 from selector.documents.find import files_of
+from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
 from selector.knowledge import Knowledge, Option
 from selforg.plugins import PluginError
 from train.advising.opening import OpenedMission, document_of, open_mission, variants_of, without
-from train.advising.rounds import Lacking, needed
+from train.advising.report import Advice
+from train.advising.rounds import BROKE, CPU, Lacking, broke_off, needed, seconds_of
+from train.advising.scores import learned_from_rounds, options_known
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.verdict import RANDOM
-from train.evaluation.base import Done, Evaluation
-from train.evaluation.entrants import Entrant, check_fit
+from train.evaluation.comparison import Comparison, Condition
+from train.evaluation.conditions import check_fit
+from train.evaluation.evaluation import Done, Evaluation
 from train.evaluation.pipeline import mission_score
-from train.evaluation.scenarios import scenario_named
+from train.evaluation.repeat import record_run
+from train.replay.page_file import write_page
+from train.reports.text_table import Publication
 from train.request import Request
 from train.running.needs import check_needs, needs_of
+from train.running.run_folder import fingerprints
 from train.running.runs import RunRecord
 from train.running.trial_task import TASK_SCENARIOS, TrialTask
 
-CPU = "cpu_ms"
-"""Count of a mission: the time of its processor [ms]."""
+KNOWLEDGE, FAMILY, REPLAY = "knowledge.yaml", "families.yaml", "replay.html"
+"""Files of an advice: options with their scores, a family that has them, and a page with the two best side by side."""
 OPTIONS_FILE, NUMBERS_FILE = "options.yaml", "numbers.yaml"
 """Files with all options that race, and with the variants of the best ones, too; there the best have the highest score,
 so that a rule for one goal leaves them in place for the others."""
 NO_RULES = ("random-held",)
 """Machines that ship as chance."""
-BROKE = "broke: "
-"""Begins the count of missions that a plug-in broke off, before its error."""
 USUAL_SHARE = 0.05
 """Share of its time limit that a mission lasts, coarsely, before one has run."""
 KINDS_OF = 50
 """Scenarios of a family among which there have to be several kinds."""
 LEAST_MISSIONS = 120
 """Missions without which nothing can be said."""
-
-
-def seconds_of(record: RunRecord) -> float:
-    """Return the time of a processor that a mission took [s]."""
-    return record.counts.get(CPU, 0) / 1000.0
-
-
-def broke_off(record: RunRecord) -> str:
-    """Return why a plug-in broke off a mission; empty if none did."""
-    return next((name.removeprefix(BROKE) for name in record.counts if name.startswith(BROKE)), "")
 
 
 @dataclass(frozen=True)
@@ -102,8 +98,11 @@ class Advising(Evaluation):
         censors: whether the cost of a mission that is not finished is unknown, as `censored` has it.
         nothing_to_choose: whether each goal has one option only.
         varied: goal -> variants of the best option, once they are needed.
+        advice: what came out, once all runs are done and published.
 
     """
+
+    advice: Advice
 
     def __init__(self, request: Request, minutes: float, missions: int | None = None, *, kinds: bool = False) -> None:
         super().__init__(request)
@@ -137,8 +136,15 @@ class Advising(Evaluation):
             "options": options,
             "learned": bool(self.opened.known.learned),
         }
-        family_content = self.family.model_dump(mode="json")
-        self.identify({"family": family_content, "seed": request.seed, "goal": self.goal, "advice": asked})
+        comparison = Comparison(
+            document=self.family,
+            seed=request.seed,
+            goal=self.goal,
+            conditions={},
+            files=fingerprints(self.directories),
+            directories=self.directories,
+        )
+        self.identify(comparison, advice=asked)
 
     def price(self, record: RunRecord) -> float:
         """Return what a mission took of the budget."""
@@ -149,7 +155,7 @@ class Advising(Evaluation):
         """Return the kind of a scenario; all are of one unless kinds are asked for."""
         if not self.kinds:
             return ""
-        return task_class(self.mission).kind_of(scenario_named(self.family, self.request.seed, name).mission)
+        return task_class(self.mission).kind_of(self.family.scenario_named(self.request.seed, name).mission)
 
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the missions that the search needs next; once it is over, those of the last round."""
@@ -209,10 +215,6 @@ class Advising(Evaluation):
         needed(every, done)
         return going, stopped
 
-    def mistake(self, record: RunRecord) -> str:
-        """Return why a run is not one of this advice."""
-        return record.mistake(self.family.name, self.request.seed, self.family.largest)
-
     def expected(self, done: Done) -> int:
         """Return how many missions the budget lasts for, at the mean price of those so far."""
         spent = sum(map(self.price, done.values()))
@@ -247,7 +249,7 @@ class Advising(Evaluation):
         for name in names:
             try:
                 if several & set(decider_named(name, self.directories).goals):
-                    check_fit([Entrant(name, (name,))], batch, JOINT.join(wide.goals), self.directories)
+                    check_fit(name, Condition(members=(name,)), batch, JOINT.join(wide.goals), self.directories)
                     found.append(name)
             except ValueError:  # it does not fit, or its file is damaged
                 continue
@@ -289,5 +291,33 @@ class Advising(Evaluation):
         """Return the tasks of scenarios of an arm."""
         family = self.opened.with_knowledge(self.file_of(arm))
         seed, own = self.request.seed, self.directories
-        drawn = tuple(scenario_named(family, seed, name) for name in names)
+        drawn = tuple(family.scenario_named(seed, name) for name in names)
         return AdviceTask(family.name, seed, drawn, arm, arm, self.goal, directories=own).parts()
+
+    def publication(self, records: Sequence[RunRecord]) -> Publication:
+        """Return the advice."""
+        self.advice = Advice.of(self, {record.key: record for record in records})
+        return self.advice.publication
+
+    def conclude(self) -> None:
+        """Write what the advice is used with."""
+        advice, folder = self.advice, self.folder
+        known = learned_from_rounds(advice).items()
+        learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in known}
+        text = document_of(
+            options_known(advice),
+            self.directories,
+            description=" ".join(advice.sentences),
+            robot=self.mission.network.robot,
+            learned=learned,
+        )
+        write_whole(folder / KNOWLEDGE, text.encode())
+        family = self.opened.with_knowledge(Path(KNOWLEDGE))  # which lies beside the file
+        write_whole(folder / FAMILY, as_yaml(family.model_dump(mode="json")).encode())
+        best, recordings = advice.found.winner, []
+        others = sorted(advice.costs, key=lambda arm: (arm == best, float(advice.costs[arm].mean())))
+        with TemporaryDirectory() as place:
+            for number, arm in enumerate(dict.fromkeys((best, others[0]))):
+                task = self.tasks_of(arm, [scenario_name("test", 0)])[0]
+                recordings.append(RecordedMission(record_run(task, Path(place) / f"{number}.swarm"), ()))
+            write_page(recordings, folder / REPLAY)

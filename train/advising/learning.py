@@ -20,14 +20,14 @@ from selector.documents.fields import JOINT
 from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
 from selforg.plugins import named_plugins
-from train.advising.advice import seconds_of
-from train.advising.evaluation import FAMILY, AdviceEvaluation
+from train.advising.advice import FAMILY, Advising
 from train.advising.report import Advice, shown_cheaper, times
+from train.advising.rounds import seconds_of
 from train.advising.scores import options_known
-from train.analysis.family_report import ratio_of, unfinished_of
+from train.analysis.family_report import ratio_of
 from train.analysis.flips import ALPHA
 from train.evaluation import pipeline
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.comparing import Comparing
 from train.learning.config import TrainingConfig, load_training
 from train.learning.ppo.training import POLICY_FOLDER
 from train.learning.seeds import trained
@@ -51,7 +51,7 @@ FRESH = 1
 """What is added to the seed of the advice for the starts that judge the selector."""
 
 
-def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Console) -> int:
+def train_selector(evaluation: Advising, minutes: float, console: Console) -> int:
     """Train a selector, judge it, print what came out, and return the exit code.
 
     Args:
@@ -124,13 +124,13 @@ def _judge(advice: Advice, seed: int, console: Console) -> int:
         output=folder / JUDGED,
         resume=(folder / JUDGED).exists(),
     )
-    judge = FamilyEvaluation(again)
+    judge = Comparing(again)
     with (folder / "judged.log").open("w", encoding="utf-8") as log:
         code = pipeline.evaluate(judge, Console(file=log))
     if code != FINISHED:
         return code
     runs = judge.runs(runs_of(folder / JUDGED / JOURNAL), {held: (held,), "selector": ("selector",)})
-    left, ratio = unfinished_of(runs), ratio_of(runs, "selector", held)
+    left, ratio = runs.unfinished, ratio_of(runs, "selector", held)
     cost = f"The selector that was trained for it costs {times(ratio)} of that on {runs.scenarios} further starts"
     if left:
         cost += f", with {int(left['selector'].sum())} unfinished beside {int(left[held].sum())}"

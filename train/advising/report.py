@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,17 +22,21 @@ from clean_swarm_env.deciders.unseen import untrained
 from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selforg.arrays import Floats
-from train.advising.advice import Advising, broke_off, seconds_of
+from train.advising.rounds import broke_off, seconds_of
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
-from train.analysis.family_report import FamilyRuns, excesses_of, family_report_of, ratio_of, unfinished_of
+from train.analysis.family_report import EXCESS, FamilyReport, ratio_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import TOLD, Estimate, Ratio, about_number, corrected_ps
+from train.analysis.runs import Runs
 from train.analysis.strategy_comparison import cross_fitted
 from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left
-from train.evaluation.base import Done
+from train.evaluation.evaluation import Done
 from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family
 from train.reports.text_table import EMPTY_CELL, Grid, Publication
+
+if TYPE_CHECKING:  # which has the advice
+    from train.advising.advice import Advising
 
 WORTH_LEARNING = 0.05
 """Gain of the best combination of each start, in hindsight, from which on training a selector may be worth it [-]."""
@@ -59,7 +63,7 @@ class Advice:
     evaluation: Advising
     search: AdviceSearch
     found: SearchResult
-    runs: FamilyRuns
+    runs: Runs
     stopped: Mapping[str, int]
     done: Done
 
@@ -69,16 +73,9 @@ class Advice:
         search = evaluation.search(done)
         found = search.run()
         going, stopped = evaluation.judged(found, done)
-        runs = FamilyRuns(
-            family=evaluation.family,
-            goal=evaluation.goal,
-            seed=evaluation.request.seed,
-            scenarios=found.starts,
-            worlds=1,
-            conditions={arm: (arm,) for arm in going},
-            fixed=tuple(arm for arm in going if arm.startswith(f"{FIXED}:")),
-            records=list(done.values()),
-        )
+        names, arms = ((scenario_name("test", k),) for k in range(found.starts)), {arm: (arm,) for arm in going}
+        seed, records = evaluation.request.seed, list(done.values())
+        runs = Runs(evaluation.family, evaluation.goal, seed, tuple(names), arms, records)
         return cls(evaluation, search, found, runs, stopped, done)
 
     @property
@@ -89,12 +86,12 @@ class Advice:
     @cached_property
     def costs(self) -> dict[str, Floats]:
         """Arm -> excess (1, K, 1) of its missions [s]."""
-        return excesses_of(self.runs)
+        return self.runs.table(EXCESS)
 
-    @cached_property
+    @property
     def left(self) -> dict[str, Floats]:
         """Arm -> whether missions (1, K, 1) were left unfinished; nothing where that means nothing."""
-        return unfinished_of(self.runs)
+        return self.runs.unfinished
 
     def ratio(self, arm: str) -> Ratio:
         """Return the ratio of an arm's mean excess to that of the best."""
@@ -286,7 +283,7 @@ class Advice:
     @property
     def publication(self) -> Publication:
         """The report."""
-        report, evaluation = family_report_of(self.runs), self.evaluation
+        report, evaluation = FamilyReport.of(self.runs), self.evaluation
         about = f"{evaluation.family.description}\nOptions of {', '.join(evaluation.opened.goals)}."
         grids = [*family_tables(report), *self._races]
         return Publication(evaluation.family.name, about, self.sentences, grids, self.content, draw_family(report))

@@ -13,6 +13,21 @@ import numpy as np
 from selforg.arrays import Floats
 from train.running.runs import RunKey, RunRecord
 
+CPU = "cpu_ms"
+"""Count of a mission: the time of its processor [ms]."""
+BROKE = "broke: "
+"""Begins the count of missions that a plug-in broke off, before its error."""
+
+
+def seconds_of(record: RunRecord) -> float:
+    """Return the time of a processor that a mission took [s]."""
+    return record.counts.get(CPU, 0) / 1000.0
+
+
+def broke_off(record: RunRecord) -> str:
+    """Return why a plug-in broke off a mission; empty if none did."""
+    return next((name.removeprefix(BROKE) for name in record.counts if name.startswith(BROKE)), "")
+
 
 @dataclass(frozen=True)
 class Round:

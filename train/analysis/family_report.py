@@ -5,110 +5,41 @@ Shapes: S members of a strategy (one for each seed of its training), K scenarios
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property, partial
-from typing import Any, Final
+from functools import cached_property
+from typing import Any, ClassVar, Self
 
-import numpy as np
-
-from clean_swarm_env.config.families import FamilyConfig, scenario_name
-from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.config.types import AVOIDANCE
-from clean_swarm_env.world.mission import MissionResult
-from clean_swarm_env.world.task import Task, task_class
 from selector.documents.trust import BASELINE
-from selforg.arrays import Floats
 from train.analysis.intervals import Ratio
-from train.analysis.statistics import Summary, summarise
+from train.analysis.runs import COST, Report, Runs
 from train.analysis.strategy_comparison import StrategyComparison, compare_strategies
-from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies
+from train.analysis.task_report import by_strategy
 from train.analysis.verdict import RANDOM, Ranking, unfinished_sentence
-from train.running.runs import RunRecord, under
 
 NEVER_AVOIDS = "fixed:Off"
 """Label of the strategy that never avoids."""
-Figure = Callable[[MissionConfig, MissionResult], float]
-FIGURES: Final[Mapping[str, Figure]] = {
-    "cost_s": lambda _, r: r.cost_s,
-    "excess_s": lambda _, r: r.excess_s,
-    "duration_s": lambda _, r: r.duration_s,
-    "events": lambda m, r: r.collision_events_per_s[0] * r.ticks / m.world.control_rate,
-    "events_per_s": lambda _, r: r.collision_events_per_s[0],
-    "contact_s": lambda m, r: r.collision_samples_per_s[0] * r.ticks / m.world.control_rate / m.world.physics_rate,
-    "items": lambda _, r: float(r.garbage_done),
-    "completed": lambda _, r: float(r.completed),
-}
+EXCESS = "excess_s"
 
 
 @dataclass(frozen=True)
-class FamilyRuns:
-    """The runs of an evaluation on a family."""
+class FamilyReport(Report):
+    """All results of an evaluation on a family; the strategies are in the order of their excess."""
 
-    family: FamilyConfig
-    goal: str
-    """Goal that the strategies choose options for."""
-    seed: int
-    scenarios: int
-    """K."""
-    worlds: int
-    """V."""
-    conditions: Mapping[str, tuple[str, ...]]
-    """Label of a strategy -> (S,) names under which the runs of its members are kept."""
-    fixed: tuple[str, ...]
-    """Labels of the strategies that are one option each."""
-    records: Sequence[RunRecord]
-    """All runs in the directory, also those of strategies that are not compared."""
+    summarised: ClassVar[tuple[str, ...]] = (
+        *(COST, EXCESS, "duration_s", "events", "events_per_s", "contact_s", "items", "completed"),
+    )
+
+    @classmethod
+    def of(cls, runs: Runs) -> Self:
+        """Return the report on runs."""
+        return cls(replace(runs, conditions={label: runs.conditions[label] for label in ranking_of(runs).labels}))
 
     @cached_property
-    def missions(self) -> list[MissionConfig]:
-        """The missions (K,) of the scenarios."""
-        return [self.family.scenario(self.seed, k, "test").mission for k in range(self.scenarios)]
-
-    def within(self, variant: str) -> FamilyRuns:
-        """Return the runs in a variant of the family."""
-        named = {label: tuple(under(variant, own) for own in names) for label, names in self.conditions.items()}
-        return replace(self, conditions=named)
-
-    def table(self, figure: Figure) -> dict[str, Floats]:
-        """Return label -> a figure (S, K, V) of all results."""
-        at = {record.key: record.result for record in self.records}
-        return {
-            label: np.array(
-                [
-                    [
-                        [figure(mission, at[scenario_name("test", k, world), name]) for world in range(self.worlds)]
-                        for k, mission in enumerate(self.missions)
-                    ]
-                    for name in names
-                ]
-            )
-            for label, names in self.conditions.items()
-        }
-
-
-@dataclass(frozen=True)
-class FamilyReport:
-    """All results of an evaluation on a family."""
-
-    runs: FamilyRuns
-    summaries: Mapping[str, Mapping[str, Summary]]
-    """Label of a strategy -> figure -> summary over the scenarios."""
-    comparison: StrategyComparison | None
-    """None without fixed options to compare with."""
-    measured: Sequence[MeasuredStrategy]
-    """Measures of the task under each strategy; empty for a task that has prices instead."""
-
-    @property
-    def task(self) -> type[Task[Any, Any]]:
-        """The class of the task."""
-        return task_class(self.runs.family.mission)
-
-    @cached_property
-    def left(self) -> dict[str, Floats]:
-        """See `unfinished_of`."""
-        return unfinished_of(self.runs)
+    def comparison(self) -> StrategyComparison | None:
+        """None without fixed options to compare with."""
+        runs = self.runs
+        return compare_strategies(runs.table(EXCESS), runs.fixed, runs.censored) if runs.fixed else None
 
     @cached_property
     def ranking(self) -> Ranking:
@@ -118,32 +49,29 @@ class FamilyReport:
     @property
     def compared(self) -> str:
         """What is compared: the excess, or the cost where they are the same."""
-        own = self.summaries.values()
-        return "cost" if all(figures["excess_s"] == figures["cost_s"] for figures in own) else "excess"
+        return "cost" if all(own[EXCESS] == own[COST] for own in self.summaries.values()) else "excess"
 
     @property
     def verdict(self) -> list[str]:
         """What came out, in one to three sentences."""
-        random = RANDOM in self.runs.conditions
-        tried = [label for label in self.runs.conditions if random and label not in (*self.runs.fixed, RANDOM)]
+        runs = self.runs
+        tried = [label for label in runs.conditions if RANDOM in runs.conditions and label not in (*runs.fixed, RANDOM)]
         found = self.ranking.sentences((NEVER_AVOIDS, BASELINE, RANDOM), tried)
-        return [*found, *filter(None, [unfinished_sentence(self.left, self.ranking, self.task.missed[1])])]
+        return [*found, *filter(None, [unfinished_sentence(runs.unfinished, self.ranking, self.runs.task.missed[1])])]
 
     @property
     def content(self) -> dict[str, Any]:
         """Content of `summary.json`."""
         runs, comparison = self.runs, self.comparison
         content: dict[str, Any] = {
-            "family": runs.family.name,
+            "family": runs.document.name,
             "goal": runs.goal,
             "scenarios": runs.scenarios,
-            "worlds": runs.worlds,
+            "worlds": len(runs.names[0]),
             "seed": runs.seed,
-            "strategies": {
-                label: {name: asdict(summary) for name, summary in own.items()} for label, own in self.summaries.items()
-            },
+            "strategies": self.summary,
+            **by_strategy(self.measured),
         }
-        content |= by_strategy(self.measured)
         if comparison is not None:
             content["best_fixed"] = comparison.best_fixed.labels
             content["gap"] = None if comparison.gap is None else asdict(comparison.gap)
@@ -153,43 +81,12 @@ class FamilyReport:
         return content
 
 
-def family_report_of(runs: FamilyRuns) -> FamilyReport:
-    """Compute everything from the records; the strategies are in the order of their excess."""
-    runs = replace(runs, conditions={label: runs.conditions[label] for label in ranking_of(runs).labels})
-    figures = {name: runs.table(figure) for name, figure in FIGURES.items()}
-    summaries = {
-        label: {name: summarise(values[label].mean(axis=(0, 2))) for name, values in figures.items()}
-        for label in runs.conditions
-    }
-    comparison = compare_strategies(excesses_of(runs), runs.fixed, censored(runs)) if runs.fixed else None
-    measures = task_class(runs.family.mission).measures
-    tables = {one.name: runs.table(partial(lambda name, _, r: r.measures[name], one.name)) for one in measures}
-    return FamilyReport(runs, summaries, comparison, measured_strategies(measures, tables, BASELINE))
-
-
-def ranking_of(runs: FamilyRuns) -> Ranking:
+def ranking_of(runs: Runs) -> Ranking:
     """Return the strategies by their excess; the worlds of a scenario count as one."""
     off = "never avoiding" if AVOIDANCE in runs.goal else "Off"
-    return Ranking.of(excesses_of(runs), left=censored(runs), spoken={NEVER_AVOIDS: off})
+    return Ranking.of(runs.table(EXCESS), left=runs.censored, spoken={NEVER_AVOIDS: off})
 
 
-def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
-    """Return label -> whether missions (S, K, V) were not completed, 1 or 0; nothing where garbage keeps coming."""
-    if items_keep_coming(runs.missions[0]):
-        return {}
-    return runs.table(lambda _, result: float(not result.completed))
-
-
-def censored(runs: FamilyRuns) -> dict[str, Floats]:
-    """Return `unfinished_of` where a task has no measures: by these, costs are known however a mission ends."""
-    return {} if task_class(runs.family.mission).measures else unfinished_of(runs)
-
-
-def ratio_of(runs: FamilyRuns, label: str, to: str) -> Ratio:
+def ratio_of(runs: Runs, label: str, to: str) -> Ratio:
     """Return the ratio of the mean excess of a strategy to that of another."""
-    return Ratio.between(label, to, excesses_of(runs), censored(runs))
-
-
-def excesses_of(runs: FamilyRuns) -> dict[str, Floats]:
-    """Return label -> excess costs (S, K, V) [s]."""
-    return runs.table(FIGURES["excess_s"])
+    return Ratio.between(label, to, runs.table(EXCESS), runs.censored)

@@ -8,22 +8,23 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.families import RobustnessConfig
+from clean_swarm_env.config.families import FamilyConfig
 from selforg.arrays import Floats
-from train.analysis.family_report import FIGURES, NEVER_AVOIDS, FamilyRuns, censored
+from train.analysis.family_report import NEVER_AVOIDS
 from train.analysis.intervals import Estimate, share_interval
+from train.analysis.runs import Runs
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
 
 ROBUSTNESS_FIGURES = {"completed": "completed", "duration_s": "duration_s", "collision_events": "events"}
-"""Share of missions completed, duration or time limit [s], and collision events of a mission at the first distance; the
-names that they have among FIGURES."""
+"""Share of missions completed, duration or time limit [s], and collision events of a mission at the first distance;
+their names in `figures_of`."""
 
 
 @dataclass(frozen=True)
 class RobustnessReport:
     """All results of an evaluation under disturbances."""
 
-    robustness: RobustnessConfig
+    robustness: FamilyConfig
     seed: int
     scenarios: int
     """K."""
@@ -64,21 +65,22 @@ class RobustnessReport:
         }
 
     @classmethod
-    def of(cls, robustness: RobustnessConfig, runs: FamilyRuns) -> RobustnessReport:
+    def of(cls, runs: Runs) -> RobustnessReport:
         """Compute everything from the runs; means over members and worlds count once a scenario."""
-        estimates = {}
-        for name in robustness.disturbed:
-            tables = [runs.within(name).table(FIGURES[figure]) for figure in ROBUSTNESS_FIGURES.values()]
+        family, estimates = runs.document, {}
+        assert isinstance(family, FamilyConfig)
+        for name in family.variants:
+            tables = [runs.within(name).table(figure) for figure in ROBUSTNESS_FIGURES.values()]
             estimates[name] = {
                 label: _estimates(*(table[label].mean(axis=2) for table in tables)) for label in runs.conditions
             }
-        return cls(robustness, runs.seed, runs.scenarios, estimates)
+        return cls(family, runs.seed, runs.scenarios, estimates)
 
 
-def durations_over(robustness: RobustnessConfig, runs: FamilyRuns) -> Ranking:
+def durations_over(runs: Runs) -> Ranking:
     """Rank strategies by their mean duration over all disturbances, and without any."""
-    variants = [runs.within(name) for name in robustness.disturbed]
-    times, left = [own.table(FIGURES["duration_s"]) for own in variants], [censored(own) for own in variants]
+    variants = [runs.within(name) for name in runs.document.variants]
+    times, left = [own.table("duration_s") for own in variants], [own.censored for own in variants]
     values, lost = (
         {label: np.concatenate([table[label] for table in each], axis=2) for label in each[0]} for each in (times, left)
     )

@@ -1,12 +1,11 @@
 """`clean-swarm evaluate`: an experiment under its conditions, or strategies on a mission, a family or a task."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from clean_swarm_env.config.task_names import named_file
+from clean_swarm_env.config.task_names import COMPARED, OF_EXPERIMENTS, OF_ROBUSTNESS, named_file
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown
@@ -14,8 +13,13 @@ from train.cli.listing import check_named, conditions_in
 from train.cli.options import REPORTING, GivenOptions, asking, check_there, check_whole, wide_console
 
 MOST_WORLD_SEEDS = 100
-OF_EXPERIMENTS = {"conditions", "disturbances", "strategies"}
-"""Keys by which the file of an experiment is told from that of a mission or a family."""
+OF_FAMILIES = dict.fromkeys(("--starts", "--condition"), "with an experiment, and no strategies,")
+OF_DISTURBANCES = dict.fromkeys((*OF_FAMILIES, "--store", "--learn"), "with experiments without disturbances")
+OF_CONDITIONS = {
+    "--goal": "with strategies, or an experiment with disturbances",
+    "--learn": "with strategies, which choose once in a mission,",
+}
+"""Options that mean nothing where strategies are compared, under disturbances, or conditions: where they do."""
 
 
 @asking("scenarios", "seed", "knowledge", "goal", "store", "learn", "record", "minds", *REPORTING)
@@ -57,42 +61,27 @@ def evaluate_command(
         expected = "expected 1 with --learn, where missions learn in turn"
         raise ConfigurationError(f"--workers: {expected}, got {values['workers']}")
     compared = strategy or values["knowledge"] or world_seeds > 1
-    path = (
-        None
-        if compared or Path(name).is_dir()
-        else named_file(name, given.directories, kinds=("experiments", "missions", "families"))
-    )
-    of_experiments = {"--starts": starts, "--condition": condition}
-    if path is None or not OF_EXPERIMENTS & read_mapping(path).keys():
-        _check_absent("with an experiment, and no strategies,", of_experiments)
+    path = None if compared or Path(name).is_dir() else named_file(name, given.directories, kinds=COMPARED)
+    keys = set() if path is None else OF_EXPERIMENTS & read_mapping(path).keys()
+    refused = OF_FAMILIES if not keys else OF_DISTURBANCES if keys & OF_ROBUSTNESS else OF_CONDITIONS
+    asked = {
+        "--starts": starts,
+        "--condition": condition,
+        **{f"--{key}": values[key] for key in ("goal", "store", "learn")},
+    }
+    for option, where in refused.items():
+        if asked[option]:
+            raise ConfigurationError(f"{option}: expected {where} only")
+    if not keys:
         check_named(given.directories, strategy, name=name, knowledge=values["knowledge"])
-        path = None
-    elif condition and (known := conditions_in(path)):
+    elif path is not None and condition and (known := conditions_in(path)):
         for one in condition:
             if one not in known:
                 raise ConfigurationError(f"{Path(name).stem}: {unknown('condition', one, known)}")
     check_there(starts)
-    from clean_swarm_env.config.load import load_robustness  # these import Numba
-    from train.evaluation import pipeline
-    from train.evaluation.base import Evaluation
-    from train.evaluation.experiment import ExperimentEvaluation
-    from train.evaluation.family import FamilyEvaluation
+    from train.evaluation import pipeline  # these import Numba
+    from train.evaluation.comparing import Comparing
 
-    evaluation: Evaluation
-    if path is None:
-        strategies = tuple(strategy or ("fixed",))
-        evaluation = FamilyEvaluation(given.request(name, strategies=strategies, worlds=world_seeds))
-    elif (robustness := load_robustness(name, given.directories)) is not None:
-        unused = {**of_experiments, "--store": values["store"], "--learn": values["learn"]}
-        _check_absent("with experiments without disturbances", unused)
-        evaluation = FamilyEvaluation(given.request(name, strategies=robustness.strategies), robustness)
-    else:
-        _check_absent("with strategies, or an experiment with disturbances", {"--goal": values["goal"]})
-        evaluation = ExperimentEvaluation(given.request(name, starts=starts, conditions=tuple(condition or ())))
+    chosen = {"strategies": tuple(strategy or ()), "conditions": tuple(condition or ())}
+    evaluation = Comparing(given.request(name, **chosen, worlds=world_seeds, starts=starts))
     raise typer.Exit(pipeline.evaluate(evaluation, wide_console()))
-
-
-def _check_absent(where: str, given: Mapping[str, object]) -> None:
-    for name, value in given.items():
-        if value:
-            raise ConfigurationError(f"{name}: expected {where} only")

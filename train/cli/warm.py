@@ -30,13 +30,12 @@ def warm_command() -> None:
 def _compile_everything() -> None:
     """Run the beginnings of missions under every option, and of all tasks: whatever they call is compiled and kept."""
     from clean_swarm_env.config.task_names import task_names
-    from train.evaluation.experiment import ExperimentEvaluation
-    from train.evaluation.family import FamilyEvaluation
+    from train.evaluation.comparing import Comparing
     from train.request import Request
 
-    batches = FamilyEvaluation(Request(FAMILY, ("fixed", "fsm:rule"), scenarios=1)).tasks({})
-    single = ExperimentEvaluation(Request(EXPERIMENT, scenarios=1)).tasks({})
-    tasks = [FamilyEvaluation(Request(name, ("MaxScore",), scenarios=2)).tasks({}) for name in task_names()]
+    batches = Comparing(Request(FAMILY, ("fixed", "fsm:rule"), scenarios=1)).tasks({})
+    single = Comparing(Request(EXPERIMENT, scenarios=1)).tasks({})
+    tasks = [Comparing(Request(name, ("MaxScore",), scenarios=2)).tasks({}) for name in task_names()]
     for mission in (*batches, *single):
         mission.beginning().run()
     for mission in chain(*tasks):

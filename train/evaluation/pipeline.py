@@ -18,8 +18,8 @@ from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.task import task_class
 from selector.store.exact_sums import REWARD_LIMIT
-from train.evaluation.base import Evaluation
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.comparing import Comparing
+from train.evaluation.evaluation import Evaluation
 from train.reports.knowledge_tables import learned_scores
 from train.reports.text_table import TerminalTable, publish
 from train.running.commands import FINISHED, progress
@@ -44,23 +44,19 @@ def evaluate(evaluation: Evaluation, console: Console) -> int:
         evaluation.memory.check_new()
     for remark in evaluation.remarks():
         Console(stderr=True, highlight=False, soft_wrap=True, emoji=False).print(remark, markup=False)
-    with request.results(root, evaluation.manifest, evaluation.growing) as folder:
-        return _evaluated(evaluation, Results(folder, evaluation.mistake), console)
-
-
-def _evaluated(evaluation: Evaluation, results: Results, console: Console) -> int:
-    folder, request = results.folder, evaluation.request
-    if folder.learned:
-        evaluation.mission = evaluation.mission.beginning_with(folder.learned)
-    total = _count(evaluation.tasks({}))  # known before the first run
-    try:
-        _run_missing(evaluation, results, total)
-        _publish(evaluation, results, console)
-    except (KeyboardInterrupt, WorkerLost) as end:
-        kept = f": {len(results.runs)} of {max(total, len(results.runs))} runs are kept{evaluation.so_far}"
-        return request.ended(end, folder.path, kept)
-    finally:
-        results.close()
+    with request.results(root, evaluation.manifest) as folder:
+        results = Results(folder, evaluation.mistake)
+        if folder.learned:
+            evaluation.begin(folder.learned)
+        total = _count(evaluation.tasks({}))  # known before the first run
+        try:
+            _run_missing(evaluation, results, total)
+            _publish(evaluation, results, console)
+        except (KeyboardInterrupt, WorkerLost) as end:
+            kept = f": {len(results.runs)} of {max(total, len(results.runs))} runs are kept{evaluation.so_far}"
+            return request.ended(end, folder.path, kept)
+        finally:
+            results.close()
     return FINISHED
 
 
@@ -88,7 +84,7 @@ def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
     if settings is not None:
         directory = results.folder.path.resolve() / settings.directory  # workers may have another
         settings = replace(settings, directory=directory)
-    in_turn = evaluation if isinstance(evaluation, FamilyEvaluation) and evaluation.learns_in_turn else None
+    in_turn = evaluation if isinstance(evaluation, Comparing) and evaluation.learns_in_turn else None
     left = _count(tasks)
     done, most = max(total - left, 0), 0.0
     bar = progress("missions", total, done, results.folder.path)
@@ -113,7 +109,7 @@ def _count(tasks: Sequence[TrialTask]) -> int:
 
 
 def _lessons(
-    evaluation: FamilyEvaluation, results: Results, settings: RecordSettings | None
+    evaluation: Comparing, results: Results, settings: RecordSettings | None
 ) -> Generator[RunRecord, None, None]:
     """Run one mission after the other, each with an option that its decider chooses and then learns from.
 
@@ -123,17 +119,17 @@ def _lessons(
     memory, done = evaluation.memory, dict(results.runs)
     assert memory is not None
     choosers, choices, given = evaluation.choosers(), "", set()
-    held = memory.held()
+    held, goal = memory.held(), evaluation.problem.goal
     for scenario in evaluation.scenarios:
         for condition, decider in choosers.items():
             chosen = decider.decide(NO_CONTEXT).options
             option = decider.problem.options[chosen[0]]
-            drawn = evaluation.scenario(evaluation.family, scenario)
-            task = replace(evaluation.task([drawn], condition, f"{FIXED}:{option}"), goal=evaluation.goal)
+            (drawn,) = evaluation.comparison.tasks([scenario], (), [condition])
+            task = replace(drawn.knowing(evaluation.learned), member=f"{FIXED}:{option}", goal=goal)
             kept = done.get((scenario, condition))
             record = kept or (task.recorded(settings) if settings else task).run()[0]
             score = mission_score(evaluation.mission, record.result.cost_s)
-            options = {evaluation.goal: option}
+            options = {goal: option}
             choice = {"scenario": scenario, "condition": condition, "options": options, "score": score}
             choices += json.dumps(choice) + "\n"
             results.folder.write(CHOSEN_OPTIONS, choices)
@@ -143,7 +139,7 @@ def _lessons(
                 if held:
                     held -= 1
                 else:
-                    memory.give([(evaluation.goal, option, score)])
+                    memory.give([(goal, option, score)])
             given.add((scenario, option))
             decider.update(chosen, np.array([score]), NO_CONTEXT)
 

@@ -6,7 +6,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
 from clean_swarm_env.deciders.decider import Decider
@@ -17,15 +16,14 @@ from clean_swarm_env.recording.reader import NoFrames, RecordedMission, Recorded
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import period_of
 from clean_swarm_env.world.mission_end import RUNNING
-from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import shown, validated, within
 from selector.documents.fields import Closed, Number
 from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text
+from selector.documents.trust import check_trust, is_import, reading_files
 from selector.documents.writing import writing_to
 from selforg.registry import unknown
-from train.evaluation.base import DIGEST, Identity
-from train.evaluation.scenarios import experiment_tasks, scenario_named
+from train.evaluation.comparison import Comparison
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import ALONE, check_needs
 from train.running.pulse import tell
@@ -71,9 +69,7 @@ class _Choice(Closed):
 
 
 def task_of(directory: Path, scenario: str | None = None, condition: str | None = None) -> TrialTask:
-    """Return one run of an evaluation; without names the first scenario and the first condition.
-
-    The runs of an experiment are those of its configuration, the runs of a family those that were finished.
+    """Return one of the finished runs of an evaluation; without names the first scenario and the first condition.
 
     Raises:
         ConfigurationError: there are no results of an evaluation, no such scenario or condition, or the files of
@@ -84,58 +80,25 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     for key, kind in NOT_REPEATED.items():
         if key in manifest["identity"]:
             raise ConfigurationError(f"{directory}: expected the results of an evaluation, got those of {kind}")
-    identity = Identity.of(manifest, directory)
-    _check_same_files(identity, path)
-    task, member = (_experiment_task if identity.on is None else _family_task)(identity, directory, scenario, condition)
+    comparison = Comparison.read(manifest, directory)
+    _check_same_files(comparison, path)
+    keys = [record.key for record in runs_of(directory / JOURNAL)]
+    if not keys:
+        raise ConfigurationError(f"{directory}: has no finished run")
+    name, chosen = _chosen(keys, scenario, condition, directory)
+    if chosen not in (kept := comparison.kept):
+        raise ConfigurationError(f"{path}: identity.conditions: expected the run {chosen!r} among them")
+    with within(str(directory)), reading_files(str(path)):
+        (task,) = comparison.tasks([name], (), [chosen])
+        if is_import(own := task.named.strategy):
+            check_trust(own, f"import {own}")
     task = task.knowing(manifest.get(LEARNED_BEFORE, {}))
-    if task.named.identity != member:
+    if task.named.identity != kept[chosen].member:
         told = f"condition {task.condition!r} has changed since the evaluation; its runs cannot be repeated"
         raise ConfigurationError(f"{path}: {told}")
     options = chosen_options(directory).get(task.keys[0])
     with within(f"{directory / CHOSEN_OPTIONS}"):
         return task.serving(options) if options else task
-
-
-def _family_task(
-    identity: Identity, directory: Path, scenario: str | None, condition: str | None
-) -> tuple[TrialTask, str]:
-    """Return the task of a finished run of a family, and its member with the digest of its file."""
-    keys = [record.key for record in runs_of(directory / JOURNAL)]
-    if not keys:
-        raise ConfigurationError(f"{directory}: has no finished run")
-    name, chosen = _chosen(keys, scenario, condition, directory)
-    runs = identity.runs(identity.family(directory))
-    if chosen not in runs:
-        where = f"{directory / MANIFEST}: identity.strategies"
-        raise ConfigurationError(f"{where}: expected the run {chosen!r} among them")
-    family, member = runs[chosen]
-    with within(f"{directory / JOURNAL}"):
-        drawn = scenario_named(family, identity.seed, name)
-    own = (family.name, identity.seed, (drawn,), chosen, member.partition(DIGEST)[0], identity.goal)
-    return TrialTask(*own, directories=identity.directories), member
-
-
-def _experiment_task(
-    identity: Identity, directory: Path, scenario: str | None, condition: str | None
-) -> tuple[TrialTask, str]:
-    """Return the task of a run of an experiment, and its decider with the digest of its file.
-
-    Its condition is the first unless given: what only others name is neither read nor refused.
-    """
-    content, where = identity.configuration, f"{directory / MANIFEST}: identity.configuration"
-    if isinstance(content, dict) and isinstance(content.get("conditions"), list):
-        named = {str(one["name"]): one for one in content["conditions"] if isinstance(one, dict) and "name" in one}
-        if condition is not None and condition not in named:
-            raise ConfigurationError(f"{directory}: {unknown('condition', condition, list(named))}")
-        content = content | {"conditions": [named[condition or next(iter(named))]] if named else []}
-    experiment = validated(ExperimentConfig, content, where)
-    with within(where):
-        tasks = experiment_tasks(experiment, identity.seed, identity.directories, identity.goal)
-    keys = [key for task in tasks for key in task.keys]
-    key = _chosen(keys, scenario, condition, directory)
-    others = set(keys) - {key}
-    task = next(task for task in tasks if key in task.keys).without(others)
-    return task, identity.deciders.get(key[1], BY_SCORE.name)
 
 
 def _chosen(keys: Sequence[RunKey], scenario: str | None, condition: str | None, directory: Path) -> RunKey:
@@ -185,9 +148,9 @@ def steps_of(task: TrialTask) -> Iterator[Deciding]:
             observations = batch.end_period().observations
 
 
-def _check_same_files(identity: Identity, path: Path) -> None:
-    now = fingerprints(identity.directories)
-    for name, held in sorted(identity.files.items()):
+def _check_same_files(comparison: Comparison, path: Path) -> None:
+    now = fingerprints(comparison.directories)
+    for name, held in sorted(comparison.files.items()):
         if now.get(name) != held:
             told = "has changed since the evaluation; its runs cannot be repeated"
             raise ConfigurationError(f"{path}: {name} {told}")

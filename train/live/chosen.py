@@ -16,7 +16,7 @@ from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.task_names import KIND_WORDS, task_names
 from clean_swarm_env.config.tasks import item_rows, with_changes, with_items
 from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
-from clean_swarm_env.deciders.named import FIXED, POLICY, decider_named
+from clean_swarm_env.deciders.named import FIXED, POLICY, decider_named, without_digest
 from clean_swarm_env.deciders.unseen import decided_and_held, remarks_of, undecided, unseen
 from clean_swarm_env.recording.file import SUFFIX
 from clean_swarm_env.recording.reader import RecordedMission
@@ -27,7 +27,6 @@ from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
-from train.evaluation.base import DIGEST
 from train.running.run_folder import fingerprints, held_files
 
 STRATEGY, AVOIDING, TRAINED, NEVER = "MaxScore", f"{FIXED}:ORCA", f"{POLICY}:one", f"{FIXED}:Off"
@@ -56,7 +55,7 @@ class PlayedMission:
     @property
     def member(self) -> str:
         """The strategy without the digest of its file."""
-        return self.strategy.partition(DIGEST)[0]
+        return without_digest(self.strategy)
 
     def described(self) -> dict[str, Any]:
         """Return what the head of the recording says, from which `again` makes the play."""

@@ -15,7 +15,16 @@ from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
 from clean_swarm_env.deciders.decider import Decider
-from clean_swarm_env.deciders.named import FIXED, LEARNED, MACHINE, POLICY, NamedDecider, decider_named
+from clean_swarm_env.deciders.named import (
+    DIGEST,
+    FIXED,
+    LEARNED,
+    MACHINE,
+    POLICY,
+    NamedDecider,
+    decider_named,
+    without_digest,
+)
 from clean_swarm_env.deciders.what_if import WhatIf, actions_of
 from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
@@ -31,7 +40,6 @@ from selector.documents.plain import short
 from selector.strategies.registry import STRATEGIES
 from selforg.arrays import Ints
 from selforg.registry import unknown
-from train.evaluation.base import DIGEST
 from train.live.chosen import SPARE_ROBOTS, PlayedMission, usual
 
 OFFERED = ("MaxScore", "Random")
@@ -134,7 +142,7 @@ class Session:
     def facts(self) -> dict[str, Any]:
         """Return strategy and loss."""
         return {
-            "strategy": self.strategy.partition(DIGEST)[0],
+            "strategy": without_digest(self.strategy),
             "loss": float(self.worlds.minds.reception.losses[0]),
         }
 
@@ -184,7 +192,7 @@ class Session:
 
     def _decided_by(self, text: str) -> tuple[str, Decider]:
         """Return a strategy with the digest of its file, and its decider; `text` may have the digest of then."""
-        member = text.partition(DIGEST)[0]
+        member = without_digest(text)
         named = decider_named(member, self._play.directories)
         now, drives = named.identity, self.batch.action.mode == "velocity"
         if drives is not (named.mode == "velocity"):
@@ -221,7 +229,7 @@ class Session:
     def _follow(self, change: FollowStrategy) -> FollowStrategy:
         """Let a strategy choose; neither orders nor recordings name one by a path, or code of the user's own."""
         known = (self._play.member, *STRATEGIES.names(), *self._fixed(), *self._filed())
-        if change.strategy.partition(DIGEST)[0] not in known:
+        if without_digest(change.strategy) not in known:
             raise ConfigurationError(f"follow_strategy: {unknown('strategy', change.strategy, self._fitting(known))}")
         self.strategy, self._decider = self._decided_by(change.strategy)
         self._decider.reset(self.worlds.rows_of(0), self._play.scenario.seed)

@@ -9,8 +9,9 @@ import numpy as np
 
 from train.analysis.flips import fewest
 from train.analysis.intervals import corrected_ps
-from train.analysis.report import Report, agreements
-from train.analysis.statistics import COST, distance_metrics, share_cell, summarise
+from train.analysis.report import ExperimentReport
+from train.analysis.runs import COST, distance_metrics
+from train.analysis.statistics import share_cell, summarise
 from train.analysis.verdict import interval_words
 from train.reports.ranking_table import TELLS, VERDICTS, first_columns, measures_grids, p_cell, ranking_table
 from train.reports.text_table import EMPTY_CELL, Grid
@@ -31,18 +32,18 @@ Column = Mapping[str, float]
 """Scenario, or what stands for one whose start is not known -> figure."""
 
 
-def all_tables(report: Report) -> list[Grid]:
+def all_tables(report: ExperimentReport) -> list[Grid]:
     """Return the table of the conditions, then further ones."""
     of_task = measures_grids(report.experiment.name, report.measured)
     tables = (*of_task, table_1(report), ratios(report), beside_theirs(report))
     return [conditions_table(report), *(grid for grid in tables if grid.rows)]
 
 
-def conditions_table(report: Report) -> Grid:
+def conditions_table(report: ExperimentReport) -> Grid:
     """Return the conditions, the fastest or cheapest first."""
     columns = first_columns(report)
     beside = {name: _beside(report, name) for name in report.conditions}
-    source = "measured" if report.means else "paper"
+    source = "measured" if report.paired else "paper"
     for k, (metric, head) in enumerate(SHOWN.items() if not report.measured else ()):
         if metric != "duration_s":
             columns[head] = {name: _number(found[metric].mean) for name, found in report.summaries.items()}
@@ -50,26 +51,25 @@ def conditions_table(report: Report) -> Grid:
             theirs = {name: list(found[k].values()) for name, found in beside.items() if found and found[k]}
             cells = {name: _number(float(np.mean(values))) for name, values in theirs.items()}
             columns[f"{source} {head.removeprefix('time ')}"] = cells
-    title = f"{report.experiment.name}: {len(report.scenarios)} scenarios, seed {report.seed}"
     what = "cost s" if report.measured else SHOWN["duration_s"]
-    return ranking_table(title, report.ranking, what, columns, _notes(report))
+    return ranking_table(report.runs.title, report.ranking, what, columns, _notes(report))
 
 
-def beside_theirs(report: Report) -> Grid:
+def beside_theirs(report: ExperimentReport) -> Grid:
     """Return our figures beside those that were measured, or published with the experiment; no rows without."""
-    rows = [(one.what, _number(one.ours), _number(one.theirs), VERDICTS[one.agrees]) for one in agreements(report)]
-    source = "measured" if report.means else "the paper"
+    rows = [(one.what, _number(one.ours), _number(one.theirs), VERDICTS[one.agrees]) for one in report.agreements]
+    source = "measured" if report.paired else "the paper"
     note = "agree: 1 is in the 95 % interval of the ratio of means on the same starts; the intervals of ratios meet"
-    if not report.means:
+    if not report.paired:
         note = "agree: the 95 % intervals meet; start configurations of the paper are not known"
     return Grid(f"ours beside {source}", ("figure", "ours", source.split()[-1], "agree"), rows, notes=(note,))
 
 
-def table_1(report: Report) -> Grid:
+def table_1(report: ExperimentReport) -> Grid:
     """Return duration and collision samples of every scenario under every condition, and their summaries."""
-    source, shown = "measured" if report.means else "paper", {COST: "cost s"} if report.measured else SHOWN
+    source, shown = "measured" if report.paired else "paper", {COST: "cost s"} if report.measured else SHOWN
     heads, columns, done = ["scenario"], list[Column](), ["targets met" if report.measured else "completed"]
-    for name, completed in report.figures["completed"].items():
+    for name, completed in report.runs.values("completed").items():
         theirs = _beside(report, name)
         group = (*shown.values(), *((f"{source} s", f"{source} coll/s") if theirs else ()))
         heads += [f"{name}\n{head}" for head in group]
@@ -78,13 +78,13 @@ def table_1(report: Report) -> Grid:
     rows = [(scenario, *(_two(column.get(scenario)) for column in columns)) for scenario in report.scenarios]
     found = [summarise(np.array(list(column.values()))) if column else None for column in columns]
     summary = [(what, *(_two(getattr(one, what, None)) for one in found)) for what in SUMMARIES]
-    title = f"{report.experiment.name}, seed {report.seed}"
+    title = f"{report.experiment.name}, seed {report.runs.seed}"
     return Grid(title, tuple(heads), rows, (*summary, done), (*_notes(report), POPULATION))
 
 
-def ratios(report: Report) -> Grid:
+def ratios(report: ExperimentReport) -> Grid:
     """Return the ratios of means between the conditions with their intervals, and the paper's."""
-    paper, done = report.experiment.reference, report.figures["completed"]
+    paper, done = report.experiment.reference, report.runs.values("completed")
     rows = []
     corrected = corrected_ps(list(report.comparisons.values()))
     for ((*pair, metric), found), p in zip(report.comparisons.items(), corrected, strict=True):
@@ -101,32 +101,24 @@ def ratios(report: Report) -> Grid:
     return Grid("ratios of means", heads, rows, notes=(f"{TELLS}{few}",))
 
 
-def _beside(report: Report, condition: str) -> list[Column]:
-    """Return the columns of measured figures of a condition, else of published ones; empty without either."""
-    if report.means:
-        samples = distance_metrics(report.experiment.mission.collision_distances)[0]
-        return [report.beside(condition, metric) for metric in ("duration_s", samples)]
-    paper = report.experiment.reference
-    if paper is None or condition not in paper.figures:
-        return []
-    own, given = report.scenarios if report.own_starts else [], paper.figures[condition]
-    return [
-        {own[k] if k < len(own) else f"{k} of the paper": value for k, value in enumerate(given.get(metric, ()))}
-        for metric in SHOWN
-    ]
+def _beside(report: ExperimentReport, condition: str) -> list[Column]:
+    """Return the columns of figures beside ours; empty without any."""
+    shown = ("duration_s", distance_metrics(report.experiment.mission.collision_distances)[0])
+    found: list[Column] = [report.beside(condition, metric) for metric in (shown if report.paired else SHOWN)]
+    return found if report.paired or any(found) else []
 
 
-def _notes(report: Report) -> tuple[str, ...]:
+def _notes(report: ExperimentReport) -> tuple[str, ...]:
     mission = report.experiment.mission
     if report.measured:
-        return (f"cost: {report.task.cost_words(mission)}.",)
+        return (f"cost: {report.runs.task.cost_words(mission)}.",)
     notes = [
         f"coll/s: pairs closer than {mission.collision_distances[0]:g} m, counted {mission.world.physics_rate:g} times"
         " per second."
     ]
-    if not all(done.all() for done in report.figures["completed"].values()):
+    if not all(done.all() for done in report.runs.values("completed").values()):
         notes.append(f"Missions that were not completed count with the time limit, {mission.time_limit:g} s.")
-    if report.experiment.reference and not report.means:
+    if report.experiment.reference and not report.paired:
         notes.append(f"paper: {report.experiment.reference.source}; its start configurations are not known.")
     return tuple(notes)
 

@@ -40,12 +40,12 @@ INTERVALS = "95 % intervals: Clopper and Pearson's (completed), Student's; unfin
 def family_tables(report: FamilyReport) -> list[Grid]:
     """Return the table of what is compared, and further ones in the order of the report."""
     compared = [] if report.comparison is None else [_gaps(report, report.comparison)]
-    measured = measures_grids(report.runs.family.name, report.measured)
+    measured = measures_grids(report.runs.document.name, report.measured)
     return [_ranked(report), *measured, *compared]
 
 
 def _ranked(report: FamilyReport) -> Grid:
-    runs, own, mission, task = report.runs, report.summaries, report.runs.missions[0], report.task
+    runs, own, mission, task = report.runs, report.summaries, report.runs.missions[0], report.runs.task
     columns = first_columns(report)
     if not report.measured:
         told = {
@@ -55,10 +55,9 @@ def _ranked(report: FamilyReport) -> Grid:
             "items": items_keep_coming(mission),
         }
         columns |= {MEANS[name]: {label: amount(own[label][name].mean) for label in own} for name in told if told[name]}
-    title = f"{runs.family.name}: {runs.scenarios} scenario{'s' * (runs.scenarios > 1)}, seed {runs.seed}"
     excess = [f"excess: {task.excess}"] if report.compared == "excess" else []
     notes = (f"cost: {task.cost_words(mission)}", *excess, *_meanings(own))
-    return ranking_table(title, report.ranking, f"{report.compared} s", columns, notes)
+    return ranking_table(runs.title, report.ranking, f"{report.compared} s", columns, notes)
 
 
 def _meanings(labels: Iterable[str]) -> list[str]:

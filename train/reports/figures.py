@@ -1,14 +1,17 @@
 """The figures of evaluations: of an experiment, of a family, and of strategies under disturbances."""
 
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from clean_swarm_env.config.families import UNDISTURBED, Disturbance
-from train.analysis.family_report import FIGURES, FamilyReport
-from train.analysis.report import Report
+from train.analysis.family_report import EXCESS, FamilyReport
+from train.analysis.report import ExperimentReport
 from train.analysis.robustness_report import ROBUSTNESS_FIGURES, RobustnessReport
-from train.analysis.statistics import COST
+from train.analysis.runs import COST, Runs
 from train.reports.charts import (
     TEXT_COLOUR,
     colour_of,
@@ -28,45 +31,58 @@ SIDEWAYS = 0.06
 """Distance of neighbouring strategies, as a share of the distance between levels."""
 
 
-def draw_experiment(report: Report) -> Figure:
+def draw_experiment(report: ExperimentReport) -> Figure:
     """Return duration, or cost, and collision samples of every scenario under every condition, the best first."""
-    figures, distance = report.figures, report.experiment.mission.collision_distances[0]
+    distance, paper = report.experiment.mission.collision_distances[0], report.experiment.reference
     first = (COST, "cost [s]") if report.measured else ("duration_s", "duration [s]")
     shown = (first, ("collision_samples_per_s", f"samples per s of pairs closer than {distance:g} m"))
-    count, paper, names = len(report.scenarios), report.experiment.reference, report.ranking.labels
-    places = [report.conditions.index(name) for name in names]
-    hollow = np.stack([figures["completed"][name] == 0.0 for name in names])
-    with panels(1, 2, (12.0, 1.6 + 0.55 * len(names)), shared=True) as (figure, axes):
-        for one, (metric, label) in zip(axes[0], shown, strict=True):
-            values = np.stack([figures[metric][name] for name in names])
-            draw_rows(one, values, report.scenarios, names, places, hollow)
-            published = [np.array(paper.figures.get(name, {}).get(metric, ())) for name in names] if paper else []
-            for row, own in enumerate(published):
-                one.plot(own, np.full(len(own), row + 0.4), "x", color=TEXT_COLOUR, ms=4)
-            fit_axis(one, np.concatenate([values.ravel(), *published]))
-            one.set_xlabel(label)
-        figure.suptitle(f"{report.experiment.name}: {count} scenario{'s' if count > 1 else ''}, seed {report.seed}")
+    published = paper.figures if paper else {}
+    places = {name: report.conditions.index(name) for name in report.ranking.labels}
+    with panels(1, 2, (12.0, 1.6 + 0.55 * len(places)), shared=True) as (figure, axes):
+        _draw_runs(axes[0], report.runs, dict(shown), places, published)
+        figure.suptitle(report.runs.title)
         figure.supxlabel(LEGEND + (f"; x: {paper.source}" if paper else ""), fontsize=8, color="0.4")
         return figure
 
 
 def draw_family(report: FamilyReport) -> Figure:
     """Return cost and duration of every mission under each strategy, the best first."""
-    runs = report.runs
-    names = list(runs.conditions)
-    scenarios = [f"test-{k}.{world}" for k in range(runs.scenarios) for world in range(runs.worlds)]
-    shown = {f"{report.compared} [s]": "excess_s", "duration [s]": "duration_s"}
-    tables = {what: runs.table(FIGURES[figure]) for what, figure in shown.items()}
-    with panels(1, 2, (12.0, 1.6 + 0.42 * len(names)), shared=True) as (figure, axes):
-        for one, (what, table) in zip(axes[0], tables.items(), strict=True):
-            values = np.stack([table[name].mean(axis=0).ravel() for name in names])
-            hollow = np.stack([report.left[name].max(axis=0).ravel() > 0 for name in names]) if report.left else None
-            draw_rows(one, values, scenarios, names, range(len(names)), hollow)
-            fit_axis(one, values)
-            one.set_xlabel(what)
-        count = f"{runs.scenarios} scenario{'s' if runs.scenarios > 1 else ''}"
-        figure.suptitle(f"{runs.family.name}: {count}, seed {runs.seed}. {LEGEND}", fontsize=8)
+    runs, shown = report.runs, {EXCESS: f"{report.compared} [s]", "duration_s": "duration [s]"}
+    with panels(1, 2, (12.0, 1.6 + 0.42 * len(runs.conditions)), shared=True) as (figure, axes):
+        _draw_runs(axes[0], runs, shown, {name: place for place, name in enumerate(runs.conditions)})
+        figure.suptitle(f"{runs.title}. {LEGEND}", fontsize=8)
         return figure
+
+
+def _draw_runs(
+    columns: Sequence[Axes],
+    runs: Runs,
+    shown: Mapping[str, str],
+    places: Mapping[str, int],
+    published: Mapping[str, Mapping[str, Sequence[float]]] = MappingProxyType({}),
+) -> None:
+    """Draw the missions of all conditions.
+
+    Args:
+        columns: one for each figure.
+        runs: the runs.
+        shown: figure -> label of its axis.
+        places: condition -> its place among all, for its colour; in the order of the rows.
+        published: condition -> figure -> values that are drawn beside.
+
+    """
+    scenarios = [name for worlds in runs.names for name in worlds]
+    unfinished = {name: own.max(axis=0).ravel() > 0.0 for name, own in runs.unfinished.items()}
+    hollow = np.stack([unfinished[name] for name in places]) if unfinished else None
+    for axes, (figure, label) in zip(columns, shown.items(), strict=True):
+        table = runs.table(figure)
+        values = np.stack([table[name].mean(axis=0).ravel() for name in places])
+        draw_rows(axes, values, scenarios, list(places), list(places.values()), hollow)
+        beside = [np.array(published.get(name, {}).get(figure, ())) for name in places]
+        for row, own in enumerate(beside if published else ()):
+            axes.plot(own, np.full(len(own), row + 0.4), "x", color=TEXT_COLOUR, ms=4)
+        fit_axis(axes, np.concatenate([values.ravel(), *beside]))
+        axes.set_xlabel(label)
 
 
 def draw_robustness(report: RobustnessReport) -> Figure:

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from train.analysis.family_report import FamilyReport
 from train.analysis.intervals import Interval
-from train.analysis.report import Report
+from train.analysis.runs import Report
 from train.analysis.statistics import Summary, share_cell
 from train.analysis.task_report import MeasuredStrategy
 from train.analysis.verdict import LOG_FROM, Ranking, amount, interval_words, listed, most_left
@@ -68,10 +67,12 @@ def p_cell(p: float | None) -> str:
     return EMPTY_CELL if p is None else f"{p:.2g}"
 
 
-def first_columns(report: Report | FamilyReport) -> dict[str, dict[str, str]]:
+def first_columns(report: Report) -> dict[str, dict[str, str]]:
     """Return head -> label -> cell: the shares of unfinished missions, and the means of the measures of a task."""
-    shares = {name: f"{share_cell(float(own.mean()))} ({most_left(own):.0%})" for name, own in report.left.items()}
-    columns = {report.task.missed[0] + AT_MOST: shares}
+    shares = {
+        name: f"{share_cell(float(own.mean()))} ({most_left(own):.0%})" for name, own in report.runs.unfinished.items()
+    }
+    columns = {report.runs.task.missed[0] + AT_MOST: shares}
     for one in report.measured:
         columns.setdefault(one.measure.name, {})[one.strategy] = f"{one.own.mean:.3g}"
     return columns

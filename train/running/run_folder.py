@@ -26,8 +26,8 @@ except ImportError:  # Windows: two commands on one directory are not noticed
     fcntl = None  # type: ignore[assignment]
 
 MANIFEST = "manifest.json"
-RESULTS_FORMAT = 1
-"""Version of the files in a run folder, which the manifest has as `format`; manifests without it are the first."""
+RESULTS_FORMAT = 2
+"""Version of the files in a run folder, which the manifest has as `format`; one without it is taken as of this."""
 MOST_STEM = 200
 """Length of the name of a directory; file systems allow 255, and a number may follow."""
 RECORDINGS = "recordings"
@@ -42,6 +42,8 @@ PACKAGES = ("numpy", "numba", "pymunk", "scipy", "pydantic")
 """Packages that every result depends on, beside ours."""
 REMEDY = "give another --output, or remove the directory if nobody needs them"
 """What to do where a directory has the results of another command."""
+GROWING = "conditions"
+"""Key of the identity for a mapping that may get new entries each time; the manifest keeps all entries."""
 FILES = "files"
 """Key of the identity for the fingerprints of files."""
 FINGERPRINTED = ("knowledge", "mechanisms", "options", "robots")
@@ -57,7 +59,6 @@ class RunFolder:
         path: the directory; a missing one is made.
         manifest: content of `manifest.json`, with the mapping `identity`.
         resume: whether to continue with the results in the directory, and with what their manifest says was known.
-        growing: name of a mapping in the identity that may get new entries each time; the manifest keeps all entries.
 
     Attributes:
         learned: goal -> option -> what was known of it from a knowledge store at the beginning.
@@ -68,7 +69,7 @@ class RunFolder:
 
     """
 
-    def __init__(self, path: Path, manifest: Mapping[str, Any], *, resume: bool, growing: str = "") -> None:
+    def __init__(self, path: Path, manifest: Mapping[str, Any], *, resume: bool) -> None:
         self.path = path
         plain: Json = json.loads(json.dumps(manifest, allow_nan=False))  # as it is read later, with lists for tuples
         content: Json = {"format": RESULTS_FORMAT, **plain}
@@ -79,12 +80,12 @@ class RunFolder:
         if path.exists():
             remove_parts(path)
         if path.exists() and any(entry.name != RECORDINGS for entry in path.iterdir()):
-            held = self._claimed(identity, growing, resume=resume)
+            held = self._claimed(identity, resume=resume)
             self.learned, words = held.get(LEARNED_BEFORE, {}), held.get(COMMAND, [])
             self.words = list(map(str, words)) if isinstance(words, list) else []
-            if not growing:
+            if GROWING not in identity:
                 return
-            identity[growing] = {**held["identity"][growing], **identity[growing]}
+            identity[GROWING] = {**held["identity"][GROWING], **identity[GROWING]}
             content = {**held, **content, LEARNED_BEFORE: self.learned}
         self.write(MANIFEST, json.dumps(content, indent=2) + "\n")
 
@@ -114,7 +115,7 @@ class RunFolder:
         """Write a file of the directory whole: at any moment it has its old or its new content."""
         write_whole(self.path / name, content if isinstance(content, bytes) else content.encode())
 
-    def _claimed(self, identity: Mapping[str, Any], growing: str, *, resume: bool) -> Json:
+    def _claimed(self, identity: Mapping[str, Any], *, resume: bool) -> Json:
         """Return the manifest there; DocumentError if its identity is not `identity`, or without `resume`."""
         try:
             held = read_manifest(self.path)
@@ -122,8 +123,8 @@ class RunFolder:
             expected = "has other files; expected an empty or a new directory"
             raise DocumentError(f"{self.path}: {expected} ({error})") from error
         wanted = dict(identity)
-        if growing and isinstance(kept := held["identity"].get(growing), dict):
-            wanted[growing] = {name: wanted[growing].get(name, known) for name, known in kept.items()}
+        if GROWING in wanted and isinstance(kept := held["identity"].get(GROWING), dict):
+            wanted[GROWING] = {name: wanted[GROWING].get(name, known) for name, known in kept.items()}
         if FILES in wanted:
             wanted[FILES] = held_files(held["identity"].get(FILES), wanted[FILES])
         different = _difference(held["identity"], wanted)

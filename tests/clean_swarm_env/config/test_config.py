@@ -8,7 +8,7 @@ from pydantic import BaseModel
 
 from clean_swarm_env.config import mission as config
 from clean_swarm_env.config.free_places import robots_that_fit
-from clean_swarm_env.config.load import load_experiment, load_mission, load_robustness, with_changes
+from clean_swarm_env.config.load import load_experiment, load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, WorldConfig
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.fields import Closed
@@ -24,7 +24,7 @@ MODELS = [
 
 @pytest.mark.parametrize("name", files_of("experiments"))
 def test_every_shipped_experiment_loads(name):
-    experiment = load_robustness(name) or load_experiment(name)
+    experiment = load_experiment(name)
     assert experiment.name == name
     assert experiment.description
 

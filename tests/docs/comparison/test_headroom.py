@@ -28,8 +28,8 @@ def test_a_search_among_many_options_drops_the_worse_half_and_judges_who_is_left
     family = load_family("bumpers-or-not-1")
     evaluation = HeadroomEvaluation(Request("bumpers-or-not-1", scenarios=12, goal=goal), 16, family, finalists=3)
     planted = {"spots 0 stations 2": "ORCA+Patrol", "spots 0 stations 2 harmless": "Off+Finds"}
-    places = {kind: evaluation.options.index(option) for kind, option in planted.items()}
-    both = evaluation.options.index("PredictiveSteering+Patrol")  # second best in each kind
+    places = {kind: evaluation.problem.options.index(option) for kind, option in planted.items()}
+    both = evaluation.problem.options.index("PredictiveSteering+Patrol")  # second best in each kind
 
     def excess(task, scenario):
         [kind], option = scenario_kinds([scenario]), task.chosen[scenario.id]
@@ -56,7 +56,7 @@ def test_a_search_that_was_cut_off_goes_on_to_the_same_results(tmp_path, monkeyp
     family = load_family("random-bumpers")
     mission = family.mission.model_copy(update={"time_limit": 5.0, "knowledge": "repulsion"})
     short = family.model_copy(update={"mission": mission})
-    monkeypatch.setattr("train.evaluation.family.load_family", lambda *_: short)
+    monkeypatch.setattr("docs.comparison.headroom.load_family", lambda *_: short)
     words = ["random-bumpers", "AvoidCollision", "--searched", "2", "--judged", "2", "--output"]
     main([*words, str(tmp_path / "whole")])
     cut(tmp_path / "whole", tmp_path / "cut", slice(None, None, 5))

@@ -5,7 +5,7 @@ import pytest
 
 from selector.documents.errors import DocumentError
 from train.analysis.strategy_comparison import BestFixed, compare_strategies
-from train.evaluation.entrants import Entrant, entrants_of
+from train.evaluation.conditions import conditions_of
 
 OPTIONS = ("a", "b")
 
@@ -93,15 +93,16 @@ def test_the_best_fixed_option_is_chosen_on_the_other_half_of_the_scenarios():
 
 
 def test_words_of_the_command_line_name_who_takes_part():
-    found = entrants_of(["fixed", "rule", "mine=policy:x+y", "UCB1:prior=2", "LinUCB:f.safetensors"], OPTIONS)
-    assert found == [
-        Entrant("fixed:a", ("fixed:a",)),
-        Entrant("fixed:b", ("fixed:b",)),
-        Entrant("rule", ("rule",)),
-        Entrant("mine", ("policy:x", "policy:y")),
-        Entrant("UCB1:prior=2", ("UCB1:prior=2",)),
-        Entrant("LinUCB:f.safetensors", ("LinUCB:f.safetensors",)),
-    ]
-    assert [entrant.fixed for entrant in found] == [True, True, False, False, False, False]
+    found = conditions_of(["fixed", "rule", "mine=policy:x+y", "UCB1:prior=2", "LinUCB:f.safetensors"], OPTIONS)
+    assert {label: one.members for label, one in found.items()} == {
+        "fixed:a": ("fixed:a",),
+        "fixed:b": ("fixed:b",),
+        "rule": ("rule",),
+        "mine": ("policy:x", "policy:y"),
+        "UCB1:prior=2": ("UCB1:prior=2",),
+        "LinUCB:f.safetensors": ("LinUCB:f.safetensors",),
+    }
+    assert found["mine"].names("mine") == ("mine#1", "mine#2")
+    assert found["rule"].names("rule") == ("rule",)
     with pytest.raises(DocumentError, match="'fixed:a' is given twice"):
-        entrants_of(["fixed", "fixed:a"], OPTIONS)
+        conditions_of(["fixed", "fixed:a"], OPTIONS)

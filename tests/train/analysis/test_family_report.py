@@ -9,7 +9,8 @@ from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.tasks.cleaning.cost import mission_cost
 from tests.train.records import record
 from train.advising.report import Advice
-from train.analysis.family_report import FamilyRuns, family_report_of, ratio_of
+from train.analysis.family_report import FamilyReport, ratio_of
+from train.analysis.runs import Runs
 from train.reports.charts import picture_of
 from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family
@@ -17,7 +18,7 @@ from train.reports.figures import draw_family
 LIMIT, SCENARIOS = 20.0, 8
 
 
-def report(left, fixed=("fixed:a", "fixed:b"), conditions=("fixed:a", "fixed:b", "Random")):
+def report(left, conditions=("fixed:a", "fixed:b", "Random")):
     """Return the report of missions of 3 items that last 10 s; `left`: condition -> items left in the last one."""
     mission = load_mission("table1").model_copy(update={"time_limit": LIMIT})
     family = FamilyConfig(name="small", description="Three items.", mission=mission, items=(3, 3))
@@ -29,10 +30,11 @@ def report(left, fixed=("fixed:a", "fixed:b"), conditions=("fixed:a", "fixed:b",
             time = LIMIT if kept else 10.0 + c + 0.1 * k
             cost = mission_cost(scenario, time, 0, 0, 3 - kept)
             done = {"completed": not kept, "garbage_done": 3 - kept, "cost_s": cost}
-            events = {"collision_events_per_s": (float(c),), "collision_samples_per_s": (float(c),)}
+            events = {f"collision_{kind}_per_s": (float(c),) * 2 for kind in ("events", "samples")}
             records.append(record(scenario_name("test", k), condition, time, **done, **events))
     named = {condition: (condition,) for condition in conditions}
-    return family_report_of(FamilyRuns(family, "AvoidCollision", 0, SCENARIOS, 1, named, fixed, records))
+    names = tuple((scenario_name("test", k),) for k in range(SCENARIOS))
+    return FamilyReport.of(Runs(family, "AvoidCollision", 0, names, named, records))
 
 
 def test_the_share_of_unfinished_missions_stands_beside_every_mean():
@@ -45,7 +47,7 @@ def test_the_share_of_unfinished_missions_stands_beside_every_mean():
 
 
 def test_a_single_fixed_option_is_not_called_the_best():
-    _, gaps = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
+    _, gaps = family_tables(report({}, conditions=("fixed:a", "Random")))
     assert gaps.title == "cost beside fixed:a"
     assert "ratio to fixed:a" in gaps.heads
     assert "only fixed option that ran" in gaps.notes[0]
@@ -54,7 +56,7 @@ def test_a_single_fixed_option_is_not_called_the_best():
 @pytest.mark.parametrize(("name", "tests"), [("ReachGoal", 1), ("table1", 2)])
 def test_costs_of_tasks_with_measures_are_known_however_a_mission_ends(name, tests):
     own = [record("test-1", "a"), record("test-1", "b", completed=False)]
-    runs = FamilyRuns(load_family(name), "", 0, 1, 1, {"a": ("a",), "b": ("b",)}, (), own)
+    runs = Runs(load_family(name), "", 0, (("test-1",),), {"a": ("a",), "b": ("b",)}, own)
     advice = Advice(None, None, SimpleNamespace(winner="b"), runs, {}, {})
     assert len(advice.ratio("a").tests) == len(ratio_of(runs, "a", "b").tests) == tests
 

@@ -11,18 +11,25 @@ from rich.console import Console
 
 from clean_swarm_env.drawing.look import OPTION_COLOURS
 from tests.train.records import experiment, record
-from train.analysis.report import report_of, summary_of
+from train.analysis.report import ExperimentReport, summary_of
+from train.analysis.runs import Runs
 from train.reports.charts import picture_of
 from train.reports.experiment_tables import all_tables, ratios, table_1
 from train.reports.figures import draw_experiment
 from train.reports.text_table import TerminalTable, markdown
 
 
+def report_of(given, records, measured=None, own_starts=False):
+    names = {one.name: (one.name,) for one in given.conditions}
+    runs = Runs(given, "", 3, tuple((start.id,) for start in given.starts), names, records)
+    return ExperimentReport(runs, measured or {}, own_starts)
+
+
 def _report(scenarios=4, conditions=("a", "b"), measured=None, scale=2.0, own_starts=False, **changes):
     given = experiment(conditions, scenarios, **changes)
     factor = {name: scale ** (len(conditions) - 1 - c) for c, name in enumerate(conditions)}
     records = [record(s.id, c, factor[c] * (10.0 + int(s.id))) for s in given.starts for c in conditions]
-    return report_of(given, 3, records, measured or {}, own_starts=own_starts)
+    return report_of(given, records, measured or {}, own_starts)
 
 
 def test_the_summary_has_the_form_of_the_issue():
@@ -45,7 +52,7 @@ def test_the_summary_has_the_form_of_the_issue():
 def test_ratios_say_who_left_missions_unfinished_and_that_few_scenarios_say_nothing():
     given = experiment(scenarios=5)
     records = [record(s.id, c, 10.0 * int(s.id), completed=c == "a" or s.id != "3") for s in given.starts for c in "ab"]
-    table = ratios(report_of(given, 3, records, {}, own_starts=False))
+    table = ratios(report_of(given, records))
     assert [row[2] for row in table.rows] == ["0% / 20%"] * 3
     assert table.rows[0][5] == "-"
     assert table.notes[0].endswith("; 7 scenarios may tell something")
@@ -57,7 +64,7 @@ def test_ratios_say_who_left_missions_unfinished_and_that_few_scenarios_say_noth
 def test_what_does_not_exist_is_null_and_never_nan():
     given = experiment(scenarios=1)
     none = {"collision_samples_per_s": (0.0, 0.0), "collision_events_per_s": (0.0, 0.0)}
-    report = report_of(given, 3, [record("1", c, **none) for c in "ab"], {}, own_starts=False)
+    report = report_of(given, [record("1", c, **none) for c in "ab"])
     content = json.loads(json.dumps(summary_of(report)), parse_constant=pytest.fail)
     assert content["conditions"]["a"]["duration_s"]["ci95"] is None
     assert [(c["ratio"], c["ci95"]) for c in content["comparisons"]] == [(1.0, None), (None, None), (None, None)]
@@ -100,7 +107,7 @@ def test_ratios_beside_measured_ones_take_the_scenarios_of_both():
     measured = {
         str(k): {"A": {"duration_s": 6.0 * k}, **({"B": {"duration_s": 1.0 * k}} if k < 4 else {})} for k in range(1, 5)
     }
-    (found,) = report_of(experiment(scenarios=4), 3, records, measured, own_starts=False).ratios
+    (found,) = report_of(experiment(scenarios=4), records, measured).ratios
     assert [found.content[name] for name in "abn"] == ["a", "b", 3]
     assert found.ours == pytest.approx(3.0)
     assert found.theirs == pytest.approx(6.0)

@@ -7,8 +7,10 @@ import pytest
 import scipy.stats
 
 from clean_swarm_env.config.load import load_experiment
-from tests.train.records import record
-from train.analysis.statistics import distance_metrics, figures_of, summarise
+from clean_swarm_env.config.mission import MissionConfig
+from tests.train.records import experiment, record
+from train.analysis.runs import Runs, distance_metrics
+from train.analysis.statistics import summarise
 
 
 def test_the_summary_of_the_papers_figures_is_the_papers_summary():
@@ -35,13 +37,16 @@ def test_the_interval_of_a_mean_is_students():
 
 def test_figures_take_every_record_to_its_place():
     records = [record(s, c, 10.0 * k + int(s)) for k, c in enumerate(("a", "b")) for s in ("10", "2", "1")]
-    figures = figures_of(records, ["b", "a"], ["1", "2", "10"], [0.5, 1.0])
-    assert {name: own.tolist() for name, own in figures["duration_s"].items()} == {
+    mission = MissionConfig(collision_distances=(0.5, 1.0))
+    names = {name: (name,) for name in ("b", "a")}
+    runs = Runs(experiment(mission=mission), "", 3, (("1",), ("2",), ("10",)), names, records)
+    assert {name: own.tolist() for name, own in runs.values("duration_s").items()} == {
         "b": [11.0, 12.0, 20.0],
         "a": [1.0, 2.0, 10.0],
     }
-    for name, durations in figures["duration_s"].items():
-        assert figures["collision_samples_per_s"][name].tolist() == figures["samples_per_s_at_0.5m"][name].tolist()
-        assert figures["samples_per_s_at_1.0m"][name] == pytest.approx(durations / 5)
-        assert figures["events_per_s_at_1.0m"][name] == pytest.approx(durations / 50)
+    for name, durations in runs.values("duration_s").items():
+        of = {figure: own[name] for figure in runs.figures["1", "a"] for own in [runs.values(figure)]}
+        assert of["collision_samples_per_s"].tolist() == of["samples_per_s_at_0.5m"].tolist()
+        assert of["samples_per_s_at_1.0m"] == pytest.approx(durations / 5)
+        assert of["events_per_s_at_1.0m"] == pytest.approx(durations / 50)
     assert distance_metrics([0.5, 1.0])[3] == "events_per_s_at_1.0m"

@@ -35,7 +35,7 @@ def here(fake_missions, monkeypatch, tmp_path):
 
 
 def _configuration(directory: Path) -> dict:
-    return json.loads((directory / "manifest.json").read_text())["identity"]["configuration"]
+    return json.loads((directory / "manifest.json").read_text())["identity"]["document"]
 
 
 def test_the_default_is_table_1_on_its_five_start_configurations_in_a_new_directory(tmp_path):

@@ -58,9 +58,9 @@ def words(directory):
 def test_an_evaluation_with_configurations_of_ones_own_can_be_repeated(directory, words, tmp_path):
     run = tmp_path / "run"
     done(*words, run)
-    identity = json.loads((run / "manifest.json").read_text())["identity"]
-    assert identity["directories"] == [str(directory)]
-    assert "mechanisms/Swerve.yaml" in identity["files"]
+    manifest = json.loads((run / "manifest.json").read_text())
+    assert manifest["directories"] == [str(directory)]
+    assert "mechanisms/Swerve.yaml" in manifest["identity"]["files"]
     (directory / "mechanisms" / "Unused.yaml").write_text("a: {b: [\n")  # half written, and nobody needs it
     done(*words, run, "--resume")
     explain = ("explain", run, "--robot", 0, "--time", 0.2)

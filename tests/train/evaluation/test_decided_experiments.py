@@ -7,12 +7,10 @@ import pytest
 import yaml
 
 from clean_swarm_env.config.load import load_experiment
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
 from tests.train.commands import changed, command, done, refused, run
-from train.evaluation.experiment import ExperimentEvaluation
-from train.evaluation.scenarios import experiment_tasks
+from train.evaluation.comparing import Comparing
 from train.request import Request
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -57,18 +55,6 @@ def test_an_option_and_a_machine_of_one_state_have_the_bits_of_the_highest_score
     done("record", "done", "--condition", "machine", "--output", "run.swarm")
 
 
-def test_a_policy_decides_for_its_own_goal(folder):
-    experiment = load_experiment(str(written(folder, {"name": "policy", "strategy": "policy:exploring-ppo"})))
-    (task,) = experiment_tasks(experiment.model_copy(update={"starts": starts(experiment)}), 0)
-    assert task.settings.goal == ["ExplorationPatrol"]
-    with pytest.raises(DocumentError, match="unknown goal 'ExplorationPatrol'"):
-        task.team()
-
-
-def starts(experiment):
-    return tuple(random_start(experiment.mission, 0, number) for number in range(2))
-
-
 def test_a_strategy_by_its_text_is_that_strategy(folder):
     both = (
         {"name": "a", "strategy": "UCB1:prior=2"},
@@ -83,6 +69,7 @@ def test_a_strategy_by_its_text_is_that_strategy(folder):
     [
         ({"strategy": "fsm:two.yaml"}, "two.yaml: no such file"),
         ({"strategy": "fixed:Nothing"}, "unknown option 'Nothing'"),
+        ({"strategy": "policy:exploring-ppo"}, "unknown goal 'ExplorationPatrol'"),
         ({"strategy": "MaxScor"}, "did you mean 'MaxScore'"),
         ({"strategy": "policy:theirs.zip"}, "only a file asks to load theirs.zip"),
         ({"strategy": "velocity:theirs.pt"}, "only a file asks to load theirs.pt"),
@@ -91,7 +78,7 @@ def test_a_strategy_by_its_text_is_that_strategy(folder):
 def test_what_does_not_fit_is_one_line(folder, condition, message):
     path = written(folder, {"name": "x", **condition})
     with pytest.raises((ConfigurationError, DocumentError)) as told:
-        ExperimentEvaluation(Request(str(path)))
+        Comparing(Request(str(path)))
     assert message in str(told.value)
     assert "\n" not in str(told.value)
 
@@ -115,19 +102,19 @@ def test_a_machine_that_has_changed_is_no_longer_the_same_evaluation(folder, mac
 
 
 def test_a_manifest_whose_deciders_are_not_those_of_its_conditions_is_refused(machine):
-    for number, held in enumerate((None, [1], {}, {"machine": "fsm:one.yaml", "more": "Random"})):
+    for number, held in enumerate((None, [1], {}, {"machine": {"members": ["fsm:one.yaml"]}, "more": None})):
         results = Path(f"changed-{number}")
-        changed(Path("done"), results, lambda manifest, held=held: manifest["identity"].update(deciders=held))
+        changed(Path("done"), results, lambda manifest, held=held: manifest["identity"].update(conditions=held))
         line = refused("explain", results, *EXPLAIN)
-        assert "identity: deciders: expected" in line or "condition 'machine' has changed since" in line, held
+        assert "identity: conditions" in line or "identity.conditions: expected the run 'machine'" in line, held
 
 
 def test_a_condition_is_explained_though_another_one_names_code(machine):
-    stranger = {"name": "stranger", "strategy": {"name": "canary:Own"}}
-    results = Path("changed")
-    changed(
-        Path("done"), results, lambda manifest: manifest["identity"]["configuration"]["conditions"].append(stranger)
-    )
+    stranger, results = {"stranger": {"members": ["canary:Own"]}}, Path("changed")
+    changed(Path("done"), results, lambda manifest: manifest["identity"]["conditions"].update(stranger))
+    Path("canary.py").write_text("raise AssertionError")
+    with (results / "runs.jsonl").open("r+") as file:
+        file.write(file.read().replace('"machine"', '"stranger"'))
     done("explain", results, *EXPLAIN)
     line = refused("explain", results, *EXPLAIN, "--condition", "stranger")
     assert "only a file asks to import canary:Own" in line

@@ -199,12 +199,12 @@ def test_a_manifest_of_something_else_is_refused(tmp_path, manifest, expected):
             "mechanisms/RepulsionGradient.yaml has changed since the evaluation",
         ),
         (
-            ("identity", "configuration", "mission", "robots", "radius"),
+            ("identity", "document", "mission", "robots", "radius"),
             -1.0,
-            "manifest.json: identity.configuration: mission.robots.radius: expected",
+            "manifest.json: identity.document: mission.robots.radius: expected",
         ),
         (
-            ("identity", "configuration", "mission", "time_limit"),
+            ("identity", "document", "mission", "time_limit"),
             1.0,
             "this mission ended uncompleted at its time limit of 1 s",
         ),
@@ -225,7 +225,7 @@ def test_other_versions_and_the_last_step_before_the_time_limit_are_explained(ev
     code, _, err = command("explain", other, *FIRST)
     assert code == 0
     assert "the course may differ from the one then: numba 0.1, now " in err
-    limit = ("identity", "configuration", "mission", "time_limit")
+    limit = ("identity", "document", "mission", "time_limit")
     done("explain", changed(evaluated, tmp_path / "short", putting(limit, 3.0)), "--robot", 0, "--time", 2.9)
 
 

@@ -65,7 +65,7 @@ def test_strategies_and_scenarios_can_be_added_later(words, undrawn, tmp_path):
     assert done(*words, "--output", tmp_path / "whole") == out.replace("grown", "whole")
     assert runs(tmp_path / "grown") == runs(tmp_path / "whole")
     manifest = json.loads((tmp_path / "grown" / "manifest.json").read_text())
-    assert set(manifest["identity"]["strategies"]) == {"Random", "fsm:rule", "fixed:Off"}
+    assert set(manifest["identity"]["conditions"]) == {"Random", "fsm:rule", "fixed:Off"}
 
 
 def test_a_strategy_that_was_trained_again_is_another_one(words, undrawn, tmp_path):
@@ -78,7 +78,7 @@ def test_a_strategy_that_was_trained_again_is_another_one(words, undrawn, tmp_pa
     save_policy(policy, learned)
     code, _, err = command(*words, "--resume")
     assert code == 2
-    assert "has other results: strategies.P differ" in err
+    assert "has other results: conditions.P.members differ" in err
 
 
 def test_what_strategies_learned_is_taken_from_their_files(words, undrawn, tmp_path):

@@ -12,7 +12,7 @@ from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
 from tests.paths import TRAINED
 from tests.train.learning.trainings import written
-from train.evaluation.entrants import entrants_of, remarks_on, with_baselines
+from train.evaluation.conditions import conditions_of, remarks_on, with_baselines
 from train.learning.config import load_training
 from train.learning.curriculum import Curriculum
 from train.running.trials import run_trials
@@ -50,19 +50,19 @@ def test_more_options_change_no_mission_of_the_others(option):
 def test_options_that_a_strategy_was_trained_without_are_named():
     options = [option.name for option in load_knowledge("avoidance").options(GOAL)]
     batch = Batch("table1", knowledge="avoidance")
-    told = remarks_on(entrants_of([*LEARNED, "fixed", "fsm:rule", "Random"], options), batch, GOAL, OWN)
+    told = remarks_on(conditions_of([*LEARNED, "fixed", "fsm:rule", "Random"], options), batch, GOAL, OWN)
     missing = ", ".join(options[len(SIX) :])
     assert told == [f"{name}: never takes {missing}, which it was trained without" for name in LEARNED]
-    assert remarks_on(entrants_of(LEARNED, options), Batch("table1", knowledge="repulsion"), GOAL, OWN) == []
+    assert remarks_on(conditions_of(LEARNED, options), Batch("table1", knowledge="repulsion"), GOAL, OWN) == []
 
 
 def test_off_and_random_come_beside_once():
-    entrants, mission = entrants_of(["fixed", "fsm:rule"], ("A", "Off")), MissionConfig()
-    labels = [e.label for e in with_baselines(entrants, ("A", "Off"), mission)]
+    given, mission = conditions_of(["fixed", "fsm:rule"], ("A", "Off")), MissionConfig()
+    labels = list(with_baselines(given, ("A", "Off"), mission))
     assert labels == ["fixed:A", "fixed:Off", "fsm:rule", "Random"]
-    assert [e.label for e in with_baselines(entrants_of(["Random"], ("A",)), ("A",), mission)] == ["Random"]
+    assert list(with_baselines(conditions_of(["Random"], ("A",)), ("A",), mission)) == ["Random"]
     for options in (("A", "Off"), ("A+Patrol", "Off+Patrol", "Off+LevyWalk")):
-        assert [e.label for e in with_baselines([], options, mission)] == ["fixed:Off", "Random"]
+        assert list(with_baselines({}, options, mission)) == ["fixed:Off", "Random"]
 
 
 def test_a_training_learns_the_options_of_the_knowledge_that_its_task_names(tmp_path):

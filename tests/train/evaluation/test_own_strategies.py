@@ -21,8 +21,9 @@ from selector.strategies.problem import Problem
 from selector.strategies.registry import spec_from_text
 from tests.paths import TRAINED
 from tests.selector.strategies.policies import untrained
-from train.evaluation.entrants import UNTAUGHT, check_fit, entrants_of, remarks_on
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.comparing import Comparing
+from train.evaluation.comparison import Condition
+from train.evaluation.conditions import UNTAUGHT, check_fit, conditions_of, remarks_on
 from train.evaluation.repeat import steps_of
 from train.request import Request
 
@@ -82,36 +83,34 @@ def test_mistakes_are_one_line(folder, member, message):
 def test_a_family_without_the_options_of_a_policy_is_one_line(tmp_path):
     (tmp_path / "one.yaml").write_text("goals: {AvoidCollision: [{name: ORCA, score: 1.0}]}")
     with pytest.raises(DocumentError, match="--strategy policy:general: policy: AvoidCollision: options: ") as told:
-        FamilyEvaluation(
-            Request("table1", ("policy:general",), 0, 1, str(tmp_path / "one.yaml"), directories=(TRAINED,))
-        )
+        Comparing(Request("table1", ("policy:general",), 0, 1, str(tmp_path / "one.yaml"), directories=(TRAINED,)))
     assert "\n" not in str(told.value)
 
 
 def test_strategies_that_have_learned_nothing_are_named():
     given = ("fixed", "fsm:rule", "UCB1", "mine=GaussianThompson", "Random", "learned:rules", "policy:general")
-    told = remarks_on(entrants_of(given, PROBLEM.options), Batch("table1", knowledge="repulsion"), None, (TRAINED,))
+    told = remarks_on(conditions_of(given, PROBLEM.options), Batch("table1", knowledge="repulsion"), None, (TRAINED,))
     assert told == [f"UCB1: {UNTAUGHT}", f"mine: {UNTAUGHT}"]
 
 
 @pytest.mark.parametrize("family", files_of("families"))
 def test_the_policy_for_all_goals_fits_every_family(family):
     batch = Batch(load_family(family).scenario(0, 0, "test").mission)
-    check_fit(entrants_of(("policy:one",), ()), batch, None, ())
+    check_fit("one", Condition(members=("policy:one",)), batch, None, ())
     decided = DecidedGoal(batch, decider_named("policy:one").decides(None)).problem.goal
     assert set(decided.split("+")) == set(batch.options)
 
 
 def test_a_policy_decides_the_goals_that_it_was_made_for_and_says_so():
     batch, both = Batch(family="clustered"), "AvoidCollision+ExplorationPatrol"
-    entrants = entrants_of(("fixed:ORCA", "policy:exploring-ppo"), batch.options["AvoidCollision"])
+    name, policy = "policy:exploring-ppo", Condition(members=("policy:exploring-ppo",))
     decided = ["policy:exploring-ppo: decides ExplorationPatrol; AvoidCollision held ORCA"]
-    assert check_fit(entrants, batch, None, ()) == decided
-    assert check_fit(entrants[1:], batch, "ExplorationPatrol", ()) == decided
+    for goal in (None, "ExplorationPatrol"):
+        assert check_fit(name, policy, batch, goal, ()) == decided
     one = ["policy:one: decides AvoidCollision and ExplorationPatrol"]
-    assert check_fit(entrants_of(("policy:one",), ()), batch, both, ()) == one
+    assert check_fit("policy:one", Condition(members=("policy:one",)), batch, both, ()) == one
     with pytest.raises(DocumentError, match="goals: expected AvoidCollision, ExplorationPatrol, got Explor"):
-        check_fit(entrants[1:], batch, both, ())
+        check_fit(name, policy, batch, both, ())
 
 
 @pytest.fixture
@@ -131,10 +130,10 @@ def short(name, seconds=60.0, **changes):
 
 def test_a_model_that_steers_has_the_missions_of_an_environment_with_vectors(ahead):
     request = Request("table1", (ahead,), 3, scenarios=2)
-    evaluation = FamilyEvaluation(request, short("table1"))
+    evaluation = Comparing(request, short("table1"))
     (task,) = (task for task in evaluation.tasks({}) if task.member == ahead)
     for number, record in enumerate(task.run()):
-        scenario = evaluation.family.scenario(3, number, "test")
+        scenario = evaluation.document.scenario(3, number, "test")
         env = parallel_env(scenario.mission, action={"mode": "velocity"})
         env.reset(seed=scenario.seed, options={"start": scenario.start})
         while env.agents:
@@ -166,7 +165,7 @@ def test_a_policy_that_steers_corrects_or_both_is_evaluated_as_what_it_gives(fol
     steering = constant(folder, driven, (), [0.75, 0.125])
     still, moved = (constant(folder, plain, options, vector) for vector in ([0.0, 0.0], [0.3, 0.0]))
     request = Request("table1-starts", (ahead, steering, f"fixed:{options[1]}", still, moved), 3, scenarios=2)
-    tasks = FamilyEvaluation(request, short("table1-starts")).tasks({})[:5]
+    tasks = Comparing(request, short("table1-starts")).tasks({})[:5]
     assert [task.named.mode for task in tasks] == ["velocity", "velocity", "option", "both", "both"]
     runs = [[record.result for record in task.run()] for task in tasks]
     assert runs[0] == runs[1]
@@ -190,7 +189,7 @@ def test_a_model_that_steers_has_to_be_there_and_must_give_vectors(ahead, name, 
     if name != "none.const":
         Path(name).write_text(text)
     with pytest.raises(DocumentError, match=message):
-        FamilyEvaluation(Request("table1", (f"velocity:{name}",), 3, scenarios=2))
+        Comparing(Request("table1", (f"velocity:{name}",), 3, scenarios=2))
 
 
 def models(folder):
@@ -228,9 +227,9 @@ def test_a_policy_for_goals_that_a_mission_does_not_let_it_decide_is_an_error(
     family, strategy, goal, line, monkeypatch
 ):
     if line:  # before there are worlds, for which kernels compile
-        monkeypatch.delattr("train.evaluation.family.Batch")
+        monkeypatch.delattr("train.evaluation.comparing.Batch")
     with pytest.raises(DocumentError, match=line) if line else nullcontext() as told:
-        FamilyEvaluation(Request(family, (strategy,), 0, 1, goal=goal))
+        Comparing(Request(family, (strategy,), 0, 1, goal=goal))
     assert told is None or "\n" not in str(told.value)
 
 

@@ -79,7 +79,7 @@ def test_runs_that_do_not_exist_or_have_changed_give_one_line(results, tmp_path)
     words = ("--robot", 0, "--time", 1)
     line = refused("explain", results, *words, "--scenario", "test-3")
     assert "unknown scenario 'test-3' (known: test-1, test-2; 2 in all)" in line
-    trained_again = {"policy:general": ["policy:general sha256:0"]}
-    changed(results, tmp_path / "run", lambda manifest: manifest["identity"]["strategies"].update(trained_again))
+    trained_again = {"policy:general": {"members": ["policy:general sha256:0"]}}
+    changed(results, tmp_path / "run", lambda manifest: manifest["identity"]["conditions"].update(trained_again))
     line = refused("explain", tmp_path / "run", *words, "--condition", "policy:general")
     assert "condition 'policy:general' has changed since the evaluation; its runs cannot be repeated" in line

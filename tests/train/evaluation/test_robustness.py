@@ -6,13 +6,13 @@ import pytest
 import scipy.stats
 import yaml
 
-from clean_swarm_env.config.load import load_robustness
+from clean_swarm_env.config.load import load_experiment
 from selector.documents.errors import DocumentError
 from tests.train.commands import cut, done, refused, runs
 from tests.train.records import record
-from train.analysis.family_report import FamilyRuns
 from train.analysis.intervals import share_interval
 from train.analysis.robustness_report import RobustnessReport
+from train.analysis.runs import Runs
 from train.evaluation.repeat import task_of
 from train.running.runs import under
 
@@ -42,7 +42,7 @@ def written(path, **changes):
 
 
 def test_a_disturbance_changes_the_mission_and_nothing_else(tmp_path):
-    families = load_robustness(str(written(tmp_path / "small.yaml"))).disturbed
+    families = load_experiment(str(written(tmp_path / "small.yaml"))).variants
     assert list(families) == ["none", "loss all", "failing 1"]
     base, lossy, failing = (family.scenario(3, 1, "test") for family in families.values())
     assert base.seed == lossy.seed == failing.seed
@@ -72,15 +72,16 @@ def test_the_interval_of_a_share_is_by_the_scenarios_however_many_members_do_the
     for scenarios, ended in ((20, 18), (25, 25), (7, 0)):
         expected = scipy.stats.binomtest(ended, scenarios).proportion_ci()
         assert share_interval(ended / scenarios, scenarios) == pytest.approx((expected.low, expected.high))
-    family = load_robustness("robustness")
+    family = load_experiment("robustness")
     records = [
         record(name, under(disturbance, member), completed=name != "test-1")
         for name in (f"test-{k + 1}" for k in range(10))
-        for disturbance in family.disturbed
+        for disturbance in family.variants
         for member in ("a", "b", "c")
     ]
+    names = tuple((f"test-{k + 1}",) for k in range(10))
     members = {"one": ("a",), "three": ("a", "b", "c")}
-    found = RobustnessReport.of(family, FamilyRuns(family, "", 0, 10, 1, members, (), records))
+    found = RobustnessReport.of(Runs(family, "", 0, names, members, records))
     assert found.estimates["none"]["three"] == found.estimates["none"]["one"]
     assert found.estimates["none"]["one"]["duration_s"].ci95 == (10.0, 10.0)
 
@@ -93,12 +94,12 @@ def test_the_interval_of_a_share_is_by_the_scenarios_however_many_members_do_the
         ({"disturbances": 3}, "disturbances"),
         ({"disturbances": [{"kind": "a", "level": "1", "mission": 3}]}, r"disturbances\.0\.mission"),
         ({"changes": {"number": [1, 1], "kinds": ["fail"]}}, "none where events are drawn"),
-        ({"strategies": []}, "strategies"),
+        ({"strategies": 3}, "strategies"),
     ],
 )
 def test_mistakes_are_one_line_before_anything_runs(tmp_path, changes, message):
     with pytest.raises(DocumentError, match=rf"small\.yaml: .*{message}") as error:
-        load_robustness(str(written(tmp_path / "small.yaml", **changes)))
+        load_experiment(str(written(tmp_path / "small.yaml", **changes)))
     assert len(str(error.value).splitlines()) == 1
 
 

@@ -199,7 +199,7 @@ def test_an_experiment_begins_with_the_store_but_for_the_scores_of_its_condition
     out = done(*words, "--condition", "by score", "--output", "only", "--all")
     assert "known at the beginning in the context 'mission hall'" in out
     assert "0.9000 [0.9000, 0.9000]" in (tmp_path / "only/table.md").read_text()
-    assert "--learn: expected strategies" in refused(*words, "--learn", "--output", "none")
+    assert "--learn: expected with strategies" in refused(*words, "--learn", "--output", "none")
     assert not (tmp_path / "none").exists()
 
 

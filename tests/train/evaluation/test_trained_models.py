@@ -14,7 +14,7 @@ from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.comparing import Comparing
 from train.request import Request
 
 pytest.importorskip("stable_baselines3", reason="needs the extra 'train'")
@@ -58,7 +58,7 @@ def clustered(tmp_path_factory):
 
 def task(request):
     """Return the first task of the model of a request, cut short."""
-    evaluation = FamilyEvaluation(request)
+    evaluation = Comparing(request)
     (own,) = (task for task in evaluation.tasks({}) if task.member.startswith("policy:"))
     short = [replace(each, mission=each.mission.model_copy(update={"time_limit": 3.0})) for each in own.scenarios]
     return replace(own, scenarios=tuple(short))
@@ -108,7 +108,7 @@ def test_options_and_observations_go_by_their_names(tmp_path):
     path, batch = tmp_path / "m.zip", Batch("table1", knowledge="avoidance")
     batch.reset([1])
     (goal,), names = batch.options, envs.observation_space.names
-    evaluation = FamilyEvaluation(Request("table1", (f"policy:{path}",), 0, 1, knowledge="avoidance"))
+    evaluation = Comparing(Request("table1", (f"policy:{path}",), 0, 1, knowledge="avoidance"))
     problem = DecidedGoal(batch).problem
     decider, model = ModelDecider(path, "option", problem, np.zeros(1)), PPO.load(path, device="cpu")
     columns = [batch.observer.names.index(name) for name in names]
@@ -118,21 +118,21 @@ def test_options_and_observations_go_by_their_names(tmp_path):
     backwards = ModelDecider(path, "option", turned, np.zeros(1)).decide(batch.observations[:, ::-1]).options
     last = len(problem.options) - 1
     assert backwards.tolist() == (last - decider.decide(batch.observations).options).tolist()
-    assert evaluation.goal == goal
+    assert evaluation.problem.goal == goal
 
 
 def test_a_mismatch_names_what_is_missing(clustered, tmp_path):
     member = f"policy:{clustered}"
     assert decider_named(member).goal == "ExplorationPatrol+AvoidCollision"
     with pytest.raises(DocumentError, match=r"sb3_ppo\.zip: .*ExplorationPatrol") as told:
-        FamilyEvaluation(Request("crowded", (member,), 0, 1))
+        Comparing(Request("crowded", (member,), 0, 1))
     assert "\n" not in str(told.value)
     made(tmp_path / "n.zip", mission="table1", knowledge="avoidance")
     with pytest.raises(DocumentError, match=r"n\.zip: options: knows .*ORCA.*, which does not exist here"):
-        FamilyEvaluation(Request("table1", (f"policy:{tmp_path / 'n.zip'}",), 0, 1, knowledge="repulsion"))
+        Comparing(Request("table1", (f"policy:{tmp_path / 'n.zip'}",), 0, 1, knowledge="repulsion"))
     made(tmp_path / "o.zip", mission="exploring", observation={"terms": ["yards", "finds"]})
     with pytest.raises(DocumentError, match=r"o\.zip: observations: knows .*, which does not exist here"):
-        FamilyEvaluation(Request("clustered", (f"policy:{tmp_path / 'o.zip'}",), 0, 1))
+        Comparing(Request("clustered", (f"policy:{tmp_path / 'o.zip'}",), 0, 1))
 
 
 def test_names_are_read_without_running_anything_and_damage_has_none(clustered, tmp_path):

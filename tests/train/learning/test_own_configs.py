@@ -12,7 +12,7 @@ from selector.documents.find import find_file
 from selector.strategies.policy_file import find_policy
 from tests.paths import TRAINED
 from tests.train.learning.trainings import written
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.comparing import Comparing
 from train.learning import session
 from train.learning.bandit import BanditTraining
 from train.learning.config import load_training
@@ -55,14 +55,14 @@ def test_a_training_of_ones_own_is_done_and_says_once_that_it_compiles(own, tmp_
 
 def test_policies_and_strategies_of_ones_own_take_part(own):
     request = Request("small", ("policy:mine", "learned:mine"), 0, 1, directories=(own,))
-    evaluation = FamilyEvaluation(request)
-    kept = evaluation.manifest["identity"]["strategies"]
+    evaluation = Comparing(request)
+    kept = evaluation.manifest["identity"]["conditions"]
     own_and_others = ["policy:mine", "learned:mine", "fixed:Off", "Random"]
-    assert [kept[name][0].split()[0] for name in kept] == own_and_others
+    assert [kept[name]["members"][0].split()[0] for name in kept] == own_and_others
     records = [record for task in evaluation.tasks(set()) for record in task.run()]
     assert [record.condition for record in records] == own_and_others
     with pytest.raises(DocumentError, match="unknown mission, family, experiment or task 'small'"):
-        FamilyEvaluation(Request("small", ("policy:mine",), 0, 1))
+        Comparing(Request("small", ("policy:mine",), 0, 1))
 
 
 def test_a_training_whose_configuration_is_wrong_leaves_no_directory(own, tmp_path):

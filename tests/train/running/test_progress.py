@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from tests.train.waiting import until
-from train.evaluation.family import FamilyEvaluation
+from train.evaluation.comparing import Comparing
 from train.request import Request
 from train.running import commands, pulse
 
@@ -51,7 +51,7 @@ def test_the_time_left(completed, total, elapsed, fields, expected):
 
 def test_missions_of_a_batch_tell_how_far_they_are_long_before_the_first_has_ended(monkeypatch):
     monkeypatch.setattr(pulse, "TELL_EVERY", 0.0)
-    tasks = FamilyEvaluation(Request("crowded", ("MaxScore",), 1, 2)).tasks({})
+    tasks = Comparing(Request("crowded", ("MaxScore",), 1, 2)).tasks({})
     limit = {"time_limit": 20.0}
     drawn = [one for task in tasks for one in task.scenarios][:2]
     short = [replace(one, mission=one.mission.model_copy(update=limit)) for one in drawn]

@@ -49,7 +49,7 @@ def test_results_of_another_format_are_left_alone(tmp_path, other):
     before = held.read_bytes()
     for read in (read_manifest, lambda path: RunFolder(path, MANIFEST, resume=True)):
         with pytest.raises(
-            ConfigurationError, match=r"manifest\.json: format: expected 1, got .* use the Clean Swarm"
+            ConfigurationError, match=r"manifest\.json: format: expected 2, got .* use the Clean Swarm"
         ) as refused:
             read(tmp_path)
         assert "\n" not in str(refused.value)
@@ -71,11 +71,11 @@ def test_a_file_in_place_of_the_directory_is_an_error(tmp_path):
 
 def test_entries_that_may_grow_are_all_kept(tmp_path):
     for entries, resume in (({"a": [1]}, False), ({"b": [2]}, True)):
-        RunFolder(tmp_path, {"identity": {"seed": 1, "strategies": entries}}, resume=resume, growing="strategies")
+        RunFolder(tmp_path, {"identity": {"seed": 1, "conditions": entries}}, resume=resume)
     held = json.loads((tmp_path / "manifest.json").read_text())
-    assert held["identity"]["strategies"] == {"a": [1], "b": [2]}
+    assert held["identity"]["conditions"] == {"a": [1], "b": [2]}
     before = contents(tmp_path)
-    changed = {"identity": {"seed": 1, "strategies": {"a": [3]}}}
+    changed = {"identity": {"seed": 1, "conditions": {"a": [3]}}}
     with pytest.raises(ConfigurationError, match=r"has other results: strategies\.a differ"):
         RunFolder(tmp_path, changed, resume=True, growing="strategies")
     assert contents(tmp_path) == before

@@ -1,0 +1,125 @@
+"""Conditions of the command line: strategies with labels, and whether they fit a mission."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.named import FILED, FIXED, decider_named, without_digest
+from clean_swarm_env.deciders.unseen import decided_and_held, remarks_of, undecided
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import usual_terms
+from clean_swarm_env.learning.observation.observer import Observer
+from clean_swarm_env.world.task import task_class
+from selector.documents.fields import JOINT
+from selector.documents.trust import BASELINE
+from train.analysis.verdict import RANDOM
+from train.evaluation.comparison import Condition
+
+UNTAUGHT = "has learned nothing and learns nothing; --learn, or `clean-swarm train bandit`, teaches it"
+"""What is said of a strategy that could learn."""
+
+
+def conditions_of(strategies: Sequence[str], options: Sequence[str]) -> dict[str, Condition]:
+    """Return the conditions of the command line by label; `fixed` stands for one for each option.
+
+    `learned:NAME` (the file of a strategy), `policy:NAME` and `fsm:NAME` take names or paths, `velocity:FILE` a model
+    that drives; + joins those of several seeds of one training to one condition. `LABEL=...` names a condition.
+    """
+    found: list[tuple[str, tuple[str, ...]]] = []
+    for text in strategies:
+        label, equals, rest = text.partition("=")
+        if not equals or ":" in label:
+            label, rest = text, text
+        if rest == FIXED:
+            found += [(f"{FIXED}:{option}", (f"{FIXED}:{option}",)) for option in options]
+            continue
+        kind, _, names = rest.partition(":")
+        several = kind in FILED
+        members = tuple(f"{kind}:{name}" for name in names.split("+")) if several else (rest,)
+        found.append((kind if several and label == text and "+" in names else label, members))
+    labels = [label for label, _ in found]
+    for label in labels:
+        if labels.count(label) > 1:
+            raise ConfigurationError(f"--strategy: {label!r} is given twice; LABEL=... gives it another name")
+    return {label: Condition(members=members) for label, members in found}
+
+
+def check_goals(strategies: Sequence[str], mission: MissionConfig, directories: Sequence[Path]) -> None:
+    """Raise an error of one line for a strategy that was made for goals that a mission does not let it decide."""
+    for label, condition in conditions_of(strategies, ()).items():
+        for member in condition.members:
+            if why := undecided(decider_named(member, directories), mission, directories):
+                raise ConfigurationError(f"--strategy {label}: {why}")
+
+
+def check_fit(
+    label: str,
+    condition: Condition,
+    batch: Batch,
+    goal: str | None,
+    directories: Sequence[Path],
+    *,
+    asked: bool = True,
+) -> list[str]:
+    """Return which goals a condition decides that was made for some.
+
+    Those decide the `goal`, too, if it is `asked` for; None: the usual one.
+
+    Raises:
+        ValueError: a member does not exist, or does not fit a batch with options as actions.
+
+    """
+    teams, usual, told = np.zeros(batch.rows, dtype=np.int64), usual_terms(batch.mission), list[str]()
+    models = [coordinator.model for coordinator in batch.worlds.coordinators]
+    for member in condition.members:
+        named = decider_named(member, directories)
+        decided = DecidedGoal(batch, named.decides(goal if asked or not named.goals else None))
+        seen = Observer(batch.worlds, batch.progress, named.observation(usual)).names
+        decided.check(named.build(replace(decided.problem, features=seen), teams))
+        told += decided_and_held(label, named, decided.names, models)
+    return told
+
+
+def with_baselines(
+    conditions: Mapping[str, Condition], options: Sequence[str], mission: MissionConfig
+) -> dict[str, Condition]:
+    """Return the conditions, and after them those of the task's baselines that are not among them and exist."""
+    taken = {member for condition in conditions.values() for member in condition.members}
+    task = task_class(mission)
+    leads = task.baseline and (not task.baseline_option or task.baseline_option in options)
+    names = task.yardsticks or ((BASELINE,) if leads else ())
+    exist = [RANDOM, BASELINE, *(f"{FIXED}:{name}" for option in options for name in option.split(JOINT))]
+    return {**conditions, **{name: Condition(members=(name,)) for name in names if name in exist and name not in taken}}
+
+
+def remarks_on(
+    conditions: Mapping[str, Condition],
+    batch: Batch,
+    goal: str | None = None,
+    directories: Sequence[Path] = (),
+    missions: Sequence[MissionConfig] = (),
+) -> list[str]:
+    """Return which options of a batch strategies never take.
+
+    And what of `missions` (unless given, that of the batch) policies never saw, and which strategies could learn, but
+    have learned nothing.
+    """
+    told = []
+    for label, condition in conditions.items():
+        named = decider_named(without_digest(condition.members[0]), directories)
+        decided = DecidedGoal(batch, named.decides(goal))
+        parts = decided.parts if named.knows else ()
+        missing = [option for options in parts for option in options if option not in named.knows]
+        if missing:
+            told.append(f"{label}: never takes {', '.join(missing)}, which it was trained without")
+        told += remarks_of(label, named, missions or [batch.mission], directories)
+        if named.learns:
+            told.append(f"{label}: {UNTAUGHT}")
+    return told
