@@ -24,7 +24,7 @@ from clean_swarm_env.deciders.named import FIXED
 from docs.figures.stored import ROOT, record
 from selector.documents.fields import JOINT
 from selector.knowledge import Option
-from train.advising.advice import Advising
+from train.advising.evaluation import AdviceEvaluation
 from train.advising.opening import OpenedMission, document_of, open_mission, variants_of
 from train.evaluation import pipeline
 from train.request import Request
@@ -100,7 +100,7 @@ def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) 
     for seed in seeds[len(found) :]:
         with TemporaryDirectory() as place:
             folder = Path(place) / "advice"
-            evaluation = Advising(Request(mission, seed=seed, output=folder), minutes)
+            evaluation = AdviceEvaluation(Request(mission, seed=seed, output=folder), minutes)
             with Path(place, "log").open("w", encoding="utf-8") as log:
                 assert pipeline.evaluate(evaluation, Console(file=log)) == 0
             said = json.loads((folder / "summary.json").read_text(encoding="utf-8"))

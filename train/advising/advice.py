@@ -18,37 +18,28 @@ from clean_swarm_env.config.load import load_family, random_starts
 from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.deciders.named import FIXED, MACHINE, POLICY, decider_named
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.task import task_class
 from selector.documents.errors import DocumentError, within
 from selector.documents.fields import JOINT
 from selector.documents.find import files_of
-from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
 from selector.knowledge import Knowledge, Option
 from selforg.plugins import PluginError
 from train.advising.opening import OpenedMission, document_of, open_mission, variants_of, without
-from train.advising.report import Advice
 from train.advising.rounds import BROKE, CPU, Lacking, broke_off, needed, seconds_of
-from train.advising.scores import learned_from_rounds, options_known
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.verdict import RANDOM
-from train.evaluation.comparison import Comparison, Condition
+from train.evaluation.comparison import Comparison, Deciders
 from train.evaluation.conditions import check_fit
 from train.evaluation.evaluation import Done, Evaluation
 from train.evaluation.pipeline import mission_score
-from train.evaluation.repeat import record_run
-from train.replay.page_file import write_page
-from train.reports.text_table import Publication
 from train.request import Request
 from train.running.needs import check_needs, needs_of
 from train.running.run_folder import fingerprints
 from train.running.runs import RunRecord
 from train.running.trial_task import TASK_SCENARIOS, TrialTask
 
-KNOWLEDGE, FAMILY, REPLAY = "knowledge.yaml", "families.yaml", "replay.html"
-"""Files of an advice: options with their scores, a family that has them, and a page with the two best side by side."""
 OPTIONS_FILE, NUMBERS_FILE = "options.yaml", "numbers.yaml"
 """Files with all options that race, and with the variants of the best ones, too; there the best have the highest score,
 so that a rule for one goal leaves them in place for the others."""
@@ -98,11 +89,8 @@ class Advising(Evaluation):
         censors: whether the cost of a mission that is not finished is unknown, as `censored` has it.
         nothing_to_choose: whether each goal has one option only.
         varied: goal -> variants of the best option, once they are needed.
-        advice: what came out, once all runs are done and published.
 
     """
-
-    advice: Advice
 
     def __init__(self, request: Request, minutes: float, missions: int | None = None, *, kinds: bool = False) -> None:
         super().__init__(request)
@@ -249,7 +237,7 @@ class Advising(Evaluation):
         for name in names:
             try:
                 if several & set(decider_named(name, self.directories).goals):
-                    check_fit(name, Condition(members=(name,)), batch, JOINT.join(wide.goals), self.directories)
+                    check_fit(name, Deciders(members=(name,)), batch, JOINT.join(wide.goals), self.directories)
                     found.append(name)
             except ValueError:  # it does not fit, or its file is damaged
                 continue
@@ -293,31 +281,3 @@ class Advising(Evaluation):
         seed, own = self.request.seed, self.directories
         drawn = tuple(family.scenario_named(seed, name) for name in names)
         return AdviceTask(family.name, seed, drawn, arm, arm, self.goal, directories=own).parts()
-
-    def publication(self, records: Sequence[RunRecord]) -> Publication:
-        """Return the advice."""
-        self.advice = Advice.of(self, {record.key: record for record in records})
-        return self.advice.publication
-
-    def conclude(self) -> None:
-        """Write what the advice is used with."""
-        advice, folder = self.advice, self.folder
-        known = learned_from_rounds(advice).items()
-        learned = {goal: {name: one.model_dump() for name, one in own.items()} for goal, own in known}
-        text = document_of(
-            options_known(advice),
-            self.directories,
-            description=" ".join(advice.sentences),
-            robot=self.mission.network.robot,
-            learned=learned,
-        )
-        write_whole(folder / KNOWLEDGE, text.encode())
-        family = self.opened.with_knowledge(Path(KNOWLEDGE))  # which lies beside the file
-        write_whole(folder / FAMILY, as_yaml(family.model_dump(mode="json")).encode())
-        best, recordings = advice.found.winner, []
-        others = sorted(advice.costs, key=lambda arm: (arm == best, float(advice.costs[arm].mean())))
-        with TemporaryDirectory() as place:
-            for number, arm in enumerate(dict.fromkeys((best, others[0]))):
-                task = self.tasks_of(arm, [scenario_name("test", 0)])[0]
-                recordings.append(RecordedMission(record_run(task, Path(place) / f"{number}.swarm"), ()))
-            write_page(recordings, folder / REPLAY)

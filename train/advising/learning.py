@@ -20,7 +20,7 @@ from selector.documents.fields import JOINT
 from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
 from selforg.plugins import named_plugins
-from train.advising.advice import FAMILY, Advising
+from train.advising.evaluation import FAMILY, AdviceEvaluation
 from train.advising.report import Advice, shown_cheaper, times
 from train.advising.rounds import seconds_of
 from train.advising.scores import options_known
@@ -51,7 +51,7 @@ FRESH = 1
 """What is added to the seed of the advice for the starts that judge the selector."""
 
 
-def train_selector(evaluation: Advising, minutes: float, console: Console) -> int:
+def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Console) -> int:
     """Train a selector, judge it, print what came out, and return the exit code.
 
     Args:

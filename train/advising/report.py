@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from clean_swarm_env.deciders.unseen import untrained
 from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selforg.arrays import Floats
+from train.advising.advice import Advising
 from train.advising.rounds import broke_off, seconds_of
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.family_report import EXCESS, FamilyReport, ratio_of
@@ -34,9 +35,6 @@ from train.evaluation.evaluation import Done
 from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family
 from train.reports.text_table import EMPTY_CELL, Grid, Publication
-
-if TYPE_CHECKING:  # which has the advice
-    from train.advising.advice import Advising
 
 WORTH_LEARNING = 0.05
 """Gain of the best combination of each start, in hindsight, from which on training a selector may be worth it [-]."""

@@ -24,7 +24,6 @@ from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
 from train.analysis.statistics import Summary, summarise
 from train.analysis.task_report import MeasuredStrategy, measured_strategies
-from train.analysis.verdict import Ranking
 from train.running.runs import RunKey, RunRecord, under
 
 Measured = Mapping[str, Mapping[str, Mapping[str, float | None]]]
@@ -139,11 +138,6 @@ class Report(ABC):
     """What the report on an experiment and that on a family have."""
 
     runs: Runs
-
-    @property
-    @abstractmethod
-    def ranking(self) -> Ranking:
-        """The conditions by what is compared, the lowest first."""
 
     @property
     @abstractmethod

@@ -54,7 +54,7 @@ def advise_command(
             raise ConfigurationError(f"{name}: expected a positive number up to {MOST_MINUTES:g}, got {value:g}")
     check_whole({"--missions": (missions, LEAST_MISSIONS, MOST_MISSIONS)})
     check_named(given.directories, name=mission, knowledge=given.values["knowledge"])
-    from train.advising.advice import Advising  # these import SciPy and Numba
+    from train.advising.evaluation import AdviceEvaluation  # these import SciPy and Numba
     from train.evaluation import pipeline
     from train.running.run_folder import default_directory
 
@@ -65,7 +65,7 @@ def advise_command(
 
         check_installed("ppo")
     request = with_other_starts(given.request(mission, output=output))
-    evaluation = Advising(request, minutes, missions, kinds=kinds)
+    evaluation = AdviceEvaluation(request, minutes, missions, kinds=kinds)
     console = wide_console()
     code = pipeline.evaluate(evaluation, console)
     if code == FINISHED and not evaluation.nothing_to_choose:

@@ -17,6 +17,7 @@ from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_compared, load_family
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
@@ -28,9 +29,10 @@ from selector.documents.errors import shown, within
 from selector.documents.trust import BASELINE
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
+from selforg.network.planning.planner import check_planner
 from selforg.registry import unknown
 from train.analysis.runs import Measured, Runs
-from train.evaluation.comparison import Comparison, Condition
+from train.evaluation.comparison import Comparison, Deciders
 from train.evaluation.conditions import UNTAUGHT, check_fit, check_goals, conditions_of, remarks_on, with_baselines
 from train.evaluation.evaluation import Done, Evaluation
 from train.evaluation.publications import of_disturbances, of_experiment, of_family
@@ -98,6 +100,7 @@ class Comparing(Evaluation):
             first = document.scenario_named(0, self.scenarios[0]).mission.beginning_with({})
             if request.goal is None:
                 check_goals(strategies, first, request.directories)
+            _check_planner(first)
             self.batch = Batch(first, directories=request.directories)
         if isinstance(document, FamilyConfig):
             goal, told = request.goal, "--strategy {}"
@@ -109,7 +112,7 @@ class Comparing(Evaluation):
             goals = [coordinator.model.goal for coordinator in self.batch.worlds.coordinators]
             goal, told = AVOIDANCE if AVOIDANCE in goals else goals[0], f"{where}: condition {{!r}}"
             self.problem, given = DecidedGoal(self.batch, goal).problem, document.conditions
-            conditions = {one.name: Condition(members=(one.strategy,), scores=one.scores) for one in given}
+            conditions = {one.name: Deciders(members=(one.strategy,), scores=one.scores) for one in given}
         self.decided = list[str]()
         for label, one in conditions.items():
             with within(told.format(label)):
@@ -137,7 +140,7 @@ class Comparing(Evaluation):
         self.memory = store.memory(known, self.context, source)
         self.identify(self.comparison, **settings)
 
-    def _identified(self, condition: Condition) -> Condition:
+    def _identified(self, condition: Deciders) -> Deciders:
         members = tuple(decider_named(member, self.directories).identity for member in condition.members)
         return condition.model_copy(update={"members": members})
 
@@ -161,7 +164,7 @@ class Comparing(Evaluation):
         """Return the decider of each member: with one row, it chooses one option for the whole team and mission."""
         found, directories, alone = dict[str, StrategyDecider](), self.request.directories, np.zeros(1, dtype=np.int64)
         problem = Problem.of(knowledge_of(self.mission, directories), self.problem.goal)
-        for k, (name, kept) in enumerate(self.comparison.kept.items()):
+        for k, (name, kept) in enumerate(self.comparison.bases.items()):
             named = decider_named(without_digest(kept.member), directories)
             decider = named.build(problem, alone) if named.strategy else None
             if not isinstance(decider, StrategyDecider):
@@ -189,6 +192,13 @@ class Comparing(Evaluation):
             records=records,
             baseline=next((label for label, one in conditions.items() if one.members == (BASELINE,)), BASELINE),
         )
+
+
+def _check_planner(mission: MissionConfig) -> None:
+    try:
+        check_planner(mission.network.planner)
+    except (ValueError, ModuleNotFoundError) as error:
+        raise ConfigurationError(f"mission.network.planner: {error}") from error
 
 
 def asked_of(request: Request, terms: Sequence[str] = ()) -> tuple[ExperimentConfig | FamilyConfig, Starts]:

@@ -24,7 +24,7 @@ from train.running.runs import RunKey, under
 from train.running.trial_task import TrialTask
 
 
-class Condition(Closed):
+class Deciders(Closed):
     """What runs under one label of all results."""
 
     members: Annotated[tuple[str, ...], Field(min_length=1)]
@@ -38,7 +38,7 @@ class Condition(Closed):
         return tuple(f"{label}#{k + 1}" if several else label for k in range(len(self.members)))
 
 
-class Kept(NamedTuple):
+class RunBasis(NamedTuple):
     """What the runs of one name depend on, beside the scenario."""
 
     variant: str
@@ -60,7 +60,7 @@ class Comparison(BaseModel):
     """Goal that deciders choose options for."""
     asked: bool = False
     """Whether the goal was asked for: then those decide it, too, that were made for others."""
-    conditions: Mapping[str, Condition]
+    conditions: Mapping[str, Deciders]
     """Label -> what runs; the members have the digests of their files."""
     files: Mapping[str, str] = Field(default={})
     """File on which runs depend -> its digest."""
@@ -85,10 +85,10 @@ class Comparison(BaseModel):
         return {**self.model_dump(mode="json", exclude={"document", "directories"}), "document": document}
 
     @property
-    def kept(self) -> dict[str, Kept]:
+    def bases(self) -> dict[str, RunBasis]:
         """Name under which runs are kept -> what they depend on."""
         return {
-            under(variant, name): Kept(variant, member, one.scores)
+            under(variant, name): RunBasis(variant, member, one.scores)
             for variant in self.document.variants
             for label, one in self.conditions.items()
             for name, member in zip(one.names(label), one.members, strict=True)
@@ -100,7 +100,7 @@ class Comparison(BaseModel):
         """Return the tasks for all runs that are not `done`, or for those that are kept under `names`."""
         variants, found = self.document.variants, list[TrialTask]()
         drawn = cache(lambda variant, name: variants[variant].scenario_named(self.seed, name))
-        for name, (variant, member, scores) in self.kept.items():
+        for name, (variant, member, scores) in self.bases.items():
             if not names or name in names:
                 text = without_digest(member)
                 goal = self.goal if self.asked or not decider_named(text, self.directories).goals else ""

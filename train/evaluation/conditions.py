@@ -20,13 +20,13 @@ from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selector.documents.trust import BASELINE
 from train.analysis.verdict import RANDOM
-from train.evaluation.comparison import Condition
+from train.evaluation.comparison import Deciders
 
 UNTAUGHT = "has learned nothing and learns nothing; --learn, or `clean-swarm train bandit`, teaches it"
 """What is said of a strategy that could learn."""
 
 
-def conditions_of(strategies: Sequence[str], options: Sequence[str]) -> dict[str, Condition]:
+def conditions_of(strategies: Sequence[str], options: Sequence[str]) -> dict[str, Deciders]:
     """Return the conditions of the command line by label; `fixed` stands for one for each option.
 
     `learned:NAME` (the file of a strategy), `policy:NAME` and `fsm:NAME` take names or paths, `velocity:FILE` a model
@@ -48,7 +48,7 @@ def conditions_of(strategies: Sequence[str], options: Sequence[str]) -> dict[str
     for label in labels:
         if labels.count(label) > 1:
             raise ConfigurationError(f"--strategy: {label!r} is given twice; LABEL=... gives it another name")
-    return {label: Condition(members=members) for label, members in found}
+    return {label: Deciders(members=members) for label, members in found}
 
 
 def check_goals(strategies: Sequence[str], mission: MissionConfig, directories: Sequence[Path]) -> None:
@@ -61,7 +61,7 @@ def check_goals(strategies: Sequence[str], mission: MissionConfig, directories: 
 
 def check_fit(
     label: str,
-    condition: Condition,
+    condition: Deciders,
     batch: Batch,
     goal: str | None,
     directories: Sequence[Path],
@@ -88,19 +88,19 @@ def check_fit(
 
 
 def with_baselines(
-    conditions: Mapping[str, Condition], options: Sequence[str], mission: MissionConfig
-) -> dict[str, Condition]:
+    conditions: Mapping[str, Deciders], options: Sequence[str], mission: MissionConfig
+) -> dict[str, Deciders]:
     """Return the conditions, and after them those of the task's baselines that are not among them and exist."""
     taken = {member for condition in conditions.values() for member in condition.members}
     task = task_class(mission)
     leads = task.baseline and (not task.baseline_option or task.baseline_option in options)
     names = task.yardsticks or ((BASELINE,) if leads else ())
     exist = [RANDOM, BASELINE, *(f"{FIXED}:{name}" for option in options for name in option.split(JOINT))]
-    return {**conditions, **{name: Condition(members=(name,)) for name in names if name in exist and name not in taken}}
+    return {**conditions, **{name: Deciders(members=(name,)) for name in names if name in exist and name not in taken}}
 
 
 def remarks_on(
-    conditions: Mapping[str, Condition],
+    conditions: Mapping[str, Deciders],
     batch: Batch,
     goal: str | None = None,
     directories: Sequence[Path] = (),

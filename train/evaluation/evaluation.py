@@ -72,7 +72,7 @@ class Evaluation(ABC):
             **({LEARNED_BEFORE: as_plain(self.memory.knowledge.learned)} if self.memory is not None else {}),
         }
 
-    def begin(self, learned: Mapping[str, Any]) -> None:
+    def start_with(self, learned: Mapping[str, Any]) -> None:
         """Let the runs begin with what was learned, if anything."""
         self.learned, self.mission = learned, self.mission.beginning_with(learned)
 

@@ -47,7 +47,7 @@ def evaluate(evaluation: Evaluation, console: Console) -> int:
     with request.results(root, evaluation.manifest) as folder:
         results = Results(folder, evaluation.mistake)
         if folder.learned:
-            evaluation.begin(folder.learned)
+            evaluation.start_with(folder.learned)
         total = _count(evaluation.tasks({}))  # known before the first run
         try:
             _run_missing(evaluation, results, total)

@@ -86,14 +86,14 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     if not keys:
         raise ConfigurationError(f"{directory}: has no finished run")
     name, chosen = _chosen(keys, scenario, condition, directory)
-    if chosen not in (kept := comparison.kept):
+    if chosen not in (bases := comparison.bases):
         raise ConfigurationError(f"{path}: identity.conditions: expected the run {chosen!r} among them")
     with within(str(directory)), reading_files(str(path)):
         (task,) = comparison.tasks([name], (), [chosen])
         if is_import(own := task.named.strategy):
             check_trust(own, f"import {own}")
     task = task.knowing(manifest.get(LEARNED_BEFORE, {}))
-    if task.named.identity != kept[chosen].member:
+    if task.named.identity != bases[chosen].member:
         told = f"condition {task.condition!r} has changed since the evaluation; its runs cannot be repeated"
         raise ConfigurationError(f"{path}: {told}")
     options = chosen_options(directory).get(task.keys[0])

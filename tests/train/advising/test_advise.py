@@ -19,7 +19,7 @@ from selector.strategies.problem import Problem
 from selforg.plugins import PluginError
 from tests.train.commands import command, done, refused
 from train.advising import advice, opening, search
-from train.advising.advice import Advising
+from train.advising.evaluation import AdviceEvaluation
 from train.advising.report import RANDOM, Advice, Ratio
 from train.advising.rounds import CPU
 from train.live.chosen import chosen
@@ -206,7 +206,7 @@ def test_no_selector_is_worth_it_beside_a_search_without_time_or_one_that_chance
 
 def test_how_many_missions_are_to_come_follows_from_the_budget(tmp_path, monkeypatch):
     few(monkeypatch)
-    evaluation = Advising(Request("yard.yaml", output=tmp_path / "a"), minutes=1.0)
+    evaluation = AdviceEvaluation(Request("yard.yaml", output=tmp_path / "a"), minutes=1.0)
     done_of_two = {(f"test-{k}", "x"): Mock(counts={CPU: 250}) for k in range(2)}
     assert (evaluation.expected({}), evaluation.expected(done_of_two)) == (0, 240)
 

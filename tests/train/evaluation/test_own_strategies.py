@@ -22,7 +22,7 @@ from selector.strategies.registry import spec_from_text
 from tests.paths import TRAINED
 from tests.selector.strategies.policies import untrained
 from train.evaluation.comparing import Comparing
-from train.evaluation.comparison import Condition
+from train.evaluation.comparison import Deciders
 from train.evaluation.conditions import UNTAUGHT, check_fit, conditions_of, remarks_on
 from train.evaluation.repeat import steps_of
 from train.request import Request
@@ -96,19 +96,19 @@ def test_strategies_that_have_learned_nothing_are_named():
 @pytest.mark.parametrize("family", files_of("families"))
 def test_the_policy_for_all_goals_fits_every_family(family):
     batch = Batch(load_family(family).scenario(0, 0, "test").mission)
-    check_fit("one", Condition(members=("policy:one",)), batch, None, ())
+    check_fit("one", Deciders(members=("policy:one",)), batch, None, ())
     decided = DecidedGoal(batch, decider_named("policy:one").decides(None)).problem.goal
     assert set(decided.split("+")) == set(batch.options)
 
 
 def test_a_policy_decides_the_goals_that_it_was_made_for_and_says_so():
     batch, both = Batch(family="clustered"), "AvoidCollision+ExplorationPatrol"
-    name, policy = "policy:exploring-ppo", Condition(members=("policy:exploring-ppo",))
+    name, policy = "policy:exploring-ppo", Deciders(members=("policy:exploring-ppo",))
     decided = ["policy:exploring-ppo: decides ExplorationPatrol; AvoidCollision held ORCA"]
     for goal in (None, "ExplorationPatrol"):
         assert check_fit(name, policy, batch, goal, ()) == decided
     one = ["policy:one: decides AvoidCollision and ExplorationPatrol"]
-    assert check_fit("policy:one", Condition(members=("policy:one",)), batch, both, ()) == one
+    assert check_fit("policy:one", Deciders(members=("policy:one",)), batch, both, ()) == one
     with pytest.raises(DocumentError, match="goals: expected AvoidCollision, ExplorationPatrol, got Explor"):
         check_fit(name, policy, batch, both, ())
 

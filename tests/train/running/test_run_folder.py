@@ -76,8 +76,8 @@ def test_entries_that_may_grow_are_all_kept(tmp_path):
     assert held["identity"]["conditions"] == {"a": [1], "b": [2]}
     before = contents(tmp_path)
     changed = {"identity": {"seed": 1, "conditions": {"a": [3]}}}
-    with pytest.raises(ConfigurationError, match=r"has other results: strategies\.a differ"):
-        RunFolder(tmp_path, changed, resume=True, growing="strategies")
+    with pytest.raises(ConfigurationError, match=r"has other results: conditions\.a differ"):
+        RunFolder(tmp_path, changed, resume=True)
     assert contents(tmp_path) == before
 
 
