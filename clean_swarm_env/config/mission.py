@@ -32,6 +32,8 @@ from selector.knowledge import LearnedScores, learned_from
 from selector.vocabulary.settings import SettingsSpec
 from selforg.arrays import Floats, Ints
 
+COUNTED_GAPS = (0.05, 0.5)
+"""Gaps between bodies below which pairs count unless a mission says otherwise [m]: solid ones sink in a little."""
 SPARE = 2.0
 """Margin around the places that robots can reach on open land [m]."""
 PUSHED = 1.4
@@ -93,8 +95,9 @@ class MissionConfig(Closed):
     """Price of a collision event at the first distance in the cost of a mission [s]."""
     contact_cost: NonNegative = 0.0
     """Price of each second in which a pair is closer than the first distance, in the cost of a mission [s/s]."""
-    collision_distances: Annotated[tuple[Length, ...], Field(min_length=1, max_length=10)] = (0.55, 1.0)
-    """Centre distances below which a pair counts as colliding [m]; the first one is the one reported.
+    collision_distances: Annotated[tuple[Length, ...], Field(max_length=10)] = ()
+    """Centre distances below which a pair counts as colliding [m]; the first one is the one reported. Bodies that
+    touch, within 0.05 m, and those within 0.5 m, unless given.
 
     Of robots that differ in size they are those of the first model; others keep the same gap between bodies.
     """
@@ -226,6 +229,12 @@ class MissionConfig(Closed):
     def models(self) -> Ints:
         """The number of the model of each robot (N,) of the whole mission, in `robots.models`."""
         return models_of_rows(self.robots, self.events, self.rows)
+
+    @property
+    def counted_distances(self) -> tuple[float, ...]:
+        """See `collision_distances`."""
+        touching = 2.0 * self.robots.models[0].radius
+        return self.collision_distances or tuple(touching + gap for gap in COUNTED_GAPS)
 
     def of_each(self, key: str) -> Floats:
         """Return a setting of each robot (N,) of the whole mission; see `RobotModel`."""

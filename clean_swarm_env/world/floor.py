@@ -71,7 +71,7 @@ class Floor:
             command_timeout=each("command_timeout"),
         )
         wider = each("radius") - mission.robots.models[0].radius
-        self.collisions = CollisionCounter(worlds, mission.rows, width, height, mission.collision_distances, wider)
+        self.collisions = CollisionCounter(worlds, mission.rows, width, height, mission.counted_distances, wider)
         holonomic = np.array([model.drive == "holonomic" for model in mission.robots.models])
         self._holonomic = np.tile(holonomic[mission.models], worlds)
         self._turns_at_once = bool(self._holonomic.any())

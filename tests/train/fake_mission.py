@@ -32,7 +32,7 @@ def result_of(scenario):
     rng = np.random.default_rng([scenario.seed, zlib.crc32(best.encode())])
     duration = float(rng.lognormal(6.0 if best == "RepulsionFernandez-view2.0" else 5.3, 0.4))
     completed = duration < mission.time_limit
-    rates = tuple(float(d * rng.gamma(4.0, 0.5)) for d in mission.collision_distances)
+    rates = tuple(float(d * rng.gamma(4.0, 0.5)) for d in mission.counted_distances)
     return MissionResult(
         completed,
         min(duration, mission.time_limit),

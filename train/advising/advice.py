@@ -68,7 +68,7 @@ class AdviceTask(TrialTask):
         except PluginError as error:
             for scenario in self.scenarios:
                 if (scenario.id, self.condition) not in done:
-                    mission, none = scenario.mission, (0.0,) * len(scenario.mission.collision_distances)
+                    mission, none = scenario.mission, (0.0,) * len(scenario.mission.counted_distances)
                     measures = {measure.name: 0.0 for measure in task_class(mission).measures}
                     lost = (0, mission.robots.count, 0, 0.0, 100.0 * mission.time_limit, 0.0, measures)
                     result = MissionResult(False, mission.time_limit, none, none, *lost)

@@ -97,7 +97,7 @@ class ExperimentReport(Report):
 
     @property
     def _distances(self) -> list[str]:
-        return [METRICS[0], *distance_metrics(self.experiment.mission.collision_distances)]
+        return [METRICS[0], *distance_metrics(self.experiment.mission.counted_distances)]
 
     @cached_property
     def means(self) -> list[Agreement]:

@@ -50,7 +50,7 @@ def figures_of(mission: MissionConfig, result: MissionResult) -> dict[str, float
         "events_per_s": events[0],
         "contact_s": samples[0] * result.ticks / mission.world.control_rate / mission.world.physics_rate,
         "items": float(result.garbage_done),
-        **dict(zip(distance_metrics(mission.collision_distances), (*samples, *events), strict=True)),
+        **dict(zip(distance_metrics(mission.counted_distances), (*samples, *events), strict=True)),
         **result.measures,
     }
 

@@ -103,7 +103,7 @@ def ratios(report: ExperimentReport) -> Grid:
 
 def _beside(report: ExperimentReport, condition: str) -> list[Column]:
     """Return the columns of figures beside ours; empty without any."""
-    shown = ("duration_s", distance_metrics(report.experiment.mission.collision_distances)[0])
+    shown = ("duration_s", distance_metrics(report.experiment.mission.counted_distances)[0])
     found: list[Column] = [report.beside(condition, metric) for metric in (shown if report.paired else SHOWN)]
     return found if report.paired or any(found) else []
 
@@ -113,7 +113,7 @@ def _notes(report: ExperimentReport) -> tuple[str, ...]:
     if report.measured:
         return (f"cost: {report.runs.task.cost_words(mission)}.",)
     notes = [
-        f"coll/s: pairs closer than {mission.collision_distances[0]:g} m, counted {mission.world.physics_rate:g} times"
+        f"coll/s: pairs closer than {mission.counted_distances[0]:g} m, counted {mission.world.physics_rate:g} times"
         " per second."
     ]
     if not all(done.all() for done in report.runs.values("completed").values()):

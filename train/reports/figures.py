@@ -33,7 +33,7 @@ SIDEWAYS = 0.06
 
 def draw_experiment(report: ExperimentReport) -> Figure:
     """Return duration, or cost, and collision samples of every scenario under every condition, the best first."""
-    distance, paper = report.experiment.mission.collision_distances[0], report.experiment.reference
+    distance, paper = report.experiment.mission.counted_distances[0], report.experiment.reference
     first = (COST, "cost [s]") if report.measured else ("duration_s", "duration [s]")
     shown = (first, ("collision_samples_per_s", f"samples per s of pairs closer than {distance:g} m"))
     published = paper.figures if paper else {}

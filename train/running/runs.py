@@ -77,8 +77,8 @@ class RunRecord:
             *(
                 (
                     name,
-                    len(given) == len(mission.collision_distances),
-                    f"{len(mission.collision_distances)} numbers",
+                    len(given) == len(mission.counted_distances),
+                    f"{len(mission.counted_distances)} numbers",
                     given,
                 )
                 for name, given in (

@@ -11,6 +11,7 @@ from clean_swarm_env.config.free_places import robots_that_fit
 from clean_swarm_env.config.load import load_experiment, load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, WorldConfig
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.learning.given import mission_from
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
 from tests.fields import descriptions
@@ -39,10 +40,16 @@ def test_every_field_says_what_it_is(model: type[BaseModel]):
         assert not is_quantity or "[" in description or is_rate, f"{name} states no unit"
 
 
+@pytest.mark.parametrize(("radius", "expected"), [(0.25, (0.55, 1.0)), (0.1, (0.25, 0.7))])
+def test_pairs_count_as_colliding_by_the_radius_of_the_robots(radius, expected):
+    mission = mission_from({"base": "table1", "robots": {"radius": radius}})
+    assert mission.counted_distances == pytest.approx(expected)
+
+
 def test_the_reference_mission_is_the_one_of_the_robot_model():
     mission = load_mission("reference")
     assert mission.world.contacts == "pass_through"
-    assert mission.collision_distances == (0.5, 1.0)
+    assert mission.counted_distances == (0.5, 1.0)
     assert mission.world.physics_steps_per_tick == 4
     assert (mission.robots.pose_goal_radius, mission.robots.pose_diffusion) == (0.5, 1.0)
     assert (mission.network.activation_threshold, mission.network.threshold_decay) == (7.0, 0.8)
