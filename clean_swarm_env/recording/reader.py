@@ -243,13 +243,13 @@ class Happened(NamedTuple):
 
 
 def events_of(recording: RecordedStretch) -> list[Happened]:
-    """Return what happened in a recording by the events of its task, in the order of time."""
+    """Return what happened in a recording by the events of its task, in the order of time and then of the task."""
     found = []
     for one in recording.head.get("events", ()):
-        frames, numbers = np.nonzero(np.diff(recording.whole(one["of"]), axis=0) > 0)
-        axis, times = recording.channels[one["of"]].axes[0], recording.times[frames + 1].tolist()
+        frames, numbers = np.nonzero(np.diff(recording.whole(one["of"]), axis=0, prepend=0) > 0)
+        axis, times = recording.channels[one["of"]].axes[0], recording.times[frames].tolist()
         found += [Happened(time, one["event"], axis, k) for time, k in zip(times, numbers.tolist(), strict=True)]
-    return sorted(found)
+    return sorted(found, key=lambda happened: happened.time)
 
 
 def _object(content: bytes, where: str) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Missions of every task are recorded, and shown from their recordings as they were."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -101,6 +102,17 @@ def test_events_of_a_task_are_recorded_and_listed_with_their_robots(tmp_path):
     recording, told = recorded(course, tmp_path, lambda: course.worlds.task.consequences.collisions.copy())
     stopped = {(one.event, one.number) for one in events_of(recording)}
     assert stopped == {("stopped by a collision", robot) for robot in np.flatnonzero(told[-1]).tolist()} != set()
+
+
+def test_what_happens_in_the_first_period_is_an_event_too_and_the_task_says_the_order():
+    counts = {"rang": np.array([[1, 0], [1, 1]]), "ended": np.array([[0, 0], [1, 1]])}
+    channel, events = (
+        SimpleNamespace(axes=("alarm",)),
+        [{"of": "rang", "event": "rings"}, {"of": "ended", "event": "ends"}],
+    )
+    kept = {"head": {"events": events}, "channels": dict.fromkeys(counts, channel), "times": np.array([0.2, 0.4])}
+    told = [(one.time, one.event, one.number) for one in events_of(SimpleNamespace(**kept, whole=counts.get))]
+    assert told == [(0.2, "rings", 0), (0.4, "rings", 1), (0.4, "ends", 0), (0.4, "ends", 1)]
 
 
 def test_contacts_and_obstacles_are_shown(tmp_path):

@@ -23,18 +23,18 @@ export function eventsOf(run) {
   /** @type {RunEvent[]} */
   const events = [];
   const robots = run.head.robots;
-  /** @param {string} name @param {(was: number, is: number, at: number) => string} kindOf */
-  const watch = (name, kindOf) => {
+  /** @param {string} name @param {(was: number, is: number, at: number) => string} kindOf @param {boolean} [begins] whether numbers were 0 before the first frame */
+  const watch = (name, kindOf, begins = false) => {
     const track = run.tracks.get(name);
     if (!track) return;
     const { columns, channel } = track, own = channel.axes[0] === "robot";
-    for (let at = columns; at < track.data.length; at++) {
-      const kind = kindOf(track.data[at - columns], track.data[at], at);
+    for (let at = begins ? 0 : columns; at < track.data.length; at++) {
+      const kind = kindOf(track.data[at - columns] ?? 0, track.data[at], at);
       if (kind) events.push({ frame: Math.floor(at / columns), kind, robot: own ? at % columns : -1 });
     }
   };
   if (run.head.drawn?.some(({ at }) => at === "robot")) carriedOf(run, events);
-  for (const { of, event } of run.head.events ?? []) watch(of, (was, is) => (is > was ? event : ""));
+  for (const { of, event } of run.head.events ?? []) watch(of, (was, is) => (is > was ? event : ""), true);
   watch("contact", (_, is) => (is > 0 ? "contact" : ""));
   watch("working", (was, is) => (is > was ? "joined" : is < was ? "failed" : ""));
   for (const goal of Object.keys(run.head.options)) watch(`held/${goal}`, (was, is) => (was !== is ? "switch" : ""));
