@@ -40,7 +40,8 @@ class ConditionConfig(Closed):
     name: Name
     """Name of the condition in all results."""
     scores: OptionScores = Field(default={})
-    """Goal -> option -> score, in place of those of the expert knowledge (so a mechanism can be forced)."""
+    """Goal -> option -> score, in place of that of the expert knowledge; options that are not named keep theirs. A
+    mechanism is forced by `strategy: "fixed:OPTION"`."""
     strategy: Annotated[str, BeforeValidator(_text_of)] = BY_SCORE.name
     """What decides in every decision period, as `--strategy` takes it: for the goal that it was made for, else for
     AvoidCollision or the first one; options of the highest score serve the others."""

@@ -112,7 +112,8 @@ class MissionConfig(Closed):
     learned: LearnedScores = Field(default={})
     """Rewards of options with which the mission begins, besides those in the file and the store."""
     scores: OptionScores = Field(default={})
-    """Goal -> option -> score, in place of those of the expert knowledge and of what was learned."""
+    """Goal -> option -> score, in place of that of the expert knowledge and of what was learned; options that are not
+    named keep theirs."""
 
     @model_validator(mode="before")
     @classmethod

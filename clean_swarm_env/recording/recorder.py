@@ -165,8 +165,12 @@ class MissionRecorder:
         return path
 
     def think(self, goal: str, values: Floats) -> None:
-        """Note the chooser's opinion of each option of a goal from the next frame on: values (R, O)."""
-        self._opinions[goal][:] = values
+        """Note the chooser's opinion of each option of a goal from the next frame on: values (R, O).
+
+        Nothing where the settings have no `thinking`.
+        """
+        if self.settings.thinking:
+            self._opinions[goal][:] = values
 
     def note_inputs(self, values: Floats) -> None:
         """Note what the policy sees (R, K) from the next frame on, in the order of the settings' `inputs`."""

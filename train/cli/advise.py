@@ -27,7 +27,9 @@ ADVICE = Path("advice")
 def advise_command(
     mission: Annotated[
         str,
-        typer.Argument(help="Name of a mission, a family or a task, or path to its YAML file.", metavar="MISSION"),
+        typer.Argument(
+            help="Name of a mission, family, experiment or task, or path to its YAML file.", metavar="MISSION"
+        ),
     ],
     minutes: Annotated[float, typer.Option(help="Time of processors for all missions [min].")] = 10.0,
     missions: Annotated[

@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from errno import ENAMETOOLONG
 from typing import Annotated, Any
 
 import typer
@@ -122,6 +123,9 @@ def run_app() -> None:
         print_error(str(error))
         sys.exit(BAD_INPUT)
     except OSError as error:
+        if error.errno == ENAMETOOLONG:
+            print_error(f"{str(error.filename)[:60]}...: {error.strerror}")
+            sys.exit(BAD_INPUT)
         if error.errno not in DISK_FULL:
             raise
         print_error(f"{error.filename or 'the disk'}: cannot be written ({error.strerror}); earlier results stay")

@@ -17,7 +17,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import usual_terms
 from clean_swarm_env.learning.observation.observer import Observer
 from clean_swarm_env.world.task import task_class
-from selector.documents.fields import JOINT
+from selector.documents.fields import JOINT, checked_name
 from selector.documents.trust import BASELINE
 from train.analysis.verdict import RANDOM
 from train.evaluation.comparison import Deciders
@@ -37,6 +37,8 @@ def conditions_of(strategies: Sequence[str], options: Sequence[str]) -> dict[str
         label, equals, rest = text.partition("=")
         if not equals or ":" in label:
             label, rest = text, text
+        else:
+            checked_name(label, f"--strategy {text}: label")
         if rest == FIXED:
             found += [(f"{FIXED}:{option}", (f"{FIXED}:{option}",)) for option in options]
             continue
@@ -95,6 +97,9 @@ def with_baselines(
     task = task_class(mission)
     leads = task.baseline and (not task.baseline_option or task.baseline_option in options)
     names = task.yardsticks or ((BASELINE,) if leads else ())
+    for name in conditions.keys() & {*names}:
+        if name not in taken:
+            raise ConfigurationError(f"--strategy {name}=...: expected another label, since a baseline has this one")
     exist = [RANDOM, BASELINE, *(f"{FIXED}:{name}" for option in options for name in option.split(JOINT))]
     return {**conditions, **{name: Deciders(members=(name,)) for name in names if name in exist and name not in taken}}
 

@@ -9,11 +9,12 @@ from clean_swarm_env.deciders.decider import OptionDecider
 from clean_swarm_env.deciders.machines import MachineDecider
 from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.yaml_values import yaml_value
 from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.problem import Problem
 from tests.pages import blocks
-from train.running.trials import run_trials
+from train.running.trials import TrialSettings, run_trials
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.zeros(3), ("near", "far"))
 ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient-view0.5}\n"
@@ -27,8 +28,9 @@ def test_a_machine_of_one_state_is_a_fixed_option(tmp_path):
     (tmp_path / "one.yaml").write_text(ONE)
     scenarios = [load_family("random").scenario(1, number, "test") for number in range(2)]
     members = (f"fsm:{tmp_path / 'one.yaml'}", "fixed:RepulsionGradient-view0.5")
-    machine, fixed = (run_trials(scenarios, decider_named(member).build) for member in members)
-    assert machine == fixed
+    recorded = TrialSettings(record=RecordSettings(tmp_path / "recordings"))
+    machine, fixed = (run_trials(scenarios, decider_named(member).build, recorded) for member in members)
+    assert machine == fixed == run_trials(scenarios, decider_named(members[0]).build)
 
 
 def test_a_machine_that_goes_to_the_state_of_its_situation_is_a_rule(tmp_path):

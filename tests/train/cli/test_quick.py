@@ -35,6 +35,7 @@ MISTAKES = [
     ("train es --config ess", "did you mean 'es'"),
     ("evaluate Foragin", "did you mean 'Foraging'"),
     ("explain none --robot 0 --time 1", "none: cannot be read"),
+    (f"report {'long' * 100}", "File name too long"),
     ("record none --output none.swarm", "none: cannot be read"),
     ("replay none --html none.html", "none: cannot be read"),
     ("video none none.webp", "none: cannot be read"),

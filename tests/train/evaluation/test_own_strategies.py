@@ -248,3 +248,18 @@ def test_models_of_torch_and_onnx_decide_and_must_fit(tmp_path, monkeypatch):
             with pytest.raises(DocumentError, match=expected) as told:
                 decider_named(f"policy:{name}").build(other, TEAMS)
             assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("=fixed:ORCA", "--strategy =fixed:ORCA: label: "),
+        ("two\nlines=fixed:ORCA", "label: "),
+        ("Random=fixed:ORCA", "--strategy Random=...: expected another label, since a baseline has this one"),
+    ],
+)
+def test_labels_are_names_and_not_those_of_baselines(text, message):
+    with pytest.raises(DocumentError) as error:
+        Comparing(Request("table1-starts", (text,), 0, 1))
+    assert message in str(error.value)
+    assert len(str(error.value).splitlines()) == 1
