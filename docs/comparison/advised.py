@@ -73,8 +73,8 @@ def judged(mission: str, known: dict[str, Any], starts: int) -> dict[str, Any]:
         for arm in sorted({*near, *held, known["experts"]}):
             first = own.get(arm, [])
             alike = [costs for costs in own.values() if costs[:STARTS] == first[:STARTS] and len(costs) >= starts]
-            if len(first) >= STARTS and alike:
-                own[arm] = alike[0][:starts]  # a robot that holds the option of a goal does the same with any
+            if len(first) >= STARTS and alike:  # a robot that holds the option of a goal does the same with any
+                own[arm] = alike[0][:starts] if arm in {*held, known["experts"]} else first
             elif len(first) < starts:
                 options = zip(wide.goals, arm.partition(":")[2].split(JOINT), strict=True)
                 table = {goal: (*wide.known.table[goal], *variant_of(wide, goal, name)) for goal, name in options}

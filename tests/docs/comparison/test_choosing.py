@@ -27,7 +27,7 @@ TRIED = {
     "seed": 3,
     "strategies": {"one": "policy:one", "rule": "MaxScore"},
     "only": {"rule": ("random",)},
-    "families": {"random": {**SIZES, "told": TOLD_OF}, "table1": {"scenarios": 2, "fixed": ("ORCA",)}},
+    "families": {"random": {**SIZES, "told": TOLD_OF}, "table1-starts": {"scenarios": 2, "fixed": ("ORCA",)}},
 }
 OWN = Manifest(**read_mapping(write_choosing.OWN))
 KEPT = write_choosing.OWN.with_suffix(".jsonl")
@@ -38,7 +38,7 @@ def test_missions_are_done_once_and_a_team_that_is_told_takes_what_serves_its_ki
     do_missions(manifest, file)
     whole, found = file.read_bytes(), read_missions(file, manifest)
     assert list(found) == [(family, label) for family in manifest.families for label in manifest.run_on(family)]
-    assert ("table1", "rule") not in found
+    assert ("table1-starts", "rule") not in found
     orca = found["random", "fixed:ORCA"]
     assert found["random", TOLD].excess_s == orca.excess_s
     given = load_family("random")
