@@ -34,7 +34,7 @@ def play_command(
     name: Annotated[
         str,
         typer.Argument(
-            help="Name of a mission, family, experiment or task, or path to a YAML file; or a recording of an earlier play.",
+            help="Name of a mission, family, experiment or task, or path to a YAML file; or a recording of a play.",
             metavar="[MISSION|FAMILY|TASK|RECORDING]",
         ),
     ] = "crowded",
