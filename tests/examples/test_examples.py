@@ -45,7 +45,7 @@ def test_an_example_runs_and_its_model_is_evaluated(example, tmp_path):
     assert run(tmp_path, str(ROOT / "examples" / file), *arguments)
     if example.strategy:
         compared = ["--strategy", "fixed:RepulsionGradient-view0.5", "--strategy", example.strategy]
-        settings = ["table1", "--scenarios", "1", "--workers", "1", "--output", "out"]
+        settings = ["table1-starts", "--scenarios", "1", "--workers", "1", "--output", "out"]
         assert example.strategy in run(tmp_path, "-m", "clean_swarm_env", "evaluate", *settings, *compared)
 
 
