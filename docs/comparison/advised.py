@@ -2,7 +2,7 @@
 
     python -m docs.comparison.advised all table1-starts random-bumpers scouts      # every pair on 100 starts
     python -m docs.comparison.advised repeat table1-starts --minutes 1 --seeds 20  # advice with other seeds
-    python -m docs.comparison.advised judge scouts --starts 400             # what they named, on so many starts
+    python -m docs.comparison.advised judge scouts --starts 400             # what advice named, on 400 starts
     python -m docs.comparison.advised table  # the tables of docs/tutorials/advise.md
 
 Pairs that cost more than twice the best after 20 starts stop there. Where pairs differ by less than 100 starts can
