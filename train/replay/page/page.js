@@ -4,7 +4,7 @@ import { titleOf } from "./recording.js";
 import { countsOf, eventsOf, kindsOf, partingFrame } from "./course.js";
 import { LOOK, plain } from "./look.js";
 import { WorldView } from "./world.js";
-import { CHART_WORDS, WORDS } from "./words.js";
+import { CHART_WORDS } from "./words.js";
 import { drawCurves, drawEvents, drawHeld, opinionCurves } from "./charts.js";
 import { panelOf } from "./mind.js";
 import { scoreOf } from "./score.js";
