@@ -67,6 +67,8 @@ def named_file(
 ) -> Path | None:
     """Return the file of a name, of the first of some `kinds` that has it; None where only a task has the name.
 
+    A file in one of the `directories` stands before those of ours, of whatever kind.
+
     Raises:
         DocumentError: nothing has the name; `where` starts the line, which lists the known names.
 
@@ -79,9 +81,9 @@ def named_file(
     if is_path("missions", name_or_path):
         return find_file("families" if "families" in kinds else "missions", name_or_path, directories, where)
     files = {kind: files_of(kind, directories) for kind in kinds}
-    for found in files.values():
-        if name_or_path in found:
-            return found[name_or_path]
+    if found := [own[name_or_path] for own in files.values() if name_or_path in own]:
+        theirs = (file for root in directories for file in found if file.is_relative_to(root))
+        return next(theirs, found[0])
     if name_or_path in (names := task_names()):
         return None
     called, known = (

@@ -37,8 +37,6 @@ from selforg.arrays import Ints
 FIXED, POLICY, LEARNED, MACHINE, VELOCITY = FILED_KINDS
 BY_MODEL = "models"
 """Kind of a decider that follows one for each model of robots."""
-FILED = (POLICY, LEARNED, MACHINE, VELOCITY)
-"""Kinds of deciders that name a file."""
 DIGEST = " sha256:"
 """What follows the text of a decider that names a file, before the digest of the file."""
 
@@ -209,6 +207,8 @@ def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
 def _model(text: str, name: str, *_: object) -> NamedDecider:
     """Return a model of another library, whose digest is that of the normalisation beside it, too."""
     path = Path(name)
+    if not path.name:
+        raise ConfigurationError(f"{text}: expected the path of a file after the colon")
     known = remembered(path)
     mode: Mode = "velocity" if text.startswith(f"{VELOCITY}:") else known.mode
     goal = known.goal if mode != "velocity" else ""

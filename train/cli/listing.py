@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.task_names import named_file, task_stories
+from clean_swarm_env.deciders.labelled import FILED, label_and_members
 from selector.documents.find import KINDS, SHIPPED, files_of, find_file, is_path, plugin_names
 from selector.documents.plain import DocumentError, plain
 from selector.documents.plain import DocumentError as ConfigurationError
@@ -117,19 +118,24 @@ def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None
     theirs = is_import(given.get("name") or "") or any(is_path("knowledge", name or "") for name in given.values())
     ours = not (directories or named_plugins() or installed() or theirs)
     for text in strategies or ():
-        where = f"--strategy {text}: "
-        kind, _, names = (text if ":" in text.partition("=")[0] else text.partition("=")[2] or text).partition(":")
-        if kind == "models":
-            check_named(configs, [own for pair in names.split(";") if (own := pair.partition("=")[2])], **given)
-        if kind == FILED_KINDS[0] and ours:
-            _check_options(where, names)
-        for name in names.split("+") if kind in FILED_KINDS[1:] else ():
-            if name.endswith(FOREIGN_ENDINGS):
-                check_there(Path(name), where=where)
-            elif kind in MEMBER_FILES:
-                find_file(MEMBER_FILES[kind], name, directories, where)
-        if not names and kind not in (*FILED_KINDS, BASELINE, *(known := names_of("strategy-classes", ()))):
-            raise ConfigurationError(where + unknown("strategy", kind, tuple(known)))
+        for member in label_and_members(text)[1]:
+            _check_member(member, f"--strategy {text}: ", directories, ours=ours)
+
+
+def _check_member(member: str, where: str, directories: Sequence[Path], *, ours: bool) -> None:
+    """Raise the error of a strategy that there is not; of options only if all are `ours`."""
+    kind, _, name = member.partition(":")
+    if kind == "models":
+        for own in filter(None, (pair.partition("=")[2] for pair in name.split(";"))):
+            _check_member(own, where, directories, ours=ours)
+    elif kind == FILED_KINDS[0] and ours:
+        _check_options(where, name)
+    elif kind in FILED and name.endswith(FOREIGN_ENDINGS):
+        check_there(Path(name), where=where)
+    elif kind in MEMBER_FILES:
+        find_file(MEMBER_FILES[kind], name, directories, where)
+    elif not name and kind not in (*FILED_KINDS, BASELINE, *(known := names_of("strategy-classes", ()))):
+        raise ConfigurationError(where + unknown("strategy", kind, tuple(known)))
 
 
 def _check_options(where: str, names: str) -> None:

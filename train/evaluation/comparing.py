@@ -19,13 +19,16 @@ from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_compared, load_family
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.task_names import COMPARED, KIND_WORDS, named_file
 from clean_swarm_env.config.types import AVOIDANCE, ConfigurationError
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
 from clean_swarm_env.deciders.named import FIXED, decider_named, without_digest
 from clean_swarm_env.deciders.strategies import StrategyDecider
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.task import task_class
+from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import shown, within
+from selector.documents.find import files_of
 from selector.documents.trust import BASELINE
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
@@ -69,6 +72,7 @@ class Comparing(Evaluation):
         problem: goal and options that strategies choose among.
         batch: the world of the first scenario.
         decided: lines on the goals that some of the strategies decide.
+        noticed: lines on conditions whose scores do not do what they seem to.
 
     """
 
@@ -113,14 +117,17 @@ class Comparing(Evaluation):
             goal, told = AVOIDANCE if AVOIDANCE in goals else goals[0], f"{where}: condition {{!r}}"
             self.problem, given = DecidedGoal(self.batch, goal).problem, document.conditions
             conditions = {one.name: Deciders(members=(one.strategy,), scores=one.scores) for one in given}
-        self.decided = list[str]()
+        self.decided, self.noticed = list[str](), list[str]()
         for label, one in conditions.items():
             with within(told.format(label)):
                 changed = first.model_copy(update={"scores": {**first.scores, **one.scores}})
                 own = Batch(changed, directories=request.directories) if one.scores else self.batch
                 asked = request.goal is not None
                 self.decided += check_fit(label, one, own, goal, request.directories, asked=asked)
+            self.noticed += [f"{told.format(label)}: {line}" for line in _passed_over(one, own)]
         self.mission = document.mission.beginning_with({})
+        if not task_class(first).measures and (isinstance(document, ExperimentConfig) or document.disturbances):
+            self.led_by = "duration"
         self.stem = f"{document.name}-seed{request.seed}{self.starts.stem}"
         self.context = mission_context(first.name)
         known = knowledge_of(self.mission, request.directories)
@@ -153,7 +160,10 @@ class Comparing(Evaluation):
         """Return what strategies never take, and which have learned nothing and do not here."""
         missions = [variant.largest for variant in self.document.variants.values()]
         conditions, request = self.comparison.conditions, self.request
-        told = remarks_on(conditions, self.batch, request.goal, request.directories, missions)
+        told = [*self.noticed, *remarks_on(conditions, self.batch, request.goal, request.directories, missions)]
+        ours = [file for kind in KIND_WORDS if (file := files_of(kind).get(request.name))]
+        if ours and (file := named_file(request.name, request.directories, kinds=COMPARED)) not in ours:
+            told.append(f"{request.name}: {file}, which hides ours of the same name")
         return [remark for remark in told if not (self.request.store.path and remark.endswith(UNTAUGHT))]
 
     def tasks(self, done: Done) -> list[TrialTask]:
@@ -192,6 +202,17 @@ class Comparing(Evaluation):
             records=records,
             baseline=next((label for label, one in conditions.items() if one.members == (BASELINE,)), BASELINE),
         )
+
+
+def _passed_over(condition: Deciders, batch: Batch) -> list[str]:
+    """Return for which goals a condition gives scores of which the highest option is none that experts would hold."""
+    told = []
+    for number, (goal, names) in enumerate(batch.options.items()):
+        given, held = condition.scores.get(goal, {}), names[batch.choices.default[number]]
+        if given and held not in given and condition.members == (BY_SCORE.name,):
+            best = max(given, key=lambda name: given[name])
+            told.append(f"{best} has {given[best]:g} for {goal}, and robots hold {held}, which has more")
+    return told
 
 
 def _check_planner(mission: MissionConfig) -> None:

@@ -11,7 +11,8 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
-from clean_swarm_env.deciders.named import FILED, FIXED, decider_named, without_digest
+from clean_swarm_env.deciders.labelled import label_and_members
+from clean_swarm_env.deciders.named import FIXED, decider_named, without_digest
 from clean_swarm_env.deciders.unseen import decided_and_held, remarks_of, undecided
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import usual_terms
@@ -34,18 +35,13 @@ def conditions_of(strategies: Sequence[str], options: Sequence[str]) -> dict[str
     """
     found: list[tuple[str, tuple[str, ...]]] = []
     for text in strategies:
-        label, equals, rest = text.partition("=")
-        if not equals or ":" in label:
-            label, rest = text, text
-        else:
+        label, members = label_and_members(text)
+        if label is not None:
             checked_name(label, f"--strategy {text}: label")
-        if rest == FIXED:
+        if members == (FIXED,):
             found += [(f"{FIXED}:{option}", (f"{FIXED}:{option}",)) for option in options]
-            continue
-        kind, _, names = rest.partition(":")
-        several = kind in FILED
-        members = tuple(f"{kind}:{name}" for name in names.split("+")) if several else (rest,)
-        found.append((kind if several and label == text and "+" in names else label, members))
+        else:
+            found.append((label or (text if len(members) == 1 else text.partition(":")[0]), members))
     labels = [label for label, _ in found]
     for label in labels:
         if labels.count(label) > 1:

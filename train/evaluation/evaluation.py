@@ -38,6 +38,7 @@ class Evaluation(ABC):
         learned: what was learned at the beginning, as plain data.
         scenarios: names of the scenarios, in the order in which missions learn.
         context: under which a store keeps rewards of such missions.
+        led_by: what says who leads in the progress, "cost" or "duration".
         so_far: what is known before all runs are done, which follows how many are kept.
 
     """
@@ -50,6 +51,7 @@ class Evaluation(ABC):
     learned: Mapping[str, Any] = {}
     scenarios: list[str]
     context: str
+    led_by = "cost"
     so_far = ""
 
     def __init__(self, request: Request) -> None:
@@ -103,9 +105,9 @@ class Evaluation(ABC):
         return 0
 
     def leading(self, costs: Mapping[str, Sequence[float]]) -> str:
-        """Return who leads, in words; `costs`: condition -> costs of its runs up to now [s]."""
+        """Return who leads, in words; `costs`: condition -> costs, or durations, of its runs up to now [s]."""
         best = min(costs, key=lambda name: fmean(costs[name]))
-        return f"lowest mean cost {fmean(costs[best]):,.0f} s: {best}"
+        return f"lowest mean {self.led_by} {fmean(costs[best]):,.0f} s: {best}"
 
     def conclude(self) -> None:  # noqa: B027  (most have nothing to add)
         """Write what published results are used with; nothing unless a subclass does."""

@@ -97,7 +97,7 @@ def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
             with closing(_lessons(in_turn, results, settings) if in_turn else each_done(recorded)) as runs:
                 for record in runs:
                     results.add(record)
-                    costs.setdefault(record.condition, []).append(record.result.cost_s)
+                    costs.setdefault(record.condition, []).append(getattr(record.result, f"{evaluation.led_by}_s"))
                     update(advance=1, more=evaluation.leading(costs))
             done, tasks, in_turn = done + left, evaluation.tasks(results.runs), None
             left = _count(tasks)

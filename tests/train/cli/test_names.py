@@ -6,10 +6,10 @@ import pytest
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family, load_named
-from clean_swarm_env.config.task_names import KIND_WORDS, task_names
+from clean_swarm_env.config.task_names import COMPARED, KIND_WORDS, named_file, task_names
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.episodes import episodes_of
-from selector.documents.find import files_of
+from selector.documents.find import SHIPPED, files_of
 from train.cli.listing import check_named
 from train.learning.config import TaskConfig
 from train.live.chosen import chosen, playable
@@ -59,6 +59,15 @@ def test_the_starts_of_an_experiment_are_those_of_its_family(tmp_path):
     drawn = [family.scenario(0, k, "test").start for k in range(6)]
     assert [one.id for one in drawn] == [*(one.id for one in load_family("table1-starts").starts), drawn[0].id]
     assert np.isfinite(drawn[0].robots[0]).all()
+
+
+def test_a_file_of_the_user_stands_before_all_of_ours(tmp_path):
+    (tmp_path / "families").mkdir()
+    file = tmp_path / "families" / "patrol.yaml"
+    file.write_text("name: patrol\nmission: table1\nitems: [3, 4]\n", encoding="utf-8")
+    for kinds in (tuple(KIND_WORDS), COMPARED):
+        assert named_file("patrol", (tmp_path,), kinds=kinds) == file
+        assert named_file("patrol", kinds=kinds) == SHIPPED / "experiments" / "patrol.yaml"
 
 
 @pytest.mark.parametrize(

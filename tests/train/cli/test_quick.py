@@ -24,6 +24,7 @@ MISTAKES = [
     ("evaluate crowded --strategy mine=fixed:ORCAA", "did you mean 'ORCA'"),
     ("evaluate crowded --strategy models:fly=fixed:Nope;go=fixed:ORCA", "unknown option 'Nope'"),
     ("evaluate crowded --strategy models:fly=policy:nope.zip", "nope.zip: cannot be read"),
+    ("evaluate crowded --strategy mine=policy:one+no", "unknown policy 'no'"),
     ("play crowdet", "did you mean 'crowded'"),
     ("play crowded --strategy fixed:Nope", "unknown option 'Nope'"),
     ("play crowded --strategy policy:nope.zip", "nope.zip: cannot be read"),

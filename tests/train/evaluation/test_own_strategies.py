@@ -182,6 +182,7 @@ def test_a_policy_that_steers_corrects_or_both_is_evaluated_as_what_it_gives(fol
         ),
         ("ahead.const", "nan 0", "expected a model of .* a vector, got actions: expected finite numbers"),
         ("none.const", "", r"velocity:none.const: none.const: no such file"),
+        ("", "", r"velocity:: expected the path of a file after the colon"),
         ("ahead.md", "", r"ahead.md: expected a file that ends in \.zip, "),
     ],
 )
