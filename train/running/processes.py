@@ -16,12 +16,16 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from traceback import format_exc
+from typing import Any
 
 from clean_swarm_env.siblings import call
 from selector.documents.trust import Permission, current_permission, permitting
 from train.running.engine import MOST_DEATHS, Round, WorkerLost, in_turn
 from train.running.pulse import listening, tell
-from train.running.runs import RunKey, RunRecord, Work
+from train.running.runs import RunKey, Work
+
+_HELD = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM") if hasattr(signal, name)]
+"""Signals that end a command, the last one if one of the others had to wait."""
 
 
 @dataclass
@@ -67,7 +71,7 @@ class Processes:
             for process in self._processes.values():
                 process.join()
 
-    def _round(self, tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:
+    def _round(self, tasks: Sequence[Work]) -> Generator[Any, None, None]:
         """Do the tasks and yield their runs, also those that are done when it is interrupted or a task is given up."""
         if min(self._most, len(tasks)) <= 1 and not self._processes:
             yield from in_turn(tasks)
@@ -78,7 +82,7 @@ class Processes:
             yield from self._sent()
             raise
 
-    def _done(self, waiting: deque[_Attempt]) -> Iterator[RunRecord]:
+    def _done(self, waiting: deque[_Attempt]) -> Iterator[Any]:
         while waiting or self._busy:
             self._give(waiting)
             ready = wait(self._busy)
@@ -120,7 +124,7 @@ class Processes:
             self._processes[ours] = process
         return ours
 
-    def _sent(self) -> Iterator[RunRecord]:
+    def _sent(self) -> Iterator[Any]:
         """End the tasks, and yield the runs that were done but not yet received."""
         for connection in self._busy:
             self._processes[connection].terminate()
@@ -128,25 +132,29 @@ class Processes:
             with suppress(EOFError, OSError):
                 while connection.poll():
                     answer = connection.recv()
-                    if isinstance(answer, RunRecord):
+                    if hasattr(answer, "key"):
                         yield answer
 
 
 @contextmanager
 def _ctrl_c_held() -> Iterator[None]:
-    """Hold Ctrl-C back until the end, and from processes that start here: a terminal sends it to them as well."""
+    """Hold signals that end a command back until the end: a process that starts would read half of what it gets.
+
+    Ctrl-C is held back from processes that start here, too: a terminal sends it to them as well.
+    """
     if threading.current_thread() is not threading.main_thread() or os.name != "posix":  # only it may change signals
         yield
         return
     came: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    before = {number: signal.signal(number, lambda own, _: came.append(own)) for number in _HELD}
     resource_tracker.ensure_running()  # its start lets signals through
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # which the process inherits
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
         for number in came:
             signal.raise_signal(number)
 

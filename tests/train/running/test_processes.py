@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import pytest
@@ -116,6 +117,30 @@ def test_a_task_that_loses_three_workers_is_named_and_costs_no_run_that_was_done
 def test_an_error_in_a_task_is_raised_and_ends_the_others():
     with no_hang(240), pytest.raises(ValueError, match="no third run"):
         list(each_done([Some("a", "fail"), Some("b", "wait")], 2))
+
+
+@LINUX
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGALRM"])
+def test_a_signal_waits_until_a_process_has_got_all_that_it_reads(name, monkeypatch):
+    """SIGALRM: `Interruption` tries a signal again that came during an import."""
+    number, started, begin = getattr(signal, name), [], SpawnProcess.start
+
+    def start(process):
+        signal.raise_signal(number)
+        begin(process)
+        started.append(process)
+
+    def end(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(SpawnProcess, "start", start)
+    before = signal.signal(number, end)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            list(each_done(tasks_of("ab"), 2))
+    finally:
+        signal.signal(number, before)
+    assert [process.is_alive() for process in started] == [False]
 
 
 # Workers that die in any phase
