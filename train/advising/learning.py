@@ -19,7 +19,6 @@ from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
-from selforg.plugins import named_plugins
 from train.advising.evaluation import FAMILY, AdviceEvaluation
 from train.advising.report import Advice, shown_cheaper, times
 from train.advising.rounds import seconds_of
@@ -33,6 +32,7 @@ from train.learning.ppo.training import POLICY_FOLDER
 from train.learning.seeds import trained
 from train.learning.session import check_installed
 from train.learning.yardstick import mean_excess, validation_in
+from train.request import Request
 from train.running.commands import FINISHED
 from train.running.finished_runs import JOURNAL, runs_of
 
@@ -63,11 +63,11 @@ def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Consol
     check_installed("ppo")
     folder, advice = evaluation.folder, evaluation.advice
     write_whole(folder / TRAINING, as_yaml(training_of(advice, minutes).model_dump(mode="json")).encode())
-    words = [*(f"--import={name}" for name in named_plugins()), "train", "ppo", "--config", str(folder / TRAINING)]
-    words += ["--resume", *(word for path in evaluation.directories for word in ("--configs", str(path)))]
+    words = ("clean-swarm", "train", "ppo", "--config", str(folder / TRAINING))
+    training = Request(words[-1], directories=evaluation.directories, machine=evaluation.request.machine, words=words)
     folders = {seed: folder / TRAININGS.format(seed) for seed in TRAINING_SEEDS}
     try:
-        done = list(trained(words, folders, evaluation.request.machine.workers))
+        done = list(trained(training, folders))
     except KeyboardInterrupt as end:
         return evaluation.request.ended(end, folder, ": advice and trainings are kept")
     return _judge(advice, min(sorted(done), key=lambda seed: _validated(folders[seed])), console)

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -34,7 +35,7 @@ ALONE = ("seed", "output", "resume", "force", "configs")
 
 
 @app.command()
-@asking(*ALONE, "threads", "store", "learn")
+@asking(*ALONE, "on", "threads", "store", "learn")
 def ppo(
     config: Config = "exploring-ppo",
     seeds: Annotated[
@@ -47,6 +48,8 @@ def ppo(
     several = seeds_of(seeds) if seeds else []
     if several and given.values["store"]:
         raise ConfigurationError("--store: expected none with --seeds, whose trainings would begin with one another's")
+    if given.values["on"] is not None and not several:
+        raise ConfigurationError("--on: expected --seeds with it, since one training is one process")
     check_named(given.directories, training=config)
     from train.learning.session import check_installed
 
@@ -123,10 +126,13 @@ def _train_seeds(seeds: Sequence[int], request: "Request", directory: Path) -> N
 
     root, console = request.output or Path("results") / directory, Console(highlight=False, emoji=False)
     folders = {seed: root / f"seed-{seed}" for seed in seeds}
+    for folder in folders.values():
+        if not request.resume and folder.is_dir() and any(folder.iterdir()):
+            raise ConfigurationError(f"{folder}: has results already; give --resume or another --output")
     workers = max(usable_cpus() // request.machine.threads, 1)
     try:
         with progress("trainings", len(seeds)) as update:
-            for seed in trained([*request.words[1:], "--seeds", ""], folders, workers):
+            for seed in trained(replace(request, machine=replace(request.machine, workers=workers)), folders):
                 console.print(f"trained: {folders[seed]}", soft_wrap=True)
                 update(advance=1)
     except KeyboardInterrupt as end:

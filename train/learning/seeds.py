@@ -1,53 +1,72 @@
-"""Trainings that differ in their seeds only, side by side, each in a process of its own."""
+"""Trainings with PPO that differ in their seeds only: work for an engine, as missions are."""
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Self
 
-from train.running import WITH_PARENT
+from rich.console import Console
+
+from train.learning.session import run_training
+from train.request import Request
+from train.running.needs import Machine
+from train.running.runs import RunKey
 
 
-def trained(words: Sequence[str], folders: Mapping[int, Path], workers: int) -> Iterator[int]:
-    """Do or go on with the training of a command for each seed, and yield a seed when its training is done.
+@dataclass(frozen=True)
+class TrainedSeed:
+    """A training that is done."""
+
+    seed: int
+
+    @property
+    def key(self) -> RunKey:
+        """Its seed, in place of a scenario; the condition is the same for all."""
+        return str(self.seed), ""
+
+
+@dataclass(frozen=True)
+class SeedTask:
+    """A training with one seed, which goes on where another process has ended; see `Work`."""
+
+    request: Request
+
+    @property
+    def keys(self) -> tuple[RunKey, ...]:
+        """That of the one seed."""
+        return (TrainedSeed(self.request.seed).key,)
+
+    def without(self, done: Collection[RunKey]) -> Self:
+        """Return the task: what it lacks is in its folder."""
+        return self
+
+    def each(self) -> Iterator[TrainedSeed]:
+        """Do the training."""
+        from train.learning.ppo.training import PpoTraining  # imports torch
+
+        run_training("ppo", self.request, PpoTraining, Console(quiet=True))
+        yield TrainedSeed(self.request.seed)
+
+
+def trained(request: Request, folders: Mapping[int, Path]) -> Iterator[int]:
+    """Do or go on with a training for each seed, and yield the seed when its training is done.
 
     Args:
-        words: what follows `clean-swarm`; the seed, and the directory for its results, come behind.
-        folders: seed -> this directory.
-        workers: largest number of processes.
+        request: that of the training, with the workers that all seeds may have, or a place beyond this machine.
+        folders: seed -> directory for its results.
 
     Raises:
-        SystemExit: a training failed, with its last line. The others end then, as by Ctrl-C, and can go on later.
+        ValueError: a training cannot be done. The others end then, as by Ctrl-C, and can go on later.
 
     """
-    running: list[subprocess.Popen[str]] = []
-
-    def train(seed: int) -> int:
-        command = [sys.executable, "-m", "clean_swarm_env", *words, "--seed", str(seed), "--output", str(folders[seed])]
-        process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,  # which ends with this process
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            env={**os.environ, WITH_PARENT: "1"},
-        )
-        running.append(process)
-        assert process.stderr is not None
-        said = process.stderr.read()
-        if process.wait():
-            raise SystemExit(said.strip().rpartition("\n")[2])
-        return seed
-
-    with ThreadPoolExecutor(min(len(folders), workers)) as pool:
-        try:
-            for one in as_completed([pool.submit(train, seed) for seed in folders]):
-                yield one.result()
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in running:
-                process.terminate()  # nothing, if it has ended
+    alone = Machine(forced=request.machine.forced, threads=request.machine.threads)
+    again = replace(request, resume=True, machine=alone, words=(*request.words, "--seeds", ""))
+    tasks = [
+        SeedTask(replace(again, seed=seed, output=folder, words=(*again.words, "--seed", str(seed))))
+        for seed, folder in folders.items()
+    ]
+    with request.engine.rounds() as done:
+        for one in done(tasks):
+            yield one.seed

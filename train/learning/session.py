@@ -43,7 +43,8 @@ def run_training(
         learner: one of `LEARNERS`.
         request: the request of the user, whose name is that of a training.
         made: function that makes the training.
-        console: prints the figures of each checkpoint.
+        console: prints the figures of each checkpoint; a quiet one shows no progress, and what ends the training is
+            raised.
         ended: called with the training when it is finished.
 
     """
@@ -75,7 +76,7 @@ def run_training(
         try:
             compile_once(lambda: run_through(Batch()))  # before the bar and the workers
             counted, total = TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions
-            bar = progress("decisions", total, log=folder.path, counted=counted)
+            bar = progress("decisions", total, log=folder.path, counted=counted, quiet=console.quiet)
             with bar as update, request.engine.rounds() as done:
                 parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
                 training = made(replace(job, update=update, parts=parts, done=done))
@@ -90,6 +91,8 @@ def run_training(
             folder.discard()
             raise
         except (KeyboardInterrupt, WorkerLost) as end:
+            if console.quiet:  # a part of another command, which says how to go on
+                raise
             return request.ended(end, folder.path)
     for line in changed_scores(memory) if memory is not None and memory.learns else ():
         console.print(line, soft_wrap=True, highlight=False, markup=False)

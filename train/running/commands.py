@@ -72,18 +72,24 @@ def _keep_log(task: Task, what: str, log: Path, ended: Event) -> None:
 
 @contextmanager
 def progress(
-    what: str, total: int, done: int = 0, log: Path | None = None, counted: ProgressColumn | None = None
+    what: str,
+    total: int,
+    done: int = 0,
+    log: Path | None = None,
+    counted: ProgressColumn | None = None,
+    *,
+    quiet: bool = False,
 ) -> Iterator[Callable[..., None]]:
     """Show a bar for `what`, with `counted`, a column that shows how much of `total` is done.
 
-    A folder `log` gets a line now and then; without it the bar vanishes at the end.
+    A folder `log` gets a line now and then; without it the bar vanishes at the end. A `quiet` bar is not shown.
 
     The function returned takes the keyword arguments of rich's `Progress.update`, and `more`, a text behind the bar,
     and `most`, the simulated seconds that all missions of this command take at most [s].
     """
     shown = (TextColumn("{task.description}"), BarColumn(20), counted or MofNCompleteColumn(), TimeElapsedColumn())
     console = Console(stderr=True)
-    hidden = log is None and not console.is_terminal  # nothing is left of it
+    hidden = quiet or (log is None and not console.is_terminal)  # nothing is left of it
     with Progress(
         *shown, _TimeLeft(Column(no_wrap=True)), _More(), console=console, transient=log is None, disable=hidden
     ) as bar:

@@ -26,7 +26,7 @@ from selector.documents.trust import current_permission, permitting
 from selforg.plugins import import_named, named_plugins
 from train.running.bits import own_bits
 from train.running.engine import Round, WorkerLost
-from train.running.runs import RunRecord, Work
+from train.running.runs import Work
 
 CLUSTERS = {"slurm": "SLURMCluster", "pbs": "PBSCluster", "lsf": "LSFCluster", "sge": "SGECluster"}
 """Scheduler of jobs -> the class of dask-jobqueue that speaks to it."""
@@ -86,7 +86,7 @@ class DaskEngine:
             if cluster is not None:
                 cluster.close()
 
-    def _round(self, client: Any, tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:  # noqa: ANN401  (no types)
+    def _round(self, client: Any, tasks: Sequence[Work]) -> Generator[Any, None, None]:  # noqa: ANN401  (no types)
         from distributed import as_completed
 
         def remote(directory: str, pickled: bytes) -> Any:  # noqa: ANN401
@@ -103,7 +103,7 @@ class DaskEngine:
         finally:
             client.cancel(list(given), force=True)
 
-    def _runs(self, future: Any, task: Work) -> list[RunRecord]:  # noqa: ANN401
+    def _runs(self, future: Any, task: Work) -> list[Any]:  # noqa: ANN401
         """Return the runs of a task that came to its end."""
         from distributed import KilledWorker
 
@@ -149,7 +149,7 @@ def job_cluster(scheduler: str, jobs: int) -> Any:  # noqa: ANN401
     return cluster
 
 
-def do_task(directory: str, pickled: bytes) -> list[RunRecord]:
+def do_task(directory: str, pickled: bytes) -> list[Any]:
     """Return the runs of a task that a worker does, in the directory and with the permission of the command.
 
     Raises:

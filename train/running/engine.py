@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import AbstractContextManager
-from typing import Protocol
+from typing import Any, Protocol
 
 from clean_swarm_env.learning.warm_up import compile_listed, one_process
-from train.running.runs import RunRecord, Work
+from train.running.runs import Work
 from train.running.trial_task import TrialTask
 
-Round = Callable[[Sequence[Work]], Generator[RunRecord, None, None]]
-"""A function that does tasks, and yields each run when it is done, in any order."""
+Round = Callable[[Sequence[Work]], Generator[Any, None, None]]
+"""A function that does tasks, and yields what they yield, each when it is done, in any order."""
 
 MOST_DEATHS = 3
 """Times that a task may lose its worker: it is begun once and run again twice."""
@@ -35,7 +35,7 @@ class WorkerLost(Exception):
         super().__init__(f"scenario {scenario}, condition {condition}{more}: its worker died {deaths} times")
 
 
-def in_turn(tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:
+def in_turn(tasks: Sequence[Work]) -> Generator[Any, None, None]:
     """Do tasks in this process."""
     return (record for task in tasks for record in task.each())
 

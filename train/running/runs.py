@@ -122,5 +122,5 @@ class Work(Protocol):
     def without(self, done: Collection[RunKey]) -> Work:
         """Return those runs that are not `done`, of which there is at least one."""
 
-    def each(self) -> Iterator[RunRecord]:
-        """Do the runs, and yield each when it is done."""
+    def each(self) -> Iterator[Any]:
+        """Do the runs, and yield each when it is done: a record, or something else with a `key`."""

@@ -86,22 +86,6 @@ def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     wait_for_end(process.pid)
 
 
-@on_linux
-@pytest.mark.long
-def test_trainings_with_several_seeds_end_with_a_command_that_is_killed(tmp_path):
-    code = "from pathlib import Path; from train.learning.seeds import trained; "
-    code += "list(trained(['evaluate', '--scenarios', '500', '--workers', '1'], {1: Path('one')}, 1))"
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], cwd=tmp_path, start_new_session=True, stderr=subprocess.PIPE
-    )
-    wait_for_runs(process, tmp_path / "one", 1)
-    assert len(living(process.pid)) == 2
-    process.kill()
-    process.communicate()
-    wait_for_end(process.pid)
-    assert runs(tmp_path / "one")
-
-
 def test_a_reader_that_goes_away_ends_a_command_without_a_word():
     """As `clean-swarm list mechanisms | head -1` does."""
     line = [sys.executable, "-m", "clean_swarm_env", "list", "mechanisms"]

@@ -39,14 +39,17 @@ def test_equal_results_with_a_killed_worker_and_a_killed_nanny(cluster, tmp_path
     assert results(tmp_path / "cluster") == results(tmp_path / "local")
 
 
-def test_a_training_comes_to_the_same_bits_elsewhere(cluster, tmp_path):
-    config = written(tmp_path, "es")
+@pytest.mark.parametrize(("learner", "seeds", "part"), [("es", (), ""), ("ppo", ("--seeds", "4-5"), "seed-5/")])
+def test_a_training_comes_to_the_same_bits_elsewhere(cluster, tmp_path, learner, seeds, part):
+    pytest.importorskip("stable_baselines3")
+    config = written(tmp_path, learner)
     for name, more in (("here", ()), ("elsewhere", ("--on", cluster.address))):
-        words = ("train", "es", "--config", str(config), "--output", str(tmp_path / name), *more)
+        words = ("train", learner, "--config", str(config), "--output", str(tmp_path / name), *seeds, *more)
         program = "from train.cli import main; main()"
         subprocess.run([sys.executable, "-c", program, *words], cwd=tmp_path, env=ENVIRONMENT, check=True, **QUIET)
-    for name in ("policy/policy.safetensors", "history.jsonl", "checkpoint.json"):
-        assert (tmp_path / "here" / name).read_bytes() == (tmp_path / "elsewhere" / name).read_bytes(), name
+    for name in ("policy/policy.safetensors", "history.jsonl", *(() if part else ("checkpoint.json",))):
+        here, elsewhere = (tmp_path / place / part / name for place in ("here", "elsewhere"))
+        assert here.read_bytes() == elsewhere.read_bytes(), name
 
 
 def test_a_scheduler_that_dies_costs_no_finished_run(cluster, tmp_path):

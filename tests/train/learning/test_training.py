@@ -81,8 +81,8 @@ def test_trainings_of_several_seeds_are_one_row_over_seeds_and_scenarios(tmp_pat
     config = written(tmp_path, "ppo", tasks=[{"family": "random"}, {"family": "crowded"}])
     excesses, made = np.random.default_rng(1).gamma(5.0, size=(3, 2, 6)), []
 
-    def train(words, folders, workers):
-        assert words[-2:] == ["--seeds", ""]
+    def train(request, folders):
+        assert not request.resume
         for seed, folder in folders.items():
             made.append(str(folder))
             learned = dict(zip(("random", "crowded"), excesses[seed - 2].tolist(), strict=True))
@@ -96,7 +96,9 @@ def test_trainings_of_several_seeds_are_one_row_over_seeds_and_scenarios(tmp_pat
             yield seed
 
     monkeypatch.setattr("train.learning.seeds.trained", train)
-    out = done("train", "ppo", "--config", config, "--seeds", "2-3,4")
+    words = ("train", "ppo", "--config", config, "--seeds", "2-3,4")
+    out = done(*words)
+    assert "seed-2: has results already; give --resume" in refused(*words)
     assert made == [f"results/ppo-ppo-seeds2-3,4/seed-{seed}" for seed in (2, 3, 4)]
     whole = excesses.reshape(3, 12)
     low, high = Estimate.of(whole).ci95
@@ -110,6 +112,7 @@ def test_seeds_that_are_none_are_one_line(tmp_path, monkeypatch, seeds):
     monkeypatch.chdir(tmp_path)
     said = f"--seeds: expected up to 100 different seeds, as in 1-10 or 1,4,7, got {short(seeds)}"
     assert said in refused("train", "ppo", f"--seeds={seeds}")
+    assert "--on: expected --seeds with it" in refused("train", "ppo", "--on", "slurm:2")
     assert "--store: expected none with --seeds" in refused("train", "ppo", "--seeds", "1-2", "--store", "s.sqlite")
     assert not list(tmp_path.iterdir())
 
