@@ -2,8 +2,7 @@
 
     python -m benchmarks.recordings.pictures
 
-One process, CPU time, on the family `crowded`. A picture of a video is drawn and packed. Kinds of video that need the
-extra `video` are left out where it is missing.
+One process, CPU time, on the family `crowded`. A picture of a video is drawn and packed.
 """
 
 from pathlib import Path
@@ -14,11 +13,10 @@ from time import process_time
 from benchmarks.shared.record import record
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND
 from clean_swarm_env.drawing.canvases import RecordedCourse
 from clean_swarm_env.drawing.picture import pixels_of
-from clean_swarm_env.drawing.video import SUFFIXES, check_video, write_video
+from clean_swarm_env.drawing.video import WRITERS, write_video
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
@@ -49,13 +47,8 @@ def videos(folder: Path) -> dict[str, dict[str, float]]:
     record_mission(MissionRun(mission, scenario.start, scenario.seed, {}), RecordSettings(folder, name="run"), {})
     course, count = RecordedCourse(RecordedMission(folder / "run.swarm")), round(SECONDS * FRAMES_PER_SECOND)
     figures = {}
-    for suffix in SUFFIXES:
+    for suffix in WRITERS:
         path = folder / f"run{suffix}"
-        try:
-            check_video(path)
-        except ConfigurationError as error:
-            print(error)
-            continue
         begin = process_time()
         write_video(path, (pixels_of(course.at(BEGIN + k / FRAMES_PER_SECOND), SIDE) for k in range(count)))
         spent = 1000.0 * (process_time() - begin) / count

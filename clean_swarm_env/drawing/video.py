@@ -1,4 +1,4 @@
-"""Videos: animated WebP and GIF, and with the extra `video` WebM (VP8) and MP4 (VP9) by OpenCV.
+"""Videos: animated WebP and GIF.
 
 Pillow packs the pictures; its own writers of animations keep every picture in memory. Here a file grows by the
 rectangle in which a picture differs from the one before, and no picture is kept:
@@ -7,15 +7,13 @@ docs/decisions/0202-videos-picture-by-picture.md.
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from io import BytesIO
 from itertools import chain, pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from PIL import Image, ImageChops, ImageColor
@@ -34,20 +32,13 @@ MOST_OF_WEBP: Final = 2**32 - 2**26
 """Largest WebP file [byte]: its length is a number of 32 bits, and one more picture must fit."""
 CLEAR: Final = 255
 """Number of the colour of a GIF that leaves what is behind it; the others are fewer."""
-CODECS: Final = {".webm": "VP80", ".mp4": "vp09"}
-"""Codecs of OpenCV by the ending of the file; both store yuv420p, and neither is under the GPL.
-
-Why no H.264: docs/decisions/0202-videos-picture-by-picture.md."""
-SUFFIXES: Final = (".webp", ".gif", *CODECS)
 
 
 def check_video(output: Path) -> None:
     """Raise ConfigurationError if no video can be written to a file of this name."""
-    suffix = output.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise ConfigurationError(f"{output}: expected a name that ends with {', '.join(SUFFIXES)}")
-    if suffix in CODECS:
-        _opencv(output)
+    if output.suffix.lower() not in WRITERS:
+        expected = f"expected a name that ends with {', '.join(WRITERS)}"
+        raise ConfigurationError(f"{output}: {expected}; of a .gif, ffmpeg makes other videos")
 
 
 def write_video(output: Path, pictures: Iterator[Pixels]) -> None:
@@ -58,7 +49,6 @@ def write_video(output: Path, pictures: Iterator[Pixels]) -> None:
         OSError: the disk is full.
 
     """
-    writers: Mapping[str, Callable[[Path, Iterator[Pixels]], None]] = {".webp": _write_webp, ".gif": _write_gif}
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         folder = TemporaryDirectory(dir=output.parent, prefix=f".{output.stem}-")
@@ -67,9 +57,7 @@ def write_video(output: Path, pictures: Iterator[Pixels]) -> None:
     with folder as place:
         part = Path(place) / f"part{output.suffix.lower()}"
         with writing_to(output):
-            writers.get(part.suffix, _by_opencv)(part, pictures)
-        if not part.exists():
-            raise ConfigurationError(f"{output}: OpenCV could not write it whole (a full disk?); .webp needs no OpenCV")
+            WRITERS[part.suffix](part, pictures)
         shutil.move(part, output)
 
 
@@ -99,7 +87,7 @@ def _write_webp(path: Path, pictures: Iterator[Pixels]) -> None:
             opaque, still = b"\x02", packed.getvalue()[len(b"RIFF....WEBP") :]  # a flag; the chunk of the picture
             file.write(_chunk(b"ANMF", place + size + time + opaque + still))
             if file.tell() > MOST_OF_WEBP:
-                raise ConfigurationError("video: expected a WebP file of at most 4 GB; .webm and .mp4 take more")
+                raise ConfigurationError("video: expected a WebP file of at most 4 GB; .gif takes more")
         length = file.tell() - 8
         file.seek(4)
         file.write(length.to_bytes(4, "little"))
@@ -140,38 +128,5 @@ def _of_three_bytes(*numbers: int) -> bytes:
     return b"".join(number.to_bytes(3, "little") for number in numbers)
 
 
-def _by_opencv(path: Path, pictures: Iterator[Pixels]) -> None:
-    """Write a video, and remove it if it cannot be read whole: of a full disk OpenCV says nothing."""
-    cv2, first, count = _opencv(path), next(pictures), 0
-    height, width, _ = first.shape
-    with _quiet():
-        code = cv2.VideoWriter.fourcc(*CODECS[path.suffix])
-        writer = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, code, float(FRAMES_PER_SECOND), (width, height))
-    for count, picture in enumerate(chain([first], pictures), 1):  # noqa: B007  (the last count is used)
-        writer.write(np.ascontiguousarray(picture[:, :, ::-1]))
-    with _quiet():
-        writer.release()
-        if sum(iter(cv2.VideoCapture(str(path)).grab, False)) < count:
-            path.unlink(missing_ok=True)
-
-
-def _opencv(output: Path) -> Any:  # noqa: ANN401  (a module that may be missing)
-    try:
-        import cv2
-    except ImportError as error:
-        needed = "OpenCV, which is not installed: pip install '.[video]'; .webp and .gif need none"
-        raise ConfigurationError(f"{output}: needs {needed}") from error
-    return cv2
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep the standard error still: OpenCV writes there that WebM has no tag for VP8, which is no mistake."""
-    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nothing, 2)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(nothing)
+WRITERS: Final[Mapping[str, Callable[[Path, Iterator[Pixels]], None]]] = {".webp": _write_webp, ".gif": _write_gif}
+"""Ending of a file -> function that writes it."""

@@ -5,7 +5,6 @@ import resource
 import shutil
 from contextlib import contextmanager
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.deciders.models import ModelDecider
 from clean_swarm_env.drawing.canvases import RecordedCourse
 from clean_swarm_env.drawing.picture import FORMATS, write_picture
-from clean_swarm_env.drawing.video import write_video
+from clean_swarm_env.drawing.video import WRITERS, write_video
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
@@ -106,8 +105,7 @@ def test_a_full_disk_names_the_file_and_leaves_nothing_that_the_next_try_refuses
     task = Comparing(Request("table1"), small).tasks({})[0]
     writers = [(Path("new.swarm"), partial(record_run, task))]
     noise = np.random.default_rng(0).integers(256, size=(20, 64, 64, 3), dtype=np.uint8)
-    videos = ["new.webp", "new.gif", *(("new.webm", "new.mp4") if find_spec("cv2") else ())]
-    writers += [(Path(name), lambda path: write_video(path, iter(noise))) for name in videos]
+    writers += [(Path(f"new{end}"), lambda path: write_video(path, iter(noise))) for end in WRITERS]
     course = RecordedCourse(RecordedMission(Path("run.swarm")))
     writers += [(Path(f"moment{end}"), lambda path: write_picture(course.at(1.0), path, 700)) for end in FORMATS]
     for path, write in writers:

@@ -87,9 +87,7 @@ def video_command(
     run: ShownRun,
     output: Annotated[
         Path,
-        typer.Argument(
-            help="File to write, .webp or .gif, or with the extra `video` .webm or .mp4; one that exists is replaced."
-        ),
+        typer.Argument(help="File to write, .webp or .gif; one that exists is replaced."),
     ],
     begin: Annotated[float, typer.Option("--from", help="Time in the mission at which the video begins [s].")] = 0.0,
     end: Annotated[float | None, typer.Option("--to", help="Time at which it ends [s]; that of the run.")] = None,

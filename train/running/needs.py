@@ -24,8 +24,6 @@ TICK, ROBOT_TICK, HEARD_TICK, ITEM_TICK = 1e-4, 8e-6, 1e-6, 2e-8
 FILE_COSTS = {
     ".webp": (0.0, 5e-8, 0.015),
     ".gif": (0.0, 2.5e-8, 0.01),
-    ".webm": (0.0, 6e-8, 0.01),
-    ".mp4": (0.0, 2.5e-7, 0.01),
     ".html": (6.0, 0.0, 1.5),
 }
 """Memory [byte], time [s] and room on the disk [byte] of a file by its ending: for a pixel in each picture of a video,
