@@ -187,9 +187,8 @@ class FamilyConfig(Closed):
     @property
     def variants(self) -> dict[str, Self]:
         """The family without and under each disturbance, by name; only itself without a name if it has none."""
-        if not self.disturbances:
-            return {"": self}
-        return {UNDISTURBED: self, **{each.name: self._under(each) for each in self.disturbances}}
+        under = {each.name: self._under(each) for each in self.disturbances}
+        return {UNDISTURBED: self, **under} if under else {"": self}
 
     def scenario_named(self, seed: int, name: str) -> Scenario:
         """Return the scenario of a name such as `test-3`; DocumentError if there is none."""

@@ -117,9 +117,8 @@ class RobotConfig(RobotModel):
     @property
     def mean_radius(self) -> float:
         """Radius of equal discs that cover as much as those of the robots at the start [m]."""
-        if not self.groups:
-            return self.radius
-        return math.sqrt(sum(group.count * group.radius**2 for group in self.groups) / self.count)
+        covered = sum(group.count * group.radius**2 for group in self.groups)
+        return math.sqrt(covered / self.count) if self.groups else self.radius
 
 
 def models_of_rows(robots: RobotConfig, events: Sequence[Event], rows: int) -> Ints:

@@ -132,8 +132,7 @@ def has_room(point: Floats, radius: float, others: Floats, radii: Floats, size: 
 def distances(point: Floats, others: Floats, size: Floats) -> Floats:
     """Return the distances (K,) [m] of `point` (2,) to `others` (K, 2) on the torus."""
     offsets = Torus(float(size[0]), float(size[1])).offsets(point, others)
-    away: Floats = np.sqrt((offsets * offsets).sum(axis=1))
-    return away
+    return np.asarray(np.sqrt((offsets * offsets).sum(axis=1)))
 
 
 def nearest_distance(point: Floats, others: Floats, size: Floats) -> float:

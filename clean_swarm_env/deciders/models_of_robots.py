@@ -44,11 +44,9 @@ class ByModelDecider(OptionDecider):
 
     def opinions(self) -> Floats:
         """Return what the decider of each row's model thought of each option (R, O)."""
-        thought: Floats = np.stack([decider.opinions() for decider in self._deciders])[self._of, self._rows]
-        return thought
+        return np.asarray(np.stack([decider.opinions() for decider in self._deciders])[self._of, self._rows])
 
     def _choose(self, observations: Observations) -> Ints:
         self._of, self._rows = observations[:, self._columns].argmax(axis=1), np.arange(len(observations))
         each = np.stack([decider.decide(observations).options for decider in self._deciders])
-        chosen: Ints = each[self._of, self._rows]
-        return chosen
+        return np.asarray(each[self._of, self._rows])

@@ -66,8 +66,7 @@ class StrategyDecider(OptionDecider):
 
     def _choose(self, observations: Observations) -> Ints:
         self._context = observations[:, self._columns].astype(np.float64)
-        options: Ints = self._places[self.strategy.select(self._context)]
-        return options
+        return np.asarray(self._places[self.strategy.select(self._context)])
 
 
 LEAST = float(np.finfo(np.float32).min)

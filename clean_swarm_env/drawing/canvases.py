@@ -138,9 +138,8 @@ class RecordedCourse:
         frame = min(int(time / self._recording.period + FRAME_ROUNDING), self._recording.frames - 1)
         now = self._frame(frame)
         share = time / self._recording.period - frame
-        if share < FRAME_ROUNDING or frame + 1 == self._recording.frames:
-            return now
-        return between(now, self._frame(frame + 1), share)
+        there = share < FRAME_ROUNDING or frame + 1 == self._recording.frames
+        return now if there else between(now, self._frame(frame + 1), share)
 
     def _canvas(self, frame: int) -> Canvas:
         head = self._recording.head

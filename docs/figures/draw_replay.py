@@ -31,7 +31,7 @@ from train.live.server import LiveServer
 from train.live.session import Session
 from train.replay.page_file import live_page, write_page
 from train.report_page.page import report_of_results
-from train.report_page.results import results_in
+from train.reports.results import results_in
 from train.request import Request
 from train.running.run_folder import RECORDINGS
 from train.running.trial_task import TrialTask

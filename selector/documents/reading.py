@@ -7,6 +7,7 @@ value is refused before anything is made of it, in well under a second.
 import json
 import math
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,13 @@ def read_mapping(path: Path) -> dict[str, Any]:
 def read_json(path: Path) -> dict[str, Any]:
     """Return the mapping in a JSON file; raises DocumentError."""
     return _mapping(json_value(read_text(path), shown(path)), shown(path))
+
+
+def json_lines(path: Path) -> Iterator[tuple[str, Any]]:
+    """Yield where a line of a file is and its JSON value, line by line; nothing without the file."""
+    for number, line in enumerate(read_text(path).splitlines() if path.exists() else (), start=1):
+        where = f"{shown(path)}: line {number}"
+        yield where, json_value(line, where)
 
 
 def as_yaml(content: object) -> str:

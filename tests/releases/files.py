@@ -24,7 +24,7 @@ from selector.strategies.streams import row_keys
 from tests.attacks.readers import READERS
 from tests.releases.environments import SEED, course, digest
 from train.learning.config import TrainingConfig
-from train.report_page.results import results_in
+from train.reports.results import results_in
 
 ROWS, STEPS = 12, 10
 PROBLEM = Problem(

@@ -114,5 +114,4 @@ def cross_fitted(options: Floats) -> Floats:
     """
     others = options.sum(axis=2, keepdims=True) - options
     chosen: Ints = others.argmin(axis=0)
-    judged: Floats = np.take_along_axis(options, chosen[None], axis=0)[0].mean(axis=1)
-    return judged
+    return np.asarray(np.take_along_axis(options, chosen[None], axis=0)[0].mean(axis=1))

@@ -139,7 +139,7 @@ def report_command(
     check_there(*directories)
     from selector.documents.writing import write_whole
     from train.report_page.page import report_of_results  # imports SciPy
-    from train.report_page.results import results_in
+    from train.reports.results import results_in
 
     results = [results_in(directory) for directory in directories]
     page = output or directories[0] / "report.html"

@@ -21,7 +21,7 @@ from train.cli.options import (
 
 if TYPE_CHECKING:
     from train.learning.training import Training, TrainingJob
-    from train.report_page.results import HeldResults
+    from train.reports.results import HeldResults
     from train.request import Request
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
@@ -120,8 +120,8 @@ def _train_seeds(seeds: Sequence[int], request: "Request", directory: Path) -> N
     """Train with each seed, print what they have in common, draw one curve, and exit with the code."""
     from clean_swarm_env.learning.warm_up import usable_cpus
     from train.learning.seeds import trained
-    from train.report_page.results import results_in
-    from train.reports.curves import Trained, write_curves
+    from train.reports.curves import write_curves
+    from train.reports.results import results_in
     from train.running.commands import FINISHED, progress
 
     root, console = request.output or Path("results") / directory, Console(highlight=False, emoji=False)
@@ -139,7 +139,7 @@ def _train_seeds(seeds: Sequence[int], request: "Request", directory: Path) -> N
         raise typer.Exit(request.ended(end, root, ": trainings are kept")) from end
     results = [results_in(folder) for folder in folders.values()]
     console.print(summary_of(results), soft_wrap=True)
-    write_curves([Trained(one.name, one.history, one.validation) for one in results], root)
+    write_curves(results, root)
     raise typer.Exit(FINISHED)
 
 
@@ -164,8 +164,9 @@ def summary_of(results: "Sequence[HeldResults]") -> str:
 
 def _conclude(training: "Training", console: Console) -> None:
     """Print what the training gained on its validation missions, and draw its curves."""
-    from train.reports.curves import Trained, verdict_of, write_curves
+    from train.reports.curves import verdict_of, write_curves
+    from train.reports.results import results_in
 
     for line in verdict_of(training.validation) if training.validation is not None else ():
         console.print(line, soft_wrap=True)
-    write_curves([Trained(training.config.name, training.history, training.validation)], training.job.folder.path)
+    write_curves([results_in(training.job.folder.path)], training.job.folder.path)

@@ -73,9 +73,9 @@ def explained(
     if isinstance(decider, PolicyDecider) and task.named.mode != "velocity":
         told["policy"] = decider.moves(dict(zip(recording.head["inputs"], now["input"][robot].tolist(), strict=True)))
     if ahead:
-        one = next(one for one in steps_of(task) if one.batch.worlds.ticks[0] == frame + 1)
-        what_if = WhatIf(one.batch, one.decided, task.settings.observation, task.directories)
-        told["what_if"] = what_if.options(robot, one.decider, one.observations, np.full(count, -1))
+        batch, decided, decider, last = next(one for one in steps_of(task) if one[0].worlds.ticks[0] == frame + 1)
+        what_if = WhatIf(batch, decided, task.settings.observation, task.directories)
+        told["what_if"] = what_if.options(robot, decider, last, np.full(count, -1))
     return names, step, {"stayed_s": round(stayed * period, 9), "running_s": ran, **told}
 
 

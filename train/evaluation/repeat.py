@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
@@ -16,10 +15,10 @@ from clean_swarm_env.recording.reader import NoFrames, RecordedMission, Recorded
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import period_of
 from clean_swarm_env.world.mission_end import RUNNING
-from selector.documents.errors import shown, validated, within
+from selector.documents.errors import validated, within
 from selector.documents.fields import Closed, Number
 from selector.documents.plain import short
-from selector.documents.reading import json_value, read_text
+from selector.documents.reading import json_lines
 from selector.documents.trust import check_trust, is_import, reading_files
 from selector.documents.writing import writing_to
 from selforg.registry import unknown
@@ -38,16 +37,6 @@ from train.running.run_folder import (
 )
 from train.running.runs import RunKey
 from train.running.trial_task import TrialTask
-
-
-class Deciding(NamedTuple):
-    """A world whose decider has just decided, and on what."""
-
-    batch: Batch
-    decided: DecidedGoal
-    decider: Decider
-    observations: Observations
-
 
 NOT_REPEATED = {
     "learner": "a training: replay files below its recordings/, or evaluate its result",
@@ -116,14 +105,8 @@ def _chosen(keys: Sequence[RunKey], scenario: str | None, condition: str | None,
 
 def chosen_options(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
     """Return the options that served each mission of an evaluation that learned: goal -> option by run."""
-    path = directory / CHOSEN_OPTIONS
-    lines = read_text(path).splitlines() if path.exists() else []
-    chosen = {}
-    for number, line in enumerate(lines, start=1):
-        where = f"{shown(path)}: line {number}"
-        one = validated(_Choice, json_value(line, where), where)
-        chosen[one.scenario, one.condition] = one.options
-    return chosen
+    lines = (validated(_Choice, value, where) for where, value in json_lines(directory / CHOSEN_OPTIONS))
+    return {(one.scenario, one.condition): one.options for one in lines}
 
 
 def changed_versions(directory: Path) -> list[str]:
@@ -134,15 +117,18 @@ def changed_versions(directory: Path) -> list[str]:
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 
-def steps_of(task: TrialTask) -> Iterator[Deciding]:
-    """Repeat a run with networks that note their reasons; yield after each control period who decided, and on what."""
+def steps_of(task: TrialTask) -> Iterator[tuple[Batch, DecidedGoal, Decider, Observations]]:
+    """Repeat a run with networks that note their reasons.
+
+    Yield after each control period the world, the goals that are decided, who decides them, and what it decided on.
+    """
     scenarios = iter(task.scenarios)
     batch, decided, decider = task.team(source=lambda _: next(scenarios, None), explained=True)
     observations = batch.reset()
     decider.reset(batch.worlds.rows_of(0), task.first.seed)
     while batch.progress.outcome[0] == RUNNING:
         for _ in batch.ticks(decided.decide(decider, observations)):
-            yield Deciding(batch, decided, decider, observations)
+            yield batch, decided, decider, observations
         tell(batch.decision_period)
         if batch.progress.outcome[0] == RUNNING:
             observations = batch.end_period().observations
@@ -167,9 +153,9 @@ def record_run(task: TrialTask, output: Path, *, minds: bool = True, until: floa
     check_needs(task.first.mission, 1, ALONE, hint="the run cannot be repeated here")
     last = period_of(until, task.first.mission.world.control_rate) + 1
     with writing_to(output, anew=True):
-        for step in steps_of(task.recorded(RecordSettings(output.parent, minds, name=output.name))):
-            if step.batch.worlds.ticks[0] == last:
-                step.batch.close()
+        for batch, *_ in steps_of(task.recorded(RecordSettings(output.parent, minds, name=output.name))):
+            if batch.worlds.ticks[0] == last:
+                batch.close()
                 break
     return output
 

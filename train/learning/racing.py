@@ -14,6 +14,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import Annotated
 
+import numpy as np
 import scipy.stats
 from pydantic import Field
 
@@ -51,5 +52,4 @@ def worse_than_best(costs: Floats, level: float) -> Flags:
     best = costs[costs.mean(axis=-1).argmin()]
     with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # all differences are equal
         p = scipy.stats.ttest_rel(costs, best[None], axis=-1, alternative="greater").pvalue
-    worse: Flags = p < level
-    return worse
+    return np.asarray(p < level)

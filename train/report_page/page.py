@@ -22,10 +22,10 @@ from train.report_page.charts import (
     selection_by_situation,
     selection_over_time,
 )
-from train.report_page.results import SELECTION_CHANNELS, HeldResults
 from train.reports.charts import figure_of, svg
 from train.reports.curves import EXPLAINED as EXPLAINED_CURVES
-from train.reports.curves import Trained, draw_curves, verdict_of
+from train.reports.curves import draw_curves, verdict_of
+from train.reports.results import SELECTION_CHANNELS, HeldResults
 from train.reports.text_table import markdown_table
 from train.running.finished_runs import natural_order
 from train.running.runs import RunRecord
@@ -137,7 +137,7 @@ def _training(results: Sequence[HeldResults]) -> Iterator[str]:
         said = verdict_of(held.validation) if held.validation is not None else []
         before = f"{label}: " if len(results) > 1 and said else ""
         yield f"<blockquote>{escape(before + ' '.join(said))}</blockquote>" if said else ""
-    figure = draw_curves([Trained(held.name, held.history, held.validation) for held in results])
+    figure = draw_curves(results)
     drawn = svg(figure) + _note(EXPLAINED_CURVES) if figure is not None else _note("Nothing was validated.")
     yield f"<h2>Learning curves</h2>{drawn}"
     for label, held in zip(labels, results, strict=True):

@@ -6,9 +6,7 @@ Shapes: S trainings of one name, each with a seed of its own; T checkpoints that
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,6 +18,7 @@ from train.analysis.statistics import summarise
 from train.analysis.verdict import Ranking
 from train.learning.yardstick import Validation
 from train.reports.charts import TEXT_COLOUR, colour_of, fit_axis, label_of, panels, picture_of
+from train.reports.results import HeldResults
 
 EXCESS = "/excess_s"
 COLUMNS, WIDTH, HEIGHT = 3, 3.6, 2.7
@@ -28,18 +27,6 @@ EXPLAINED = (
     "Diamonds: the best checkpoint so far. Bands: 95 % intervals of the mean of several trainings, by Student. Dashed: "
     "the fixed options that are best on the same missions."
 )
-
-
-@dataclass(frozen=True)
-class Trained:
-    """What is known of one training."""
-
-    name: str
-    """Name; trainings of one name differ in their seeds only."""
-    history: Sequence[Mapping[str, Any]]
-    """Figures of its checkpoints."""
-    validation: Validation | None = None
-    """Its validation beside the best fixed options."""
 
 
 def verdict_of(validation: Validation) -> list[str]:
@@ -57,7 +44,7 @@ def verdict_of(validation: Validation) -> list[str]:
     ]
 
 
-def draw_curves(trainings: Sequence[Trained]) -> Figure | None:
+def draw_curves(trainings: Sequence[HeldResults]) -> Figure | None:
     """Return a panel for each family; None if nothing was measured."""
     measured = [key for one in trainings for entry in one.history for key in entry if key.endswith(EXCESS)]
     families = list(dict.fromkeys(key.removesuffix(EXCESS) for key in measured))
@@ -79,14 +66,14 @@ def draw_curves(trainings: Sequence[Trained]) -> Figure | None:
         return figure
 
 
-def write_curves(trainings: Sequence[Trained], folder: Path) -> None:
+def write_curves(trainings: Sequence[HeldResults], folder: Path) -> None:
     """Write the curves of trainings into a folder, if anything was measured."""
     figure = draw_curves(trainings)
     if figure is not None:
         write_whole(folder / "curves.svg", picture_of(figure, ".svg"))
 
 
-def _draw_family(axes: Axes, family: str, groups: Mapping[str, Sequence[Trained]]) -> None:
+def _draw_family(axes: Axes, family: str, groups: Mapping[str, Sequence[HeldResults]]) -> None:
     """Draw the curves of all trainings on one family."""
     seen = []
     for place, (name, group) in enumerate(groups.items()):
@@ -120,7 +107,7 @@ def _draw_mean(axes: Axes, curves: Floats, place: int, label: str) -> None:
     axes.fill_between(along, low, high, color=colour_of(place), alpha=0.2, linewidth=0.0)
 
 
-def _points(one: Trained, family: str) -> tuple[Floats, list[bool]]:
+def _points(one: HeldResults, family: str) -> tuple[Floats, list[bool]]:
     """Return decisions and excess (T, 2) of the measured checkpoints, and which were the best so far."""
     entries = [entry for entry in one.history if isinstance(entry.get(family + EXCESS), int | float)]
     points = [(float(entry.get("decisions", 0)), float(entry[family + EXCESS])) for entry in entries]

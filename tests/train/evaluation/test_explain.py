@@ -63,10 +63,10 @@ def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
     for condition in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5"):
         task = task_of(evaluated, "2", condition)
         plain = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "2"), {}))
-        for explained in steps_of(task):
+        for explained, *_ in steps_of(task):
             assert plain.in_progress
             plain.tick()
-            assert difference([snapshot(plain.worlds, 0)], [snapshot(explained.batch.worlds, 0)]) == ""
+            assert difference([snapshot(plain.worlds, 0)], [snapshot(explained.worlds, 0)]) == ""
         assert not plain.in_progress
 
 
@@ -271,8 +271,8 @@ def test_a_recording_holds_what_explain_says(evaluated, tmp_path):
 
 
 def test_a_running_coordinator_is_explained_from_inside(evaluated):
-    for step in steps_of(task_of(evaluated)):
-        worlds = step.batch.worlds
+    for batch, *_ in steps_of(task_of(evaluated)):
+        worlds = batch.worlds
         running = np.flatnonzero(worlds.network.executing[:, worlds.minds.coordinator_of(AVOIDANCE).index])
         if len(running):
             break
@@ -299,8 +299,8 @@ def test_what_is_read_from_a_recording_is_what_the_repeated_run_says(tmp_path, n
     recording, said = RecordedMission(path), set()
     batch, _, _ = task.team(source=lambda _: task.first, explained=True)
     batch.reset()
-    for step in steps_of(task):
-        worlds, frame = step.batch.worlds, int(step.batch.worlds.ticks[0]) - 1
+    for batch, *_ in steps_of(task):
+        worlds, frame = batch.worlds, int(batch.worlds.ticks[0]) - 1
         if frame % 30 == 7:
             robot = frame // 30 % worlds.robots
             put_back(batch.worlds, recording, frame, robot)

@@ -14,8 +14,8 @@ from tests.train.commands import done, refused, runs
 from train.analysis.statistics import by_scenario, summarise
 from train.report_page.charts import distributions
 from train.report_page.page import html_of_markdown
-from train.report_page.results import SELECTION_CHANNELS, results_in
 from train.reports.charts import figure_of
+from train.reports.results import SELECTION_CHANNELS, results_in
 from train.running import needs
 
 FAMILY = {

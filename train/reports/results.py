@@ -10,15 +10,15 @@ from typing import Any
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission, recordings_in
-from selector.documents.errors import shown
-from selector.documents.reading import json_value, read_text
+from selector.documents.reading import json_lines, read_text
+from train.learning.training import HISTORY_FILE
 from train.learning.yardstick import Validation, validation_in
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import most_numbers
 from train.running.run_folder import RECORDINGS, read_manifest
 from train.running.runs import RunRecord
 
-HISTORY, TABLES = "history.jsonl", "table.md"
+TABLES = "table.md"
 SELECTION_CHANNELS = {"x", "y", "present", "working", "cargo", "recycled"}
 """Channels that charts of selection need, beside the option that is held."""
 
@@ -58,20 +58,17 @@ def results_in(path: Path) -> HeldResults:
 
     """
     manifest = read_manifest(path)
-    records, history = runs_of(path / JOURNAL), _history(path / HISTORY)
+    records, history = runs_of(path / JOURNAL), _history(path / HISTORY_FILE)
     if not records and not history:
-        raise ConfigurationError(f"{path}: has neither finished runs ({JOURNAL}) nor checkpoints ({HISTORY})")
+        raise ConfigurationError(f"{path}: has neither finished runs ({JOURNAL}) nor checkpoints ({HISTORY_FILE})")
     tables = read_text(path / TABLES) if (path / TABLES).exists() else ""
     recordings = list(recordings_in(path / RECORDINGS, (*SELECTION_CHANNELS, "held/"), most_numbers()))
     return HeldResults(path, manifest, records, history, tables, validation_in(path), recordings)
 
 
 def _history(path: Path) -> list[dict[str, Any]]:
-    lines = read_text(path).splitlines() if path.exists() else []
     entries = []
-    for number, line in enumerate(lines, start=1):
-        where = f"{shown(path)}: line {number}"
-        entry = json_value(line, where)
+    for where, entry in json_lines(path):
         if not isinstance(entry, dict):
             raise ConfigurationError(f"{where}: expected the figures of a checkpoint, got {json.dumps(entry)[:40]}")
         entries.append(entry)
