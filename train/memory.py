@@ -33,9 +33,8 @@ class StoreRequest:
 
     def memory(self, knowledge: Knowledge, context: str, source: str) -> "Memory | None":
         """Return the memory of a run; None without a store."""
-        if not self.path:
-            return None
-        return Memory(opened(self.path, create=self.learn), knowledge, context, source if self.learn else "")
+        given = source if self.learn else ""
+        return Memory(opened(self.path, create=self.learn), knowledge, context, given) if self.path else None
 
 
 NO_STORE = StoreRequest()

@@ -72,7 +72,7 @@ def together(mode: str, folder: Path) -> Callable[[], float]:
     family, member = load_family("crowded-exploring"), "policy:exploring-ppo"
     scenarios = tuple(family.scenario(0, k, "test") for k in range(TOGETHER))
     task = TrialTask(family.name, 0, scenarios, "policy", member, "ExplorationPatrol")
-    wanted = task if mode == MODES[0] else task.recorded(RecordSettings(folder / mode, minds=mode == MODES[2]))
+    wanted = task if mode == MODES[0] else replace(task, record=RecordSettings(folder / mode, minds=mode == MODES[2]))
 
     def spent() -> float:
         begin = process_time()

@@ -7,6 +7,7 @@ robots for a minute; and the longest mission of Table 1, with minds. Wall time, 
 Chromium and Playwright.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -42,7 +43,7 @@ def many(folder: Path) -> list[RecordedMission]:
 def longest(folder: Path) -> list[RecordedMission]:
     """Record the missions of Table 1; return the longest."""
     for task in Comparing(Request("table1")).tasks({}):
-        task.recorded(RecordSettings(folder / "table1", minds=True)).run()
+        replace(task, record=RecordSettings(folder / "table1", minds=True)).run()
     return [max(map(RecordedMission, (folder / "table1").iterdir()), key=lambda run: run.frames)]
 
 

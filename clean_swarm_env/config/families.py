@@ -21,7 +21,7 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
 from clean_swarm_env.config.tasks import TaskSettings, find_task, items_of
 from clean_swarm_env.config.types import ArrivalRate, Items, Length, Point, Robots, Scenarios
-from selector.documents.errors import DocumentError, impossible, validated
+from selector.documents.errors import DocumentError, check_unique, impossible, validated
 from selector.documents.fields import Closed, Label, Name, Positive, Share
 from selector.documents.plain import short
 
@@ -174,10 +174,8 @@ class FamilyConfig(Closed):
             expected = f"{self.mission.robots.count}, as in the groups of the mission, or `groups`; and no joins drawn"
             raise impossible("robots", expected, list(self.robots))
         self._check_scenarios()
-        names = [UNDISTURBED, *(disturbance.name for disturbance in self.disturbances)]
+        check_unique("disturbances", [UNDISTURBED, *(disturbance.name for disturbance in self.disturbances)])
         for k, disturbance in enumerate(self.disturbances):
-            if names.count(disturbance.name) > 1:
-                raise impossible(f"disturbances.{k}", "names of their own", f"{disturbance.name!r} twice")
             try:
                 self._under(disturbance)._check_scenarios()
             except ValueError as error:

@@ -15,7 +15,7 @@ from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model
 from clean_swarm_env.config.delivery import EVERYWHERE
 from clean_swarm_env.config.events import Event, Join, in_order
 from clean_swarm_env.config.types import Index, Length, Robots
-from selector.documents.errors import impossible
+from selector.documents.errors import check_unique, impossible
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive
 from selforg.arrays import Floats, Ints
 
@@ -89,10 +89,7 @@ class RobotConfig(RobotModel):
 
     @model_validator(mode="after")
     def _sum_up(self) -> Self:
-        names = [group.model for group in self.groups]
-        for place, name in enumerate(names):
-            if name in names[:place]:
-                raise impossible(f"groups.{place}.model", "another name for each group", f"{name!r} twice")
+        check_unique("groups", [group.model for group in self.groups])
         if not self.groups:
             return self
         summed = {key: max(getattr(group, key) for group in self.groups) for key in SUMMED_UP}

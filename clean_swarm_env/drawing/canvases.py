@@ -143,8 +143,7 @@ class RecordedCourse:
 
     def _canvas(self, frame: int) -> Canvas:
         head = self._recording.head
-        channels, own = self._recording.channels, slice(frame, frame + 1)
-        now = {name: channels[name].values(self._recording.whole(name)[own])[0] for name in self._names}
+        channels, now = self._recording.channels, self._recording.at(frame, self._names)
         there = now["present"] == 1
         goal = next(iter(self._options), None)
         traces = traces_at(self._recording, frame)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -78,6 +78,11 @@ class RecordedStretch(Mapping[str, NDArray[Any]]):
         """Return the whole numbers (T, K) that the file holds of a channel."""
         return self._whole[self._known(name)]
 
+    def at(self, frame: int, names: Iterable[str] | None = None) -> dict[str, NDArray[Any]]:
+        """Return the values of channels, of all unless some are named, in a frame from 0."""
+        own = slice(frame, frame + 1)
+        return {name: self.channels[name].values(self.whole(name)[own])[0] for name in names or self}
+
     def _known(self, name: str) -> str:
         if name not in self.channels:
             raise KeyError(unknown("channel", name, list(self.channels)))
@@ -148,9 +153,7 @@ class RecordedParts(Iterator[RecordedStretch]):
 def frames_from(parts: RecordedParts) -> Iterator[dict[str, NDArray[Any]]]:
     """Yield the frames of parts as they come: channel -> values of one moment."""
     for part in parts:
-        values = dict(part)
-        for frame in range(part.frames):
-            yield {name: given[frame] for name, given in values.items()}
+        yield from map(part.at, range(part.frames))
 
 
 class RecordedMission(RecordedStretch):

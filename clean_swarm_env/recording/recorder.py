@@ -33,7 +33,7 @@ from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.coordinator import Coordinator
-from selforg.arrays import Floats
+from selforg.arrays import Floats, Ints
 from selforg.elementary import directions
 from selforg.gradients.store import columns as c
 from selforg.plugins import broken
@@ -83,9 +83,7 @@ class MissionRecorder:
         self.worlds, self.settings = worlds, settings
         self._running: dict[int, RecordingFile] = {}
         self._names: set[str] = set()
-        self._ticks = 0
-        self._ends: dict[int, int] = {}  # value of `_ticks` at which the time of each mission is over
-        self._soonest = 0  # the least of them
+        self._limits: Ints = np.zeros(worlds.worlds, dtype=np.int64)  # control periods of each mission
         self._messages = MessageLog(worlds)
         self._opinions: dict[str, Floats] = {}
         self._poses: Floats = np.zeros((worlds.rows, 3))
@@ -129,6 +127,7 @@ class MissionRecorder:
             "ticks_per_decision": round(mission.decision_period * mission.world.control_rate),
             "width": width,
             "height": height,
+            "counted_distances": mission.counted_distances,
             "robots": worlds.robots,
             "items": items[0] if items else 0,
             "events": [{"of": one.name, "event": one.event, "about": one.about} for one in self._shown if one.event],
@@ -157,8 +156,7 @@ class MissionRecorder:
         path = self._path(facts["about"])
         self._running[world] = RecordingFile(path, facts, self.frames.channels)
         self.frames.start(world)
-        self._ends[world], self._begun = self._ticks + tick_limit(mission), True
-        self._soonest = min(self._ends.values())
+        self._limits[world], self._begun = tick_limit(mission), True
         self._joined = worlds.team.joined.copy()
         self._messages.clear()
         self._note_poses()
@@ -192,11 +190,9 @@ class MissionRecorder:
         self._begun = False
         self._messages.clear()
         self._note_poses()
-        self._ticks += 1
-        done = worlds.done
-        if done.any() or self._ticks >= self._soonest:
-            for world in [w for w in self._running if done[w] or self._ticks >= self._ends[w]]:
-                self._end(world, result_of(worlds, world).as_mapping())
+        over = worlds.done | (worlds.ticks >= self._limits)
+        for world in [world for world in self._running if over[world]]:
+            self._end(world, result_of(worlds, world).as_mapping())
         if self.frames.at == self.frames.room:
             for world in self._running:
                 self._write(world)
@@ -267,8 +263,6 @@ class MissionRecorder:
     def _end(self, world: int, result: Mapping[str, Any] | None = None) -> None:
         if world in self._running:
             self._write(world)
-            del self._ends[world]
-            self._soonest = min(self._ends.values(), default=0)
             self._running.pop(world).close(result)
 
     def _write(self, world: int) -> None:

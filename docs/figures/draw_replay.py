@@ -11,6 +11,7 @@ import sys
 from base64 import b64decode
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -60,7 +61,7 @@ def record(folder: Path, family: str, condition: str, goal: str = "") -> Recorde
     """Record the first test scenario of a family or mission under a condition."""
     scenario, name = load_family(family).scenario(0, 0, "test"), f"{family}, {condition.partition(':')[0]}"
     task = TrialTask(family, 0, (scenario,), condition, condition, goal)
-    task.recorded(RecordSettings(folder, minds=True, name=name)).run()
+    replace(task, record=RecordSettings(folder, minds=True, name=name)).run()
     return RecordedMission(folder / f"{name}.swarm")
 
 

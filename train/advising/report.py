@@ -86,11 +86,6 @@ class Advice:
         """Arm -> excess (1, K, 1) of its missions [s]."""
         return self.runs.table(EXCESS)
 
-    @property
-    def left(self) -> dict[str, Floats]:
-        """Arm -> whether missions (1, K, 1) were left unfinished; nothing where that means nothing."""
-        return self.runs.unfinished
-
     def ratio(self, arm: str) -> Ratio:
         """Return the ratio of an arm's mean excess to that of the best."""
         return ratio_of(self.runs, arm, self.found.winner)
@@ -155,7 +150,7 @@ class Advice:
         evaluation = self.evaluation
         if evaluation.nothing_to_choose:
             return [f"{evaluation.family.name}: there is nothing to choose: {self._words(self.found.winner)} is all."]
-        lost = self.left[self.found.winner].sum() if self.left else 0
+        lost = self.runs.unfinished[self.found.winner].sum() if self.runs.unfinished else 0
         if 2 * lost >= self.found.starts:
             limit = max(mission.time_limit for mission in self.runs.missions)
             short = f"the time limit of {limit:g} s may be too short."
@@ -191,9 +186,9 @@ class Advice:
         each = "an item" if items_keep_coming(evaluation.mission) else "a mission"
         cost = f"{amount(mean.value)} s {each}{interval_words(mean.ci95, amount)} on {found.starts} fresh {starts}"
         begin = f"{evaluation.family.name}: hold {self._words(found.winner)}: {cost}, the best of {of}{variants}."
-        if not self.left:
+        if not self.runs.unfinished:
             return begin
-        lost, most = int(self.left[found.winner].sum()), most_left(self.left[found.winner])
+        lost, most = int(self.runs.unfinished[found.winner].sum()), most_left(self.runs.unfinished[found.winner])
         word = task_class(evaluation.mission).missed[1]
         many = f"{lost or 'No'} mission{'s' * (lost > 1)} of {found.starts} {'were' if lost > 1 else 'was'} {word}"
         return f"{begin} {many} (up to {most:.0%} may be)."

@@ -144,13 +144,12 @@ class AdviceSearch:
         if len(arms := list(dict.fromkeys((winner, leader, experts)))) > 1:
             self._round("duel", arms, self._starts(BUDGET_SHARES["duel"], len(arms)))
             winner = winner if self._cheaper(winner, leader) else leader
-            winner, leader = (winner, leader) if self._cheaper(winner, experts) else (experts, experts)
+            if winner != experts and not self._cheaper(winner, experts):
+                winner = leader = experts
         return winner, leader
 
     def _cheaper(self, arm: str, other: str) -> bool:
         """Return whether an arm cost less by twice the error of the mean, on all starts that both did."""
-        if arm == other:
-            return True
         both = [one for one in self.rounds if {arm, other} <= {*one.arms}]
         costs = np.concatenate([one.costs[[one.arms.index(arm), one.arms.index(other)]] for one in both], axis=1)
         saved = costs[1] - costs[0]

@@ -25,7 +25,7 @@ from selforg.arrays import Flags
 from selforg.network.explanation import Explanation, condition_tree, header, table
 from selforg.space import Torus
 from train.evaluation.repeat import steps_of
-from train.evaluation.why import Numbers, facts_of, sentence
+from train.evaluation.why import facts_of, sentence
 from train.running.trial_task import TrialTask
 
 STATES: Final = {"failed": "it has failed: its body stays", "taken away": "it has been taken away"}
@@ -52,7 +52,7 @@ def explained(
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
     names = {"experiment": task.experiment, "scenario": task.first.id, "condition": task.condition, "seed": task.seed}
     frame = frame_at_time(recording, time)
-    now, there = at_frame(recording, frame), recording["present"][: frame + 1].astype(np.bool_)
+    now, there = recording.at(frame), recording["present"][: frame + 1].astype(np.bool_)
     batch, _, decider = task.team(source=lambda _: task.first, explained=True)
     batch.reset()
     worlds = batch.worlds
@@ -96,18 +96,12 @@ def frame_at_time(recording: RecordedMission, time: float) -> int:
     return frame
 
 
-def at_frame(recording: RecordedMission, frame: int) -> dict[str, Numbers]:
-    """Return the values of all channels in a frame."""
-    own = slice(frame, frame + 1)
-    return {name: one.values(recording.whole(name)[own])[0] for name, one in recording.channels.items()}
-
-
 def put_back(worlds: Worlds, recording: RecordedMission, frame: int, robot: int) -> None:
     """Make the only world of a mission as it was in a frame of its recording, as far as a robot is explained from it.
 
     Wishes of the robot's networks are in no recording: they follow from what it read.
     """
-    now, row, network = at_frame(recording, frame), np.array([robot]), worlds.network
+    now, row, network = recording.at(frame), np.array([robot]), worlds.network
     sampled = [*floor_arrays(worlds, [one for one in worlds.task.shown() if one.recorded]), *mind_arrays(worlds)]
     other = [one.channel.name for one in sampled if recording.channels.get(one.channel.name) != one.channel]
     if other:

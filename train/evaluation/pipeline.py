@@ -91,7 +91,7 @@ def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
     costs: dict[str, list[float]] = {}
     with bar as update, evaluation.request.engine.rounds() as each_done:
         while tasks or in_turn:
-            recorded = [task.recorded(settings) for task in tasks] if settings is not None else tasks
+            recorded = [replace(task, record=settings) for task in tasks]
             most += sum(scenario.mission.time_limit for task in tasks for scenario in task.scenarios)
             update(total=max(total, done + left, evaluation.expected(results.runs)), most=most)
             with closing(_lessons(in_turn, results, settings) if in_turn else each_done(recorded)) as runs:
@@ -127,7 +127,7 @@ def _lessons(
             (drawn,) = evaluation.comparison.tasks([scenario], (), [condition])
             task = replace(drawn.knowing(evaluation.learned), member=f"{FIXED}:{option}", goal=goal)
             kept = done.get((scenario, condition))
-            record = kept or (task.recorded(settings) if settings else task).run()[0]
+            record = kept or replace(task, record=settings).run()[0]
             score = mission_score(evaluation.mission, record.result.cost_s)
             options = {goal: option}
             choice = {"scenario": scenario, "condition": condition, "options": options, "score": score}

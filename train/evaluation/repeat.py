@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 from clean_swarm_env.config.types import ConfigurationError
@@ -153,7 +154,7 @@ def record_run(task: TrialTask, output: Path, *, minds: bool = True, until: floa
     check_needs(task.first.mission, 1, ALONE, hint="the run cannot be repeated here")
     last = period_of(until, task.first.mission.world.control_rate) + 1
     with writing_to(output, anew=True):
-        for batch, *_ in steps_of(task.recorded(RecordSettings(output.parent, minds, name=output.name))):
+        for batch, *_ in steps_of(replace(task, record=RecordSettings(output.parent, minds, name=output.name))):
             if batch.worlds.ticks[0] == last:
                 batch.close()
                 break

@@ -57,7 +57,7 @@ class Facts:
 
 
 def facts_of(worlds: Worlds, step: RobotStep, now: Mapping[str, Numbers], unseen: float) -> Facts:
-    """Return the facts about the robot of a step in the only world, which is as in a frame; `now`: see `at_frame`."""
+    """Return the facts about the robot of a step in the only world, which is as in a frame; `now`: its values."""
     robot, places = step.robot, np.stack([now["x"], now["y"]], axis=1)
     others = [int(who) for who in now["cause"][robot] if who >= 0]
     away = np.linalg.norm(Torus(*worlds.extent).offsets(places[robot], places[others]), axis=1)

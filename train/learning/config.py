@@ -49,7 +49,10 @@ class ValidationConfig(Closed):
 
 
 class PpoConfig(Closed):
-    """Hyper-parameters of PPO (Schulman et al. 2017, doi:10.48550/arXiv.1707.06347)."""
+    """Hyper-parameters of PPO (Schulman et al. 2017, doi:10.48550/arXiv.1707.06347).
+
+    Stable-Baselines3 has further ones, which stay as they are there.
+    """
 
     steps: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 64
     """Decisions of each row between two updates."""
@@ -70,16 +73,8 @@ class PpoConfig(Closed):
     """Output by which it is ahead of the others."""
     discount: Share = 0.98
     """Weight of a reward one decision period later [-]."""
-    trace: Share = 0.95
-    """Weight of longer returns in the advantage (lambda of GAE) [-]."""
-    clip: Positive = 0.2
-    """Largest change of the ratio of probabilities that is rewarded [-]."""
     entropy: NonNegative = 0.01
     """Weight of the entropy, which keeps all options in use [-]."""
-    value: Positive = 0.5
-    """Weight of the error of the value function [-]."""
-    gradient: Positive = 0.5
-    """Largest norm of the gradient [-]."""
     hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=4096)], ...], Field(max_length=10)] = (64, 64)
     """Widths of the hidden layers, of policy and value function alike; an observation has some tens of components."""
 

@@ -11,6 +11,7 @@ from time import monotonic
 from typing import Any, Final
 
 from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.deciders.named import without_digest
 from selector.documents.plain import plain, short
 from train.live.session import Session
 
@@ -193,7 +194,8 @@ class Conductor:
             "failure": self._failure,
             "now": b64encode(self.session.present()).decode(),
             **self._offered,
-            **self.session.facts(),
+            "strategy": without_digest(self.session.strategy),
+            "loss": float(self.session.worlds.minds.reception.losses[0]),
         }
 
 

@@ -139,13 +139,6 @@ class Session:
         self._what_if = self._what_if or WhatIf(self.batch, self._decided, self._seen_terms, self._play.directories)
         return self._what_if.options(robot, self._decider, self._observations, self._by_hand)
 
-    def facts(self) -> dict[str, Any]:
-        """Return strategy and loss."""
-        return {
-            "strategy": without_digest(self.strategy),
-            "loss": float(self.worlds.minds.reception.losses[0]),
-        }
-
     def present(self) -> bytes:
         """Return the world as it is now."""
         return self._recorder.present({"by_hand": self._made})

@@ -129,6 +129,4 @@ def _two(value: float | None) -> str:
 
 def _number(value: float | None) -> str:
     """Return three significant digits, and all digits before the point."""
-    if value is None:
-        return EMPTY_CELL
-    return f"{value:.1f}" if abs(value) >= 100.0 else f"{value:#.3g}"
+    return EMPTY_CELL if value is None else f"{value:.1f}" if abs(value) >= 100.0 else f"{value:#.3g}"

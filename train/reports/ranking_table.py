@@ -45,7 +45,8 @@ def ranking_table(
     rows = []
     for label, mean in ranking.means.items():
         ratio, ends = ranking.ratio(label, best).ratio, None if label == best else ranking.interval(label, best)
-        again = EMPTY_CELL if ratio is None else f"{ratio:.2f}{interval_words(ends, _ratio_words)}"
+        said = interval_words(ends, lambda end: f"{end:.2f}" if end < LARGEST_RATIO else f"over {LARGEST_RATIO:,}")
+        again = EMPTY_CELL if ratio is None else f"{ratio:.2f}{said}"
         drawn = strip(mean.value, mean.ci95, (low, most), logarithmic)
         p = EMPTY_CELL if label == best else p_cell(ranking.ps[frozenset((label, best))])
         cells = (f"{amount(mean.value)}{interval_words(mean.ci95, amount)}", drawn, again, p)
@@ -97,10 +98,6 @@ def measures_grids(name: str, measured: Sequence[MeasuredStrategy]) -> list[Grid
 def _mean(summary: Summary | None) -> str:
     """Return a mean with its interval."""
     return EMPTY_CELL if summary is None else f"{summary.mean:.3g}{interval_words(summary.ci95, '{:.3g}'.format)}"
-
-
-def _ratio_words(ratio: float) -> str:
-    return f"{ratio:.2f}" if ratio < LARGEST_RATIO else f"over {LARGEST_RATIO:,}"
 
 
 def strip(value: float, ends: Interval | None, axis: Interval, logarithmic: bool) -> str:

@@ -82,10 +82,6 @@ class TrialTask:
         known = [replace(each, mission=each.mission.beginning_with(learned)) for each in self.scenarios]
         return replace(self, scenarios=tuple(known))
 
-    def recorded(self, settings: RecordSettings) -> TrialTask:
-        """Return the runs with recordings."""
-        return replace(self, record=settings)
-
     def each(self) -> Iterator[RunRecord]:
         """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
         before = time.perf_counter()

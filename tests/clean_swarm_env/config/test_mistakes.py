@@ -98,7 +98,7 @@ MODELS = [
     ),
     (
         {"robots": [{"model": "a"}, {"model": "a"}]},
-        "robots.groups.1.model: expected another name for each group, got 'a' twice",
+        "robots.groups: expected unique names, got 'a' twice",
     ),
     (
         {"robots": {"max_speed": 2.0, "groups": [{"model": "a"}]}},

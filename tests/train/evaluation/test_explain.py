@@ -16,7 +16,7 @@ from clean_swarm_env.world.explaining import explain_robot
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun
 from tests.clean_swarm_env.courses import difference, snapshot
 from tests.train.commands import changed, command, done, refused
-from train.evaluation.explain import at_frame, put_back
+from train.evaluation.explain import put_back
 from train.evaluation.repeat import steps_of, task_of
 from train.evaluation.why import facts_of, sentence
 
@@ -306,7 +306,7 @@ def test_what_is_read_from_a_recording_is_what_the_repeated_run_says(tmp_path, n
             put_back(batch.worlds, recording, frame, robot)
             told = explain_robot(batch.worlds, robot, frame)
             assert plain(told.as_mapping()) == plain(explain_robot(worlds, robot).as_mapping(), pytest.approx)
-            facts = facts_of(batch.worlds, told, at_frame(recording, frame), 0.0)
+            facts = facts_of(batch.worlds, told, recording.at(frame), 0.0)
             said.add(sentence(facts, type(worlds.task)).partition(",")[0].partition(":")[0])
             assert facts.target is None or facts.target[1] < 22.0
     assert said >= expected

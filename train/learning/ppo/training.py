@@ -178,11 +178,7 @@ class PpoTraining(Training):
             n_epochs=settings.epochs,
             learning_rate=settings.learning_rate,
             gamma=settings.discount,
-            gae_lambda=settings.trace,
-            clip_range=settings.clip,
             ent_coef=settings.entropy,
-            vf_coef=settings.value,
-            max_grad_norm=settings.gradient,
             policy_kwargs={
                 "net_arch": {"pi": layers, "vf": layers},
                 "counts": self.envs.counts,

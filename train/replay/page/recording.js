@@ -8,7 +8,7 @@
  * @typedef {{behaviours: string[], sensors: string[], goals: string[], needs: [number, string, string][][]}} NetworkNames
  * @typedef {{about: Record<string, any>, period: number, width: number, height: number, robots: number, items: number,
  *   minds: boolean, options: Record<string, string[]>, views: Record<string, number[]>, mission: any,
- *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
+ *   ticks_per_decision: number, counted_distances?: number[], channels: Channel[], terms?: string[], reasons?: string[],
  *   networks?: Record<string, NetworkNames>, models?: number[], walls?: [number, number, number, number][], zones?: [string, number, number, number, number][], shown?: [number, number], field?: number,
  *   things?: Thing[], option_words?: Record<string, string[]>, inputs?: string[],
  *   policies?: Record<string, import("./policy.js").Policy>, drawn?: Drawn[], events?: {of: string, event: string, about: string}[], destinations?: Destination[], task_words?: TaskWords,

@@ -1,6 +1,6 @@
 // @ts-check
 /** What a run has brought and cost up to a frame; `clean_swarm_env/tasks/cleaning/cost.py` defines the cost. */
-import { settingOf, valueAt } from "./recording.js";
+import { valueAt } from "./recording.js";
 import { plain } from "./look.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{items: Float64Array, contacts: Float64Array}} Counts */
@@ -29,7 +29,8 @@ const whole = (seconds) => `${Math.round(seconds).toLocaleString("en")} s`;
 /** Return the running score as HTML. @param {Run} run @param {Counts} counts @param {number} frame @param {number} time [s] */
 export function scoreOf(run, counts, frame, time) {
   const collisions = counts.contacts[frame] ?? 0, cost = costOf(run, counts, frame, time);
-  const events = `<span title="Pairs of robots that came closer than ${run.head.mission.collision_distances[0] ?? +(2 * settingOf(run, 0, "radius") + 0.05).toFixed(3)} m."><b data-collisions>${collisions}</b> collision${collisions === 1 ? "" : "s"}</span>`;
+  const near = run.head.counted_distances?.[0];
+  const events = `<span title="Pairs of robots that came ${near ? `closer than ${Number(near.toFixed(3))} m` : "too close"}."><b data-collisions>${collisions}</b> collision${collisions === 1 ? "" : "s"}</span>`;
   if (!run.tracks.has("dumped")) return events;
   const of = cost?.all ? ` of ${cost.all}` : "", items = counts.items[frame] ?? 0;
   const dumped = `<span title="Items that have been recycled and dumped: the work that is done."><b data-items>${items}</b>${of} item${cost?.all || items !== 1 ? "s" : ""} dumped</span>`;
