@@ -138,10 +138,6 @@ class TeamsDecider(Decider):
         self._missions[int(rows[0])] = rows, decider, number
         self._seen[number] = np.zeros((3, len(self.problem.features)))
 
-    def opinions(self) -> Floats:
-        """Return the opinions of the deciders (R, O)."""
-        return np.concatenate([decider.opinions() for _, (_, decider, _) in sorted(self._missions.items())])
-
     def _decide(self, observations: Observations) -> Decided:
         count = len(observations)
         decided = Decided(np.zeros(count, dtype=np.int64), np.zeros((count, 2)))

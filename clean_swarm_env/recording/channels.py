@@ -7,14 +7,14 @@ as differences in time. `docs/recordings.md` describes the bytes.
 from __future__ import annotations
 
 from math import prod
-from typing import Annotated, Any, Final, Literal, NamedTuple, Self
+from typing import Annotated, Final, Literal, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, model_validator
 from pydantic.dataclasses import dataclass
 
 from clean_swarm_env.recording.stepping import WholeNumbers, round_values
+from clean_swarm_env.world.parts.shown import AnyArray
 
 LARGEST_WHOLE: Final = 2**30 - 1
 """Largest whole number that a channel holds; what is beyond is kept as this number."""
@@ -22,7 +22,6 @@ MILLI: Final = 1000
 """Steps of a metre, of a radian, and of the numbers of a network."""
 MOST_NUMBERS: Final = 2**28
 """Numbers of a part, in all its frames: a gigabyte of memory; the parts that we write take a twentieth of it."""
-AnyArray = NDArray[Any]
 Amount = Annotated[int, Field(strict=True, ge=0, le=MOST_NUMBERS)]
 Text = Annotated[str, Field(strict=True)]
 

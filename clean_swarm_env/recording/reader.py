@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.recording.channels import MOST_NUMBERS, AnyArray, Channel, packed_bytes, unpacked_frames
+from clean_swarm_env.recording.channels import MOST_NUMBERS, Channel, packed_bytes, unpacked_frames
 from clean_swarm_env.recording.file import HEAD, PART, SUFFIX, Directory, Head, blocks_of
 from clean_swarm_env.recording.stepping import WholeNumbers
 from clean_swarm_env.world.by_hand import Change
+from clean_swarm_env.world.parts.shown import AnyArray
 from selector.documents.errors import validated, within
 from selector.documents.plain import short
 from selector.documents.reading import json_value

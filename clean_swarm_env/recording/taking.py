@@ -13,8 +13,9 @@ from typing import Final
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import LARGEST_WHOLE, AnyArray, Channel, PackedFrames
+from clean_swarm_env.recording.channels import LARGEST_WHOLE, Channel, PackedFrames
 from clean_swarm_env.recording.stepping import WholeNumbers, pack_steps, rounded
+from clean_swarm_env.world.parts.shown import AnyArray
 from selforg.arrays import Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.intrinsics import byte_at, float_at, int_at

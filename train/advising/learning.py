@@ -125,9 +125,7 @@ def _judge(advice: Advice, seed: int, console: Console) -> int:
         resume=(folder / JUDGED).exists(),
     )
     judge = Comparing(again)
-    with (folder / "judged.log").open("w", encoding="utf-8") as log:
-        code = pipeline.evaluate(judge, Console(file=log))
-    if code != FINISHED:
+    if (code := pipeline.evaluate(judge, Console(quiet=True))) != FINISHED:
         return code
     runs = judge.runs(runs_of(folder / JUDGED / JOURNAL), {held: (held,), "selector": ("selector",)})
     left, ratio = runs.unfinished, ratio_of(runs, "selector", held)

@@ -278,7 +278,19 @@ class Advice:
         """The report."""
         report, evaluation = FamilyReport.of(self.runs), self.evaluation
         about = f"{evaluation.family.description}\nOptions of {', '.join(evaluation.opened.goals)}."
-        grids = [*family_tables(report), *self._races]
+        ends = {arm: f"{many} of {JAMMED} unfinished" for arm, many in self.search.stopped.items()}
+        races = [
+            Grid(
+                f"search, {done.title}: {done.costs.shape[1]} starts",
+                ("strategy", "excess s", "stopped"),
+                [
+                    (arm, f"{mean:.1f}", ends.get(arm, EMPTY_CELL))
+                    for arm, mean in zip(done.order, sorted(done.means.tolist()), strict=True)
+                ],
+            )
+            for done in self.search.rounds
+        ]
+        grids = [*family_tables(report), *races]
         return Publication(evaluation.family.name, about, self.sentences, grids, self.content, draw_family(report))
 
     @property
@@ -299,22 +311,6 @@ class Advice:
             "missions": len(self.done),
             "cpu_s": round(sum(map(seconds_of, self.done.values())), 1),
         }
-
-    @property
-    def _races(self) -> list[Grid]:
-        """One table for each round of the search."""
-        ends = {arm: f"{many} of {JAMMED} unfinished" for arm, many in self.search.stopped.items()}
-        return [
-            Grid(
-                f"search, {done.title}: {done.costs.shape[1]} starts",
-                ("strategy", "excess s", "stopped"),
-                [
-                    (arm, f"{mean:.1f}", ends.get(arm, EMPTY_CELL))
-                    for arm, mean in zip(done.order, sorted(done.means.tolist()), strict=True)
-                ],
-            )
-            for done in self.search.rounds
-        ]
 
 
 def shown_cheaper(ratio: Ratio, p: float | None) -> bool:

@@ -236,14 +236,12 @@ class AdviceSearch:
 
     def _choosers(self) -> tuple[str, ...]:
         """Return the best rule and the best policy of those that fit."""
-        kinds: dict[str, list[str]] = {}
-        for name in self.choosers:
-            kinds.setdefault(name.partition(":")[0], []).append(name)
-        if all(len(own) == 1 for own in kinds.values()):
+        kinds = dict.fromkeys(name.partition(":")[0] for name in self.choosers)
+        if len(kinds) == len(self.choosers):
             return tuple(self.choosers)
         starts = self._starts(BUDGET_SHARES["choosers"], len(self.choosers))
         order = self._round("choosers", self.choosers, starts).order
-        return tuple(next(name for name in order if name in own) for own in kinds.values())
+        return tuple(next(name for name in order if name.partition(":")[0] == kind) for kind in kinds)
 
     def _round(self, title: str, arms: Sequence[str], count: int) -> Round:
         """Return what arms bring on the next fresh starts; those that jam stop after some of them."""

@@ -95,11 +95,12 @@ def compare_strategies(
         gaps = (yardstick - compared[ORACLE])[0].mean(axis=1)
         gap = Estimate.of(gaps[None])
         has_gap = gap.value > 0.0 and Flips(gaps).p < ALPHA
-    standings = []
-    for label, own in compared.items():
-        ratio = Ratio.of(own, yardstick, (left[label], kept) if left and kept is not None and label in left else None)
-        standings.append(StrategyStanding(label, Estimate.of(own.mean(axis=2)), ratio))
-    return StrategyComparison(best, gap, has_gap, tuple(standings))
+    lost = {label: (own, kept) for label, own in (left or {}).items() if kept is not None}
+    standings = tuple(
+        StrategyStanding(label, Estimate.of(own.mean(axis=2)), Ratio.of(own, yardstick, lost.get(label)))
+        for label, own in compared.items()
+    )
+    return StrategyComparison(best, gap, has_gap, standings)
 
 
 def cross_fitted(options: Floats) -> Floats:

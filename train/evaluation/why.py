@@ -11,10 +11,10 @@ from math import atan2, hypot, tau
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.explaining import RobotStep
+from clean_swarm_env.world.parts.shown import AnyArray
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import within
@@ -26,8 +26,6 @@ SLOW: Final = 0.05
 """What a difference of speeds must have to count [m/s]."""
 NAMED_FROM: Final = 0.25
 """Share from which a second neighbour is named."""
-
-Numbers = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -56,7 +54,7 @@ class Facts:
     """Time since it last saw what it looks for [s]."""
 
 
-def facts_of(worlds: Worlds, step: RobotStep, now: Mapping[str, Numbers], unseen: float) -> Facts:
+def facts_of(worlds: Worlds, step: RobotStep, now: Mapping[str, AnyArray], unseen: float) -> Facts:
     """Return the facts about the robot of a step in the only world, which is as in a frame; `now`: its values."""
     robot, places = step.robot, np.stack([now["x"], now["y"]], axis=1)
     others = [int(who) for who in now["cause"][robot] if who >= 0]

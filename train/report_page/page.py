@@ -17,15 +17,11 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Floats
 from train.analysis.statistics import share_cell
-from train.report_page.charts import (
-    distributions,
-    selection_by_situation,
-    selection_over_time,
-)
+from train.report_page.charts import distributions, selection_over_time
 from train.reports.charts import figure_of, svg
 from train.reports.curves import EXPLAINED as EXPLAINED_CURVES
 from train.reports.curves import draw_curves, verdict_of
-from train.reports.results import SELECTION_CHANNELS, HeldResults
+from train.reports.results import HeldResults
 from train.reports.text_table import markdown_table
 from train.running.finished_runs import natural_order
 from train.running.runs import RunRecord
@@ -83,10 +79,9 @@ def report_of_results(results: Sequence[HeldResults]) -> str:
 
 def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
     records = _together(results)
-    costs: dict[str, list[float]] = {}
-    for record in records:
-        costs.setdefault(record.condition, []).append(record.result.cost_s)
-    conditions = sorted(costs, key=lambda condition: float(np.mean(costs[condition])))
+    names = dict.fromkeys(record.condition for record in records)
+    costs = {name: np.mean([one.result.cost_s for one in records if one.condition == name]) for name in names}
+    conditions = sorted(names, key=lambda name: float(costs[name]))
     scenarios = sorted({record.scenario for record in records}, key=natural_order)
     for held in results:
         yield f"<h2>{escape(str(held.path))}</h2>" if len(results) > 1 else ""
@@ -121,14 +116,14 @@ def _selection(results: Sequence[HeldResults]) -> Iterator[str]:
         label = f"{held.path.name}: " if len(results) > 1 else ""
         for recording in held.recordings:
             for goal, options in recording.head["options"].items():
-                if {f"held/{goal}", *SELECTION_CHANNELS} <= set(recording):
+                if f"held/{goal}" in recording:
                     condition = f"{label}{recording.head['about'].get('condition', '')}"
                     groups.setdefault((condition, goal, tuple(options)), []).append(recording)
     if not groups:
         yield _note("No run was recorded: evaluate with --record, and make the report again.")
     for (condition, goal, _), own in groups.items():
         yield f"<h3>{escape(condition)}: {escape(goal)}, {len(own)} recorded runs</h3>"
-        yield selection_over_time(own, goal) + selection_by_situation(own, goal)
+        yield selection_over_time(own, goal)
 
 
 def _training(results: Sequence[HeldResults]) -> Iterator[str]:

@@ -87,9 +87,8 @@ def _draw_runs(
 
 def draw_robustness(report: RobustnessReport) -> Figure:
     """Return a column for each kind of disturbance, and a row for each figure."""
-    kinds: dict[str, list[Disturbance]] = {}
-    for disturbance in report.robustness.disturbances:
-        kinds.setdefault(disturbance.kind, []).append(disturbance)
+    every = report.robustness.disturbances
+    kinds = {kind: [one for one in every if one.kind == kind] for kind in dict.fromkeys(one.kind for one in every)}
     size = (1.5 + 2.8 * len(kinds), 8.0)
     with panels(len(ROBUSTNESS_FIGURES), len(kinds), size, shared=True) as (figure, axes):
         for row, name in enumerate(ROBUSTNESS_FIGURES):

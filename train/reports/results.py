@@ -19,8 +19,6 @@ from train.running.run_folder import RECORDINGS, read_manifest
 from train.running.runs import RunRecord
 
 TABLES = "table.md"
-SELECTION_CHANNELS = {"x", "y", "present", "working", "cargo", "recycled"}
-"""Channels that charts of selection need, beside the option that is held."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +41,9 @@ class HeldResults:
     @property
     def name(self) -> str:
         """Name of the experiment, the family or the training."""
-        identity = self.manifest["identity"]
-        if self.records:
-            return self.records[0].experiment
-        configured = identity.get("configuration")
-        return str(configured.get("name", self.path.name)) if isinstance(configured, dict) else self.path.name
+        configured = self.manifest["identity"].get("configuration")
+        own = configured.get("name", self.path.name) if isinstance(configured, dict) else self.path.name
+        return self.records[0].experiment if self.records else str(own)
 
 
 def results_in(path: Path) -> HeldResults:
@@ -62,7 +58,7 @@ def results_in(path: Path) -> HeldResults:
     if not records and not history:
         raise ConfigurationError(f"{path}: has neither finished runs ({JOURNAL}) nor checkpoints ({HISTORY_FILE})")
     tables = read_text(path / TABLES) if (path / TABLES).exists() else ""
-    recordings = list(recordings_in(path / RECORDINGS, (*SELECTION_CHANNELS, "held/"), most_numbers()))
+    recordings = list(recordings_in(path / RECORDINGS, ("working", "held/"), most_numbers()))
     return HeldResults(path, manifest, records, history, tables, validation_in(path), recordings)
 
 

@@ -15,7 +15,7 @@ from train.analysis.statistics import by_scenario, summarise
 from train.report_page.charts import distributions
 from train.report_page.page import html_of_markdown
 from train.reports.charts import figure_of
-from train.reports.results import SELECTION_CHANNELS, results_in
+from train.reports.results import results_in
 from train.running import needs
 
 FAMILY = {
@@ -65,8 +65,8 @@ def trained(folder, history=HISTORY):
 
 def test_a_report_keeps_what_it_draws_and_is_refused_where_that_fills_the_memory(results, monkeypatch):
     kept = {name for recording in results_in(results).recordings for name in recording}
-    assert kept == {"held/AvoidCollision", *SELECTION_CHANNELS}
-    monkeypatch.setattr(needs, "memory_of_machine", lambda: needs.PROCESS + 12.0 * 5000)
+    assert kept == {"held/AvoidCollision", "working"}
+    monkeypatch.setattr(needs, "memory_of_machine", lambda: needs.PROCESS + 12.0 * 1000)
     assert "numbers, for the memory, got more" in refused("report", results)
 
 
@@ -91,7 +91,7 @@ def test_the_figures_are_those_of_the_runs(results, tmp_path):
     assert page.read_text().index("<blockquote>") < page.read_text().index("<table>") < page.read_text().index("<svg")
     assert "\n".join(verdict) in text.found["p"]
     assert "Four robots & <items>." in text.found["p"]
-    assert {"searching", "with an item", "nobody within 2 m", "100%"} <= set(text.found["text"])
+    assert {"share of robots", "Off"} <= set(text.found["text"])
 
 
 def test_two_directories_are_compared_on_the_same_scenarios(results, tmp_path):

@@ -200,9 +200,6 @@ class PpoTraining(Training):
         _put(learned["observations"], self._seen)
 
     def _save(self) -> None:
-        for name, value in self.history[-1].items():
-            if value is not None and name not in ("score", "best"):
-                self.model.logger.record(f"validation/{name}", value)
         self.model.logger.dump(self.model.num_timesteps)
         content = {
             **self._learned(),
