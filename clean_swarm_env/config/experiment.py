@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, OptionScores, StartConfiguration
@@ -14,20 +14,14 @@ from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import DocumentError, check_unique
 from selector.documents.fields import Closed, Label, Name, Number
 from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS, check_trust
-from selector.strategies.registry import StrategySpec, spec_from_text
+from selector.strategies.registry import spec_from_text
 from selforg.registry import unknown
 
 
-def _text_of(given: object) -> object:
-    """Return the text of a strategy, which may be given by its keys; a mistake in it is an error of one line."""
-    if isinstance(given, Mapping):
-        spec = StrategySpec.model_validate(given)
-        values = spec.parameters | ({"sharing": spec.sharing} if "sharing" in spec.model_fields_set else {})
-        given = ":".join(filter(None, (spec.name, ",".join(f"{key}={value}" for key, value in values.items()))))
-    if not isinstance(given, str) or given == BASELINE:
-        return given
+def _checked(given: str) -> str:
+    """Return the text of a strategy; a mistake in it is an error of one line."""
     kind, _, name = given.partition(":")
-    if kind not in FILED_KINDS:
+    if kind not in (*FILED_KINDS, BASELINE):
         spec_from_text(given)
     elif kind == "velocity" or Path(name).suffix in FOREIGN_ENDINGS:
         check_trust(name, f"load {name}, a model of another library")
@@ -42,7 +36,7 @@ class ConditionConfig(Closed):
     scores: OptionScores = Field(default={})
     """Goal -> option -> score, in place of that of the expert knowledge; options that are not named keep theirs. A
     mechanism is forced by `strategy: "fixed:OPTION"`."""
-    strategy: Annotated[str, BeforeValidator(_text_of)] = BY_SCORE.name
+    strategy: Annotated[str, AfterValidator(_checked)] = BY_SCORE.name
     """What decides in every decision period, as `--strategy` takes it: for the goal that it was made for, else for
     AvoidCollision or the first one; options of the highest score serve the others."""
     measured: Label | None = None

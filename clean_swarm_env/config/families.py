@@ -170,7 +170,7 @@ class FamilyConfig(Closed):
             if counts and counts != set(getattr(self, name)):
                 raise impossible(name, f"the numbers of the given starts, {sorted(counts)}", list(getattr(self, name)))
         as_given = bool(self.groups) or set(self.robots) == {self.mission.robots.count}
-        if self.mission.robots.groups and (not as_given or self._draws_joins):
+        if self.mission.robots.groups and (not as_given or "join" in self.changes.kinds):
             expected = f"{self.mission.robots.count}, as in the groups of the mission, or `groups`; and no joins drawn"
             raise impossible("robots", expected, list(self.robots))
         self._check_scenarios()
@@ -309,12 +309,8 @@ class FamilyConfig(Closed):
         return validated(MissionConfig, whole, f"{sum(counts)} robots on {size[0]:g} m x {size[1]:g} m", own=True)
 
     @property
-    def _draws_joins(self) -> bool:
-        return "join" in self.changes.kinds
-
-    @property
     def _rows(self) -> int:
-        changes = self.changes.number[1] if self._draws_joins else 0
+        changes = self.changes.number[1] if "join" in self.changes.kinds else 0
         joining = sum(event.robots for event in self.mission.events if isinstance(event, Join))
         return max(self.robots[1] + changes + joining, self.mission.robots.capacity)
 

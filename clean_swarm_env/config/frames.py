@@ -36,15 +36,10 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
 
 def grouped(missions: Sequence[MissionConfig]) -> list[list[int]]:
     """Return groups of numbers of missions; those of one group have one frame and fit into one batch of worlds."""
-    frames: list[MissionConfig] = []
-    groups: list[list[int]] = []
+    groups: dict[str, list[int]] = {}
     for number, mission in enumerate(missions):
-        frame = frame_of(mission)
-        if frame not in frames:
-            frames.append(frame)
-            groups.append([])
-        groups[frames.index(frame)].append(number)
-    return groups
+        groups.setdefault(repr(frame_of(mission)), []).append(number)
+    return list(groups.values())
 
 
 def check_frame(mission: MissionConfig, batch: MissionConfig) -> None:

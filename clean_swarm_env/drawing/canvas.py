@@ -21,17 +21,9 @@ MOST_TRAIL_CELLS: Final = 1000  # on a side of this raster
 LEAST_DIFFUSION: Final = 1e-9  # [m] where there are no pheromones
 FRAMES_PER_SECOND: Final = 20
 """Pictures of a video for each second of the mission."""
+Zone = tuple[str, float, float, float, float]
+"""A rectangle of the ground: its name, lower left and upper right corner [m]."""
 FARTHEST_STEP: Final = 1.0  # [m] from picture to picture; beyond it a robot was put elsewhere
-
-
-class Zone(NamedTuple):
-    """A rectangle of the ground: its name, lower left and upper right corner [m]."""
-
-    name: str
-    left: float
-    bottom: float
-    right: float
-    top: float
 
 
 class Area(NamedTuple):

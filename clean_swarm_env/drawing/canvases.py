@@ -209,9 +209,10 @@ def signs_of(drawn: Iterable[Drawn], values: Mapping[str, AnyArray], there: Flag
     return {"signs": tuple(signs), "loads": tuple(loads), "load": load[there] if loads else None}
 
 
-def moved_zones(zones: Iterable[tuple[str, float, float, float, float]], corner: Floats) -> tuple[Zone, ...]:
+def moved_zones(zones: Iterable[Zone], corner: Floats) -> tuple[Zone, ...]:
     """Return the zones of a picture whose lower left `corner` (2,) [m] is given."""
-    return tuple(Zone(name, *(np.array(corners) - np.tile(corner, 2)).tolist()) for name, *corners in zones)
+    x, y = corner.tolist()
+    return tuple((name, left - x, bottom - y, right - x, top - y) for name, left, bottom, right, top in zones)
 
 
 def areas_of(things: Sequence[DrawnThing], corner: Floats, moved: Floats) -> tuple[Area, ...]:

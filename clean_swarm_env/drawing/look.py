@@ -39,11 +39,7 @@ class Appearance:
     ink: str = "#2b2b2b"
     paper: str = "#fbfaf7"
     edge: str = "#9a958a"
-    attracts: str = "#009E73"
-    repels: str = "#D55E00"
     contact: str = "#D00000"
-    area_opacity: float = 0.2
-    """Opacity of stations, and of things that attract or repel."""
     least_area: float = 0.2
     """Least radius of a thing that attracts or repels [m]."""
     front_angle: float = 0.45
@@ -80,7 +76,7 @@ class Appearance:
         Sign("attracts robots", "#009E73", opacity=0.2),
         Sign("repels robots", "#D55E00", opacity=0.2),
     )
-    """Things of tasks other than cleaning."""
+    """Things of tasks other than cleaning; stations have their opacity, too."""
     layers: tuple[tuple[str, Sign], ...] = (
         ("reach", Sign("gradients", "#D55E00", opacity=0.25)),
         ("view", Sign("view", "#0072B2", "ring")),

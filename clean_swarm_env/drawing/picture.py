@@ -147,7 +147,7 @@ class _Picture:
             self._write(name, x - wide + KEY, y - high + KEY)
         for name, x, y, radius, repels in canvas.areas:
             for _, right, up in self._places(np.array([[x, y]]), radius):
-                self._area(right, up, radius, LOOK.repels if repels else LOOK.attracts)
+                self._area(right, up, radius, LOOK.areas[repels].colour)
                 self._write(name, right, up, centred=True)
         for name, places, radius in canvas.signs:
             sign = SIGN_OF[name]
@@ -197,7 +197,7 @@ class _Picture:
 
     def _area(self, x: float, y: float, radius: float, colour: str) -> None:
         """Draw a place of a radius [m]."""
-        self._shape("disc", x, y, radius * self._scale, (colour, LOOK.area_opacity))
+        self._shape("disc", x, y, radius * self._scale, (colour, LOOK.areas[0].opacity))
         self._shape("disc", x, y, radius * self._scale, NO_COLOUR, colour)
 
     def _sign(self, sign: Sign, x: float, y: float, half: float) -> None:

@@ -44,7 +44,7 @@ def hostile_files(folder: Path) -> list[Path]:
     (folder / "canary.py").write_text(CANARY)
     _models(folder)
     documents = {
-        "experiments/own.yaml": {"mission": SHORT, "conditions": [{"name": "a", "strategy": OWN}]},
+        "experiments/own.yaml": {"mission": SHORT, "conditions": [{"name": "a", "strategy": OWN["name"]}]},
         "experiments/many.yaml": {
             "mission": "table1",
             "strategies": ["canary:Own", "policy:evil.zip"],

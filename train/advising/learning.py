@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import shutil
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -67,10 +66,11 @@ def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Consol
     training = Request(words[-1], directories=evaluation.directories, machine=evaluation.request.machine, words=words)
     folders = {seed: folder / TRAININGS.format(seed) for seed in TRAINING_SEEDS}
     try:
-        done = list(trained(training, folders))
+        seeds = trained(training, folders)
+        done = {seed: found for seed in seeds if (found := validation_in(folders[seed])) is not None}
     except KeyboardInterrupt as end:
         return evaluation.request.ended(end, folder, ": advice and trainings are kept")
-    return _judge(advice, min(sorted(done), key=lambda seed: _validated(folders[seed])), console)
+    return _judge(advice, min(sorted(done), key=lambda seed: mean_excess(done[seed].learned)), console)
 
 
 def training_of(advice: Advice, minutes: float) -> TrainingConfig:
@@ -99,13 +99,6 @@ def training_of(advice: Advice, minutes: float) -> TrainingConfig:
             **content,
         }
     )
-
-
-def _validated(directory: Path) -> float:
-    """Return the mean excess of a training on its validation missions [s]."""
-    validation = validation_in(directory)
-    assert validation is not None
-    return mean_excess(validation.learned)
 
 
 def _judge(advice: Advice, seed: int, console: Console) -> int:

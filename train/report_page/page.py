@@ -15,7 +15,6 @@ from markdown_it import MarkdownIt
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
-from selforg.arrays import Floats
 from train.analysis.statistics import share_cell
 from train.report_page.charts import distributions, selection_over_time
 from train.reports.charts import figure_of, svg
@@ -94,8 +93,9 @@ def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
     told = _note(f"{len(records)} runs: {len(scenarios)} scenarios, {len(conditions)} conditions. {EXPLAINED}")
     yield f"<h2>Distributions</h2>{told}"
     labels = with_unfinished(records, conditions)
-    for figure in FIGURES:
-        values = table_of(records, conditions, scenarios, figure)
+    for figure, of in FIGURES.items():
+        at = {record.key: of(record) for record in records}
+        values = np.array([[at.get((scenario, name), np.nan) for scenario in scenarios] for name in conditions])
         yield f"<h3>{escape(figure)}</h3>" + distributions(values, scenarios, labels, figure)
     yield from _selection(results)
 
@@ -139,12 +139,6 @@ def _training(results: Sequence[HeldResults]) -> Iterator[str]:
         columns = list(dict.fromkeys(name for entry in held.history for name in entry))
         rows = [[_cell(entry.get(name)) for name in columns] for entry in held.history]
         yield f"<h2>Checkpoints of {escape(label)}</h2>" + html_of_markdown(markdown_table(columns, rows))
-
-
-def table_of(records: Sequence[RunRecord], conditions: Sequence[str], scenarios: Sequence[str], figure: str) -> Floats:
-    """Return a figure of all runs (C, K)."""
-    at = {record.key: FIGURES[figure](record) for record in records}
-    return np.array([[at.get((scenario, name), np.nan) for scenario in scenarios] for name in conditions])
 
 
 def with_unfinished(records: Sequence[RunRecord], conditions: Sequence[str]) -> list[str]:

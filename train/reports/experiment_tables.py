@@ -59,9 +59,10 @@ def beside_theirs(report: ExperimentReport) -> Grid:
     """Return our figures beside those that were measured, or published with the experiment; no rows without."""
     rows = [(one.what, _number(one.ours), _number(one.theirs), VERDICTS[one.agrees]) for one in report.agreements]
     source = "measured" if report.paired else "the paper"
-    note = "agree: 1 is in the 95 % interval of the ratio of means on the same starts; the intervals of ratios meet"
-    if not report.paired:
-        note = "agree: the 95 % intervals meet; start configurations of the paper are not known"
+    measured = "agree: 1 is in the 95 % interval of the ratio of means on the same starts; the intervals of ratios meet"
+    note = (
+        measured if report.paired else "agree: the 95 % intervals meet; start configurations of the paper are not known"
+    )
     return Grid(f"ours beside {source}", ("figure", "ours", source.split()[-1], "agree"), rows, notes=(note,))
 
 

@@ -3,8 +3,6 @@
 Of strategies under disturbances there is a table for each strategy, with a row for each disturbance.
 """
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from clean_swarm_env.config.tasks import items_keep_coming
@@ -56,15 +54,10 @@ def _ranked(report: FamilyReport) -> Grid:
         }
         columns |= {MEANS[name]: {label: amount(own[label][name].mean) for label in own} for name in told if told[name]}
     excess = [f"excess: {task.excess}"] if report.compared == "excess" else []
-    notes = (f"cost: {task.cost_words(mission)}", *excess, *_meanings(own))
+    names = {name for label in own for name in (label, label.partition(":")[0])}
+    said = "; ".join(f"{name}: {meaning}" for name, meaning in MEANINGS.items() if name in names)
+    notes = (f"cost: {task.cost_words(mission)}", *excess, *([f"{said}."] if said else []))
     return ranking_table(runs.title, report.ranking, f"{report.compared} s", columns, notes)
-
-
-def _meanings(labels: Iterable[str]) -> list[str]:
-    """Return a line on what names of strategies mean, as far as they occur."""
-    names = {name for label in labels for name in (label, label.partition(":")[0])}
-    said = [f"{name}: {meaning}" for name, meaning in MEANINGS.items() if name in names]
-    return [f"{'; '.join(said)}."] if said else []
 
 
 def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:

@@ -179,9 +179,8 @@ def _difference(held: object, wanted: object, key: str = "") -> str:
         return ""
     if held == wanted:
         return ""
-    if isinstance(held, list) or isinstance(wanted, list):
-        return f"{key} differ"
-    return f"{key}: expected {wanted!r}, got {held!r}"
+    lists = isinstance(held, list) or isinstance(wanted, list)
+    return f"{key} differ" if lists else f"{key}: expected {wanted!r}, got {held!r}"
 
 
 def versions(more: Sequence[str] = (), needed_by: str = "results need", extra: str = "") -> dict[str, str]:

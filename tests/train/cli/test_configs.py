@@ -33,7 +33,7 @@ mission: {base: table1, knowledge: mine, task: {garbage: {count: 1}}, time_limit
 scenarios: 1
 conditions:
   - {name: scores}
-  - {name: chance, strategy: {name: Random}}
+  - {name: chance, strategy: Random}
 """
 
 
@@ -83,7 +83,7 @@ def test_an_evaluation_with_configurations_of_ones_own_can_be_repeated(directory
         ("mechanisms", "Swerve", "VectorLength", "VectorLenght", "Swerve.yaml: sensors.rep_len.type: "),
         ("knowledge", "mine", "reach: 1.0", "reach: far", "mechanisms.swerve.parameters: view_distance"),
         ("knowledge", "mine", "Swerve", "Swreve", "unknown configuration 'Swreve'"),
-        ("experiments", "mine", "Random", "Radnom", "conditions.1.strategy: unknown strategy 'Radnom'"),
+        ("experiments", "mine", "Random", "Radnom", "conditions.1.strategy: strategy 'Radnom': unknown strategy"),
     ],
 )
 def test_a_mistake_is_one_line_before_anything_is_written(directory, words, tmp_path, kind, name, old, new, expected):

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 import yaml
 
-from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
 from tests.train.commands import changed, command, done, refused, run
@@ -53,15 +52,6 @@ def test_an_option_and_a_machine_of_one_state_have_the_bits_of_the_highest_score
         assert own == figures[scenario, "forced"]
     done("explain", "done", "--condition", "machine", "--robot", 1, "--time", 20)
     done("record", "done", "--condition", "machine", "--output", "run.swarm")
-
-
-def test_a_strategy_by_its_text_is_that_strategy(folder):
-    both = (
-        {"name": "a", "strategy": "UCB1:prior=2"},
-        {"name": "b", "strategy": {"name": "UCB1", "parameters": {"prior": 2}}},
-    )
-    first, second = load_experiment(str(written(folder, *both))).conditions
-    assert first.strategy == second.strategy
 
 
 @pytest.mark.parametrize(

@@ -148,7 +148,7 @@ export function drawThing(view, c, thing, frame, share, colours) {
   const { channel, attraction, radius } = thing, [x, y] = placeOf(view, thing, frame, share);
   const size = Math.max(radius, LOOK.least_area);
   view.images(x, y, size, (px, py) => {
-    drawArea(c, px, py, size * view.scale, attraction < 0 ? LOOK.repels : LOOK.attracts);
+    drawArea(c, px, py, size * view.scale, attraction < 0 ? LOOK.areas[1].colour : LOOK.areas[0].colour);
     c.fillStyle = colours.ink;
     c.font = `${LOOK.letter_size}px sans-serif`;
     c.textAlign = "center";
@@ -159,7 +159,7 @@ export function drawThing(view, c, thing, frame, share, colours) {
 /** Draw a disc that means something to robots. @param {CanvasRenderingContext2D} c @param {number} x @param {number} y @param {number} r @param {string} colour */
 function drawArea(c, x, y, r, colour) {
   c.strokeStyle = colour;
-  c.fillStyle = faded(colour, LOOK.area_opacity);
+  c.fillStyle = faded(colour, LOOK.areas[0].opacity);
   c.lineWidth = 1;
   c.beginPath();
   c.arc(x, y, r, 0, 7);

@@ -6,7 +6,7 @@
 /** @typedef {{word: string, colour: string, shape: string, half: number, letter: string, opacity: number}} Sign */
 /**
  * How things look, as `clean_swarm_env/drawing/look.py` defines it; signs: those that tasks may draw, by name.
- * @type {{options: string[], ink: string, paper: string, edge: string, attracts: string, repels: string, contact: string, area_opacity: number,
+ * @type {{options: string[], ink: string, paper: string, edge: string, contact: string,
  *   least_area: number, front_angle: number, front_length: number, cargo_behind: number, cargo_half: number, marks: string[], mark_half: number, letter_size: number,
  *   most_numbered: number, least_numbered: number, failed: Sign, item: Sign, pheromones: Sign,
  *   zone: Sign, wall: Sign, wall_width: number, layers: [string, Sign][], areas: Sign[], signs: Record<string, Sign>}}

@@ -183,7 +183,7 @@ function goalsOf(run, frame, robot) {
   const names = run.head.networks?.robot.goals ?? [];
   const rows = names.map((name, k) => {
     const value = valueAt(run, "robot/goals", frame, robot * names.length + k);
-    return `<tr><td title="${plain(robotWord("Goal", name))}">${plain(name)}</td><td><div class="bar"><i style="left:0;width:${value * 100}%;background:${LOOK.attracts}"></i></div></td>
+    return `<tr><td title="${plain(robotWord("Goal", name))}">${plain(name)}</td><td><div class="bar"><i style="left:0;width:${value * 100}%;background:${LOOK.areas[0].colour}"></i></div></td>
       <td class="n" data-goal="${plain(name)}" data-value="${value}">${fixed(value)}</td></tr>`;
   });
   return names.length ? `<h3 title="1: the goal is reached; what would help the others gets more activation.">Goals: how far each is satisfied</h3><table>${rows.join("")}</table>` : "";

@@ -259,7 +259,7 @@ export class Page {
     const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.prices?.items || run.head.items, counts.items[counts.items.length - 1] ?? 0)), 1);
     for (const { run, counts, charts } of this.shown) {
       const curves = [{ values: counts.contacts, colour: LOOK.contact, dash: [5, 4], most }];
-      if (run.tracks.has("dumped")) curves.unshift({ values: counts.items, colour: LOOK.attracts, dash: [], most: items });
+      if (run.tracks.has("dumped")) curves.unshift({ values: counts.items, colour: LOOK.areas[0].colour, dash: [], most: items });
       drawHeld(run, this.frames, charts[0]);
       drawCurves(curves, this.frames, charts[1]);
       drawCurves(opinionCurves(run, charts[2].width), this.frames, charts[2]);

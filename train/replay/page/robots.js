@@ -71,11 +71,11 @@ export function drawReach(view, c, frame, chosen, layers) {
     const sight = run.head.views[name]?.[valueAt(run, `held/${name}`, frame, i)] ?? 0;
     view.images(view.x[i], view.y[i], goal + Math.max(diffusion, sight), (x, y) => {
       if (layers.reach) {
-        c.fillStyle = faded(LOOK.repels, own ? 0.1 : 0.05);
+        c.fillStyle = faded(LOOK.areas[1].colour, own ? 0.1 : 0.05);
         c.beginPath();
         c.arc(x, y, (goal + diffusion) * s, 0, 7);
         c.fill();
-        c.strokeStyle = faded(LOOK.repels, 0.4);
+        c.strokeStyle = faded(LOOK.areas[1].colour, 0.4);
         c.lineWidth = 1;
         c.beginPath();
         c.arc(x, y, goal * s, 0, 7);
