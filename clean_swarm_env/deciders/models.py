@@ -169,10 +169,8 @@ def stable_baselines3(path: Path) -> Model:
     policy = data["policy_class"](*spaces, lambda _: 0.0, **data["policy_kwargs"])
     policy.load_state_dict(parameters["policy"])
     scales = path.with_suffix(".pkl")
-    if not scales.is_file():
-        return lambda observations: policy.predict(observations, deterministic=True)[0]
-    normal = pickle.loads(scales.read_bytes())
-    return lambda observations: policy.predict(normal.normalize_obs(observations), deterministic=True)[0]
+    scaled = pickle.loads(scales.read_bytes()).normalize_obs if scales.is_file() else np.asarray
+    return lambda observations: policy.predict(scaled(observations), deterministic=True)[0]
 
 
 def torch_script(path: Path) -> Model:

@@ -80,7 +80,7 @@ class _Shown(BaseModel):
     drawn: tuple[Drawn, ...] = ()
     ground: Literal["torus", "walled", "open"] = "torus"
     """Of open land the square is shown in which the robots have been."""
-    shown: Annotated[tuple[Positive, ...], Field(max_length=2)] = ()
+    shown: tuple[Positive, Positive] | None = None
     """Width and height of the part that is shown of a walled field's torus [m]."""
     zones: tuple[tuple[str, Number, Number, Number, Number], ...] = ()
     """Name, lower left and upper right corner of each zone [m]."""
@@ -117,9 +117,7 @@ class RecordedCourse:
                 expected = f"channel {name} with a number for each {kind}"
                 raise ConfigurationError(f"{recording.path}: expected {expected}, got shape {shape}")
         self._names = [*kinds]
-        self._corner, self._extent = np.zeros(2), (head["width"], head["height"])
-        if len(shown.shown) == 2:
-            self._extent = shown.shown[0], shown.shown[1]
+        self._corner, self._extent = np.zeros(2), shown.shown or (head["width"], head["height"])
         self._walls = np.array(shown.walls).reshape(-1, 4)
         if shown.ground == "open":
             places = np.stack([recording["x"], recording["y"]], axis=-1)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain, count
 from pathlib import Path
 from typing import Any, NoReturn, SupportsIndex
 
@@ -253,10 +254,7 @@ class MissionRecorder:
     def _path(self, about: Mapping[str, Any]) -> Path:
         words = (str(about[name]) for name in ("scenario", "condition") if about.get(name))
         stem = self.settings.name.removesuffix(SUFFIX) or re.sub(r"[^\w.#+=-]+", "_", "-".join(words))
-        name, number = stem, 1
-        while name in self._names:
-            number += 1
-            name = f"{stem}-{number}"
+        name = next(one for one in chain([stem], (f"{stem}-{k}" for k in count(2))) if one not in self._names)
         self._names.add(name)
         return self.settings.directory / f"{name}{SUFFIX}"
 
@@ -281,9 +279,9 @@ LONGEST_VECTOR = 1e6
 def _first_sentence(content: RunningConfiguration) -> str:
     """Return the first sentence about a configuration; of one that asks for vectors of no possible length, this."""
     least = max((getattr(sensor, "longer_than", 0.0) for sensor in content.spec.sensors.values()), default=0.0)
-    if least > LONGEST_VECTOR:
-        return f"Does nothing: it would act on vectors longer than {least:g} m, and none is."
-    return " ".join(content.spec.description.split()).split(". ")[0].split(": ")[0].rstrip(".") + "."
+    first = " ".join(content.spec.description.split()).split(". ")[0].split(": ")[0].rstrip(".") + "."
+    nothing = f"Does nothing: it would act on vectors longer than {least:g} m, and none is."
+    return nothing if least > LONGEST_VECTOR else first
 
 
 def record_mission(run: MissionRun, settings: RecordSettings, about: Mapping[str, Any]) -> MissionResult:

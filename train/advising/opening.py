@@ -159,10 +159,8 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
                 taken.add(called)
                 own.append((goal, variant))
         tried.append(own)
-    found: dict[str, list[Option]] = {goal: [] for goal in held}
-    for goal, variant in [one for one in chain(*zip_longest(*tried)) if one is not None][:MOST_VARIANTS]:
-        found[goal].append(variant)
-    return found
+    chosen = [one for one in chain(*zip_longest(*tried)) if one is not None][:MOST_VARIANTS]
+    return {goal: [variant for own, variant in chosen if own == goal] for goal in held}
 
 
 def document_of(table: Mapping[str, Sequence[Option]], directories: tuple[Path, ...], **more: object) -> str:

@@ -16,7 +16,7 @@ from clean_swarm_env.learning.warm_up import compile_once, run_through
 from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
 from selector.strategies.problem import Problem
-from train.learning.config import LEARNERS, TrainingConfig, load_training
+from train.learning.config import LEARNERS, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.learning.yardstick import beside_yardstick
 from train.memory import Memory, as_plain
@@ -60,11 +60,15 @@ def run_training(
         "versions": check_installed(learner),
         "directories": [str(path.resolve()) for path in request.directories],
     }
-    memory = _memory(request, config)
-    known = {} if memory is None else {LEARNED_BEFORE: as_plain(memory.knowledge.learned)}
+    source = f"training {config.name} by {learner}, seed {request.seed}"
+    known = expert_knowledge(config.tasks[0].load(request.directories).mission, request.directories)
+    memory = request.store.memory(known, f"training {config.name}", source)
+    if memory is not None and not request.resume:
+        memory.check_new()
+    before = {} if memory is None else {LEARNED_BEFORE: as_plain(memory.knowledge.learned)}
     stem = f"{Path(request.name).stem[:MOST_LETTERS]}-{learner}-seed{request.seed}"
     directory = request.output or Path("results") / stem
-    with request.results(directory, {"identity": identity, **known}) as folder:
+    with request.results(directory, {"identity": identity, **before}) as folder:
         job = TrainingJob(
             config,
             request.seed,
@@ -99,16 +103,6 @@ def run_training(
     ended(training)
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
     return FINISHED
-
-
-def _memory(request: Request, config: TrainingConfig) -> Memory | None:
-    """Return the memory of a training; StoreError if the store holds already what it would learn."""
-    mission = config.tasks[0].load(request.directories).mission
-    source = f"training {config.name} by {config.learner}, seed {request.seed}"
-    memory = request.store.memory(expert_knowledge(mission, request.directories), f"training {config.name}", source)
-    if memory is not None and not request.resume:
-        memory.check_new()
-    return memory
 
 
 def changed_scores(memory: Memory) -> list[str]:

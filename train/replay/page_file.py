@@ -41,8 +41,7 @@ def write_page(recordings: Sequence[RecordedMission], output: Path) -> None:
 def page_of(recordings: Sequence[RecordedMission]) -> str:
     """Return the page of recordings as HTML; see `write_page`."""
     held = [base64.b64encode(recording.path.read_bytes()).decode() for recording in recordings]
-    abouts = [recording.head["about"] for recording in recordings]
-    title = " beside ".join(str(about.get("condition", "")) for about in abouts)
+    title = " beside ".join(str(recording.head["about"].get("condition", "")) for recording in recordings)
     parts = [f'<script type="text/plain">{text}</script>' for text in held]
     return _page(title, "\n".join(parts), "'none'")
 
@@ -56,8 +55,13 @@ def _page(title: str, content: str, asked: str) -> str:
     """Return the page with its content; it may connect to `asked`, a source of a content security policy."""
     folder = files("train.replay") / "page"
     signs = {name: asdict(sign) for name, sign in SIGN_OF.items()}
-    wrong, due = LOOK.contact, LOOK.options[0]
-    colours = {"ink": LOOK.ink, "paper": LOOK.paper, "faint": LOOK.edge, "wrong": wrong, "due": due}
+    colours = {
+        "ink": LOOK.ink,
+        "paper": LOOK.paper,
+        "faint": LOOK.edge,
+        "wrong": LOOK.contact,
+        "due": LOOK.options[0],
+    }
     parts = {
         "title": f"Clean Swarm: {html.escape(title)}",
         "asked": asked,

@@ -77,7 +77,11 @@ def report_of_results(results: Sequence[HeldResults]) -> str:
 
 
 def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
-    records = _together(results)
+    records = [  # those of two directories have the directory before their condition
+        replace(record, condition=f"{held.path.name}: {record.condition}") if len(results) > 1 else record
+        for held in results
+        for record in held.records
+    ]
     names = dict.fromkeys(record.condition for record in records)
     costs = {name: np.mean([one.result.cost_s for one in records if one.condition == name]) for name in names}
     conditions = sorted(names, key=lambda name: float(costs[name]))
@@ -98,15 +102,6 @@ def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
         values = np.array([[at.get((scenario, name), np.nan) for scenario in scenarios] for name in conditions])
         yield f"<h3>{escape(figure)}</h3>" + distributions(values, scenarios, labels, figure)
     yield from _selection(results)
-
-
-def _together(results: Sequence[HeldResults]) -> list[RunRecord]:
-    """Return the runs of all directories; those of two have the directory before their condition."""
-    return [
-        replace(record, condition=f"{held.path.name}: {record.condition}") if len(results) > 1 else record
-        for held in results
-        for record in held.records
-    ]
 
 
 def _selection(results: Sequence[HeldResults]) -> Iterator[str]:

@@ -108,9 +108,8 @@ def runs_table(records: Sequence[RunRecord]) -> str:
     columns = (*RUN_COLUMNS, *(records[0].result.measures if records else ()))
     rows = ({**record.as_mapping(), **record.result.measures} for record in records)
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([_cell(row[column]) for column in columns] for row in rows)
+    table = [columns, *([_cell(row[column]) for column in columns] for row in rows)]
+    csv.writer(text, lineterminator="\n").writerows(table)
     return text.getvalue()
 
 
@@ -120,6 +119,5 @@ def _line(record: RunRecord) -> str:
 
 def _cell(value: object) -> object:
     """Return a cell: of several numbers the first, and a quotation mark before a text that looks like a formula."""
-    if isinstance(value, tuple):
-        return value[0]
-    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) else value
+    formula = isinstance(value, str) and value.startswith(("=", "+", "-", "@"))
+    return value[0] if isinstance(value, tuple) else f"'{value}" if formula else value

@@ -85,9 +85,8 @@ class PpoTraining(Training):
     @property
     def decides(self) -> Sequence[str]:
         """The goals whose options are learned, each by outputs of its own."""
-        if self.config.goal is None:
-            return [named_goal(tuple(self.curriculum.batches[0].options), None)]
-        return self.config.goal.split(JOINT)
+        goal, known = self.config.goal, tuple(self.curriculum.batches[0].options)
+        return [named_goal(known, None)] if goal is None else goal.split(JOINT)
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
