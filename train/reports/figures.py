@@ -36,10 +36,9 @@ def draw_experiment(report: ExperimentReport) -> Figure:
     distance, paper = report.experiment.mission.counted_distances[0], report.experiment.reference
     first = (COST, "cost [s]") if report.measured else ("duration_s", "duration [s]")
     shown = (first, ("collision_samples_per_s", f"samples per s of pairs closer than {distance:g} m"))
-    published = paper.figures if paper else {}
     places = {name: report.conditions.index(name) for name in report.ranking.labels}
     with panels(1, 2, (12.0, 1.6 + 0.55 * len(places)), shared=True) as (figure, axes):
-        _draw_runs(axes[0], report.runs, dict(shown), places, published)
+        _draw_runs(axes[0], report.runs, dict(shown), places, paper.figures if paper else {})
         figure.suptitle(report.runs.title)
         figure.supxlabel(LEGEND + (f"; x: {paper.source}" if paper else ""), fontsize=8, color="0.4")
         return figure

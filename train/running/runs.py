@@ -39,7 +39,7 @@ class RunRecord:
         return self.scenario, self.condition
 
     def as_mapping(self) -> dict[str, Any]:
-        """Return the record as a mapping with the keys `RUN_COLUMNS`, and `FURTHER` where there is something."""
+        """Return the record as a mapping with the keys `RUN_COLUMNS`, and measures and counts where there are any."""
         result = asdict(self.result)
         further = {MEASURES: result.pop(MEASURES), COUNTED: self.counts}
         own = {name: getattr(self, name) for name in NAMING}
@@ -48,7 +48,7 @@ class RunRecord:
     @classmethod
     def of_mapping(cls, given: Mapping[str, Any]) -> RunRecord:
         """Return the record of a mapping by `as_mapping`; ValueError for anything else."""
-        if set(given) - set(FURTHER) != set(RUN_COLUMNS):
+        if set(given) - {MEASURES, COUNTED} != set(RUN_COLUMNS):
             raise ValueError(f"expected the keys {', '.join(RUN_COLUMNS)}")
         for name, value in given.items():
             for number in value if isinstance(value, list | tuple) else [value]:
@@ -100,7 +100,6 @@ MEASURES = "measures"
 """Key of the measures of a task in `runs.jsonl`; in `runs.csv` each has a column of its own name."""
 COUNTED = "counts"
 """Key of the counts of a run."""
-FURTHER = (MEASURES, COUNTED)
 _RESULT_COLUMNS = tuple(column.name for column in fields(MissionResult) if column.name != MEASURES)
 _RECORD = TypeAdapter(RunRecord)
 RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
