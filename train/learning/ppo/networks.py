@@ -17,7 +17,6 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy
 
-PARTS = ("weight", "bias")
 UNABLE = -1e9
 """Output of an option that cannot be taken."""
 
@@ -144,6 +143,7 @@ def _layers(model: PPO) -> list[tuple[str, Any]]:
     """Return the arrays of the layers of the policy, with their names in a policy file."""
     state, path = model.policy.state_dict(), "mlp_extractor.policy_net."
     weights = [name for name in state if name.startswith(path) and name.endswith("weight")]
-    last = [(f"options.{part}", state[f"action_net.linear.{part}"]) for part in PARTS]
+    parts = ("weight", "bias")
+    last = [(f"options.{part}", state[f"action_net.linear.{part}"]) for part in parts]
     named = [(f"hidden.{k}", name) for k, name in enumerate(weights)]
-    return [(f"{layer}.{part}", state[name.replace("weight", part)]) for layer, name in named for part in PARTS] + last
+    return [(f"{layer}.{part}", state[name.replace("weight", part)]) for layer, name in named for part in parts] + last
