@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.shared.record import record
 from benchmarks.shared.scenes import mission_of
-from clean_swarm_env.learning.joined import Joined, blocks
+from clean_swarm_env.learning.joined import Joined, batches_of
 from clean_swarm_env.learning.warm_up import usable_cpus
 from selforg.compiler.decorators import KERNELS, UNLOCKED
 
@@ -28,7 +28,7 @@ PERIODS, ROUNDS = 4, 25
 
 def stepping(worlds: int, robots: int, threads: int) -> Callable[[], float]:
     """Return a contestant that gives the wall seconds of a decision period."""
-    joined = Joined(blocks(mission_of(robots), worlds, threads), threads)
+    joined = Joined(batches_of(mission_of(robots), worlds, threads), threads)
     joined.reset(range(worlds))
     drawn = np.random.default_rng(1).integers(0, joined.counts[0], (PERIODS, joined.rows))
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` c
     from clean_swarm_env.config.types import ConfigurationError as ConfigurationError
     from clean_swarm_env.learning.actions import ActionConfig as ActionConfig
     from clean_swarm_env.learning.batch import Batch as Batch
-    from clean_swarm_env.learning.joined import family_batches as family_batches
+    from clean_swarm_env.learning.joined import batches_of as batches_of
     from clean_swarm_env.learning.observation.config import ObservationConfig as ObservationConfig
     from clean_swarm_env.learning.observation.term import TERMS as TERMS
     from clean_swarm_env.learning.observation.term import Term as Term
@@ -40,7 +40,7 @@ MODULE_OF = {
     "StartConfiguration": "config.mission",
     "ActionConfig": "learning.actions",
     "Batch": "learning.batch",
-    "family_batches": "learning.joined",
+    "batches_of": "learning.joined",
     "TERMS": "learning.observation.term",
     "Term": "learning.observation.term",
     "ObservationConfig": "learning.observation.config",

@@ -29,16 +29,9 @@ from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from clean_swarm_env.borders.infos import robot_infos
-from clean_swarm_env.borders.settings import GivenReward, spelled_out
-from clean_swarm_env.borders.spaces import (
-    CORRECTION,
-    OPTION,
-    action_space,
-    check_render_mode,
-    observation_space,
-    start_of,
-)
-from clean_swarm_env.borders.views import PICTURE, WINDOW, View
+from clean_swarm_env.borders.settings import spelled_out
+from clean_swarm_env.borders.spaces import CORRECTION, OPTION, action_space, observation_space, start_of
+from clean_swarm_env.borders.views import PICTURE, WINDOW, OneWorld
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission, whole_number
@@ -51,12 +44,11 @@ AgentInfos = dict[str, dict[str, Any]]
 AgentsStep = tuple[dict[str, Observations], dict[str, float], dict[str, bool], dict[str, bool], AgentInfos]
 
 
-class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
+class CleanSwarm(OneWorld, ParallelEnv[str, Observations, AgentAction]):
     """One world of cleaning robots; each agent is a robot.
 
     Args:
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
-        reward: weights of the reward's terms, or a function, see `Batch`.
         render_mode: None, "rgb_array", or "human", which shows every control period in a window.
         max_cycles: most steps of an episode, which is then truncated; None: as the mission has it.
         state: what `state` returns, the global state or all observations, one after the other.
@@ -75,7 +67,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
 
     """
 
-    metadata = {  # noqa: RUF012
+    metadata: dict[str, Any] = {  # noqa: RUF012
         "name": "clean_swarm_v0",
         "render_modes": [WINDOW, PICTURE],
         "render_fps": 1,
@@ -86,33 +78,29 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
     def __init__(
         self,
         mission: GivenMission | None = None,
-        reward: GivenReward | None = None,
-        render_mode: str | None = None,
         *,
+        render_mode: str | None = None,
         max_cycles: int | None = None,
         state: Literal["global", "observations"] = "global",
         **settings: Unpack[EnvSettings],
     ) -> None:
-        check_render_mode(render_mode, (WINDOW, PICTURE))
         if state not in ("global", "observations"):
             raise ValueError(f"state: expected 'global' or 'observations', got {state!r}")
-        self._batch = Batch(mission, reward=reward, begin_anew=False, **settings)
-        self._cycles, self._left = None if max_cycles is None else whole_number(max_cycles, "max_cycles", 1), 0
-        self.mission, self.options = self._batch.mission, self._batch.options
-        self.render_mode, self._view = render_mode, View(self._batch, render_mode)
-        self.metadata = {**self.metadata, "render_fps": self._view.fps}
-        self.possible_agents = [f"robot_{row}" for row in range(self._batch.robots)]
+        batch = Batch(mission, begin_anew=False, **settings)
+        self._show(batch, render_mode)
+        self._cycles = None if max_cycles is None else whole_number(max_cycles, "max_cycles", 1)
+        self.mission, self.options = batch.mission, batch.options
+        self.possible_agents = [f"robot_{row}" for row in range(batch.robots)]
         self.agents: list[str] = []
-        self.observation_spaces = {agent: observation_space(self._batch) for agent in self.possible_agents}
-        own = self._batch.options, self._batch.action.mode
-        self.action_spaces = {agent: action_space(*own) for agent in self.possible_agents}
-        self._state = self._batch.global_state()
-        self.observation_names, self.state_names = self._batch.observer.names, self._state.names
+        self.observation_spaces = {agent: observation_space(batch) for agent in self.possible_agents}
+        self.action_spaces = {agent: action_space(batch) for agent in self.possible_agents}
+        self._state = batch.global_state()
+        self.observation_names, self.state_names = batch.observer.names, self._state.names
         self._sees_all = state == "global"
-        self.state_space = observation_space(self._batch, self._batch.robots)
+        self.state_space = observation_space(batch, batch.robots)
         if self._sees_all:
             self.state_space = gymnasium.spaces.Box(-1.0, 1.0, (len(self.state_names),), np.float32)
-        space = action_space(*own)
+        space = action_space(batch)
         self._choices = int(space.n) if isinstance(space, gymnasium.spaces.Discrete) else 0
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Box:
@@ -128,38 +116,33 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
     ) -> tuple[dict[str, Observations], AgentInfos]:
         """Begin an episode; `options["start"]` may give a `StartConfiguration` or its keys."""
         known = ("start", "options")  # PettingZoo's own tests give {"options": 1}
-        seen = self._batch.reset([seed], [start_of(options, known)])
-        self.agents, self._left = self.at_work(), self._cycles or 0
-        self._view.reset()
-        return self._of(self.agents, seen.copy()), self._of(self.agents, robot_infos(self._batch))
+        self.batch.reset([seed], [start_of(options, known)])
+        self.agents = self.at_work()
+        self._begin()
+        return self.seen(self.agents)
 
     def step(self, actions: Mapping[str, AgentAction]) -> AgentsStep:
         """Run one decision period; the period ends early when the mission does."""
         if not self.agents:
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
-        step = self._view.step(self._checked(actions))
-        self._left -= 1
+        step = self.batch.step(self._checked(actions))
         terminated = bool(step.terminated[0])
-        truncated = bool(step.truncated[0]) or (self._left == 0 and not terminated)
+        truncated = not terminated and (bool(step.truncated[0]) or self._cut())
         before, after = self.agents, self.at_work()
         changed = before != after
         gone = set(before).difference(after) if changed else ()
         joined = set(after).difference(before) if changed else ()
         there = [agent for agent in self.possible_agents if agent in before or agent in joined] if joined else before
         gained = self._of(there, step.rewards.tolist()) | dict.fromkeys(joined, 0.0)
-        result = (
-            self._of(there, step.observations.copy()),
+        self.agents = [] if terminated or truncated else after
+        observations, infos = self.seen(there)
+        return (
+            observations,
             gained,
             dict.fromkeys(there, terminated) | dict.fromkeys(gone, True),
             dict.fromkeys(there, truncated) | dict.fromkeys(gone, False),
-            self._of(there, robot_infos(self._batch)),
+            infos,
         )
-        self.agents = [] if terminated or truncated else after
-        return result
-
-    def get_state(self) -> bytes:
-        """Return the state of the mission, from which this or another environment goes on; see `Batch.get_state`."""
-        return self._batch.get_state()
 
     def set_state(self, state: bytes) -> tuple[dict[str, Observations], AgentInfos]:
         """Go on from a state of an environment or of a world of a batch; return observations and infos.
@@ -167,15 +150,13 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         The counts of the last period are no part of it. ValueError says what is damaged or does not fit, and then
         nothing has changed.
         """
-        seen = self._batch.set_state(state).copy()
-        steps = self._batch.steps(0)
-        over = bool(self._batch.over[0]) or (self._cycles is not None and steps >= self._cycles)
-        self.agents, self._left = [] if over else self.at_work(), (self._cycles or 0) - steps
-        return self._of(self.at_work(), seen), self._of(self.at_work(), robot_infos(self._batch))
+        self.batch.set_state(state)
+        self.agents = [] if self.batch.over[0] or self._cut() else self.at_work()
+        return self.seen(self.at_work())
 
-    def everyone(self) -> tuple[Observations, AgentInfos]:
-        """Return the present observations (N, F) and the infos of all possible agents."""
-        return self._batch.observations.copy(), dict(zip(self.possible_agents, robot_infos(self._batch), strict=True))
+    def seen(self, agents: list[str]) -> tuple[dict[str, Observations], AgentInfos]:
+        """Return the present observations and infos of some of the possible agents."""
+        return self._of(agents, self.batch.observations.copy()), self._of(agents, robot_infos(self.batch))
 
     @property
     def agents_by_model(self) -> dict[str, list[str]]:
@@ -188,23 +169,16 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
 
     def at_work(self) -> list[str]:
         """Return the agents whose robots are at work, also when the episode is over."""
-        working = self._batch.working.tolist()
+        working = self.batch.working.tolist()
         return [agent for agent, works in zip(self.possible_agents, working, strict=True) if works]
-
-    def close(self) -> None:
-        """Close the window, and end the recording of a mission that is still going on."""
-        self._view.close()
-        self._batch.close()
-
-    def render(self) -> NDArray[np.uint8] | None:
-        """Return the world as a picture (height, width, 3), or show it in a window; None without a render mode."""
-        picture = self._view.render()
-        assert not isinstance(picture, list)  # PettingZoo has no such mode
-        return picture
 
     def state(self) -> Observations:
         """Return the global state (G,), see `GlobalState`, or all observations (N * F,)."""
-        return self._state.now()[0] if self._sees_all else self._batch.observations.ravel().copy()
+        return self._state.now()[0] if self._sees_all else self.batch.observations.ravel().copy()
+
+    def _cut(self) -> bool:
+        """Return whether the episode has had `max_cycles` steps."""
+        return self._cycles is not None and self.batch.steps(0) >= self._cycles
 
     def _of(self, agents: list[str], rows: Iterable[Any]) -> dict[str, Any]:
         """Return the values of `agents` among `rows` (N,)."""
@@ -227,7 +201,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
             if not space.contains(action):
                 expected = f"0..{space.n - 1}" if isinstance(space, gymnasium.spaces.Discrete) else repr(space)
                 raise ValueError(f"actions[{agent!r}]: expected {expected}, got {brief(action)}")
-        mode, options, still = self._batch.action.mode, self._batch.choices.default, np.zeros(2)
+        mode, options, still = self.batch.action.mode, self.batch.choices.default, np.zeros(2)
         given: Mapping[str, Any] = actions
         if mode == "both":
             given = {agent: np.hstack([action[OPTION], action[CORRECTION]]) for agent, action in given.items()}
@@ -241,6 +215,8 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
 class WholeSettings(EnvSettings, total=False):
     """All that `CleanSwarm` takes by name only."""
 
+    render_mode: str | None
+    """None, "rgb_array", or "human"."""
     max_cycles: int | None
     """Most steps of an episode, which is then truncated; None: as the mission has it."""
     state: Literal["global", "observations"]
@@ -252,24 +228,18 @@ parallel_env = CleanSwarm
 
 @spelled_out
 def raw_env(
-    mission: GivenMission | None = None,
-    reward: GivenReward | None = None,
-    render_mode: str | None = None,
-    **settings: Unpack[WholeSettings],
+    mission: GivenMission | None = None, **settings: Unpack[WholeSettings]
 ) -> AECEnv[str, Observations, AgentAction]:
     """Return the environment in which robots act one after the other (by PettingZoo's own conversion).
 
     The arguments are those of `CleanSwarm`.
     """
-    return parallel_to_aec_wrapper(CleanSwarm(mission, reward, render_mode, **settings))
+    return parallel_to_aec_wrapper(CleanSwarm(mission, **settings))
 
 
 @spelled_out
 def env(
-    mission: GivenMission | None = None,
-    reward: GivenReward | None = None,
-    render_mode: str | None = None,
-    **settings: Unpack[WholeSettings],
+    mission: GivenMission | None = None, **settings: Unpack[WholeSettings]
 ) -> AECEnv[str, Observations, AgentAction]:
     """Return the environment of `raw_env`, which also raises an error for calls in a wrong order."""
-    return OrderEnforcingWrapper(raw_env(mission, reward, render_mode, **settings))
+    return OrderEnforcingWrapper(raw_env(mission, **settings))

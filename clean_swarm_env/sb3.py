@@ -3,7 +3,7 @@
     envs = RobotVecEnv(worlds=64)
     PPO("MlpPolicy", envs).learn(100_000)
 
-    mix = RobotVecEnv(batches=[*family_batches("crowded", 8), *family_batches("unseen", 24)])
+    mix = RobotVecEnv(batches=[*batches_of("crowded", 8), *batches_of("unseen", 24)])
 
 Every robot of every world is an environment; the rows of several batches come one after the other. A world whose
 mission is over starts its next episode in the same step. Infos have in every step what
@@ -47,15 +47,15 @@ from stable_baselines3.common.vec_env import sync_envs_normalization
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 from clean_swarm_env.borders.infos import Info, robot_infos
-from clean_swarm_env.borders.settings import VectorSettings, spelled_out
+from clean_swarm_env.borders.settings import spelled_out
 from clean_swarm_env.borders.spaces import Member, flat_space, observation_space, preferred, start_of
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.given import whole_number
+from clean_swarm_env.learning.episodes import EnvSettings
+from clean_swarm_env.learning.given import GivenMission, seeds_from, whole_number
 from clean_swarm_env.learning.interface import BatchStep, Finished
-from clean_swarm_env.learning.joined import Joined, blocks
+from clean_swarm_env.learning.joined import Joined, batches_of
 from clean_swarm_env.learning.observation.observer import Observations
-from selforg.arrays import Flags, Ints
-from selforg.sealing import check_alike, sealed, unsealed
+from selforg.arrays import Flags
 
 OPEN_TEAM = (
     "robots join during these missions: VecMonitor, evaluate_policy and EvalCallback count rows that no robot has as "
@@ -72,17 +72,18 @@ class RobotVecEnv(VecEnv):
 
     Args:
         worlds: W, for worlds of one mission or family.
+        mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         batches: batches that are used in place of `worlds` and `settings`; see `clean_swarm_env.learning.joined`.
             Their goals and options may differ: `action_masks` says which a robot has.
         threads: number of threads that step the worlds, with the same results for any number.
-        settings: see `VectorSettings`.
+        settings: see `EnvSettings`.
 
     Attributes:
+        joined: the worlds.
         batches: the batches, as many as `threads` unless others are given.
         options: goal -> names of the options of all batches, which the numbers of actions mean.
         worlds: W, of all batches.
-        finished: the missions that ended in the last period.
-        returns: world -> return of each robot that took part, of these missions.
+        finished: the missions that ended in the last period, with the return of each robot.
 
     """
 
@@ -90,44 +91,33 @@ class RobotVecEnv(VecEnv):
     def __init__(
         self,
         worlds: int = 1,
+        mission: GivenMission | None = None,
         *,
         batches: Sequence[Batch] = (),
         threads: int = 1,
-        **settings: Unpack[VectorSettings],
+        **settings: Unpack[EnvSettings],
     ) -> None:
         if "OMP_NUM_THREADS" not in os.environ:
             torch.set_num_threads(1)
-        if batches and (settings or worlds != 1):
-            raise ValueError(
-                f"RobotVecEnv: expected batches or settings of one, got both, {sorted(settings) or worlds}"
-            )
-        self._joined = Joined(batches or blocks(worlds=worlds, threads=threads, **settings), threads)
-        self.batches, self.worlds = self._joined.batches, self._joined.worlds
+        given = sorted(settings) or mission or worlds
+        if batches and given != 1:
+            raise ValueError(f"RobotVecEnv: expected batches or settings of one, got both, {given}")
+        self.joined = Joined(batches or batches_of(mission, worlds, threads, **settings), threads)
+        self.batches, self.worlds, self.options = self.joined.batches, self.joined.worlds, self.joined.options
         self.finished: tuple[Finished, ...] = ()
-        self.returns: dict[int, list[float]] = {}
-        own = [(batch, row) for batch in self.batches for row in range(batch.rows)]
-        worlds_of = self._joined.world_of.tolist()
-        self._robots = [
-            Member(batch, world, slice(row, row + 1)) for (batch, row), world in zip(own, worlds_of, strict=True)
-        ]
+        self._robots = [Member(self.joined, row, 1) for row in range(self.joined.rows)]
         self._actions: NDArray[Any] = np.zeros(0)
-        self._returns = np.zeros(self._joined.rows)
-        self._lengths = np.zeros(self._joined.worlds, dtype=np.int64)
         self._began = time.monotonic()
-        first, self.options = self.batches[0], self._joined.options
-        self._choices = self._joined.counts if first.action.mode == "both" else ()
-        space = flat_space(self.options, first.action.mode)
-        super().__init__(self._joined.rows, observation_space(first), space)
+        self._choices = self.joined.counts if self.batches[0].action.mode == "both" else ()
+        super().__init__(self.joined.rows, observation_space(self.joined), flat_space(self.joined))
 
     def reset(self) -> Observations:
         """Begin an episode in every world; seeds and options given before are used once."""
-        firsts = self._joined.first_rows.tolist()
-        starts = [start_of(self._options[row]) for row in firsts]
-        observations = self._joined.reset([self._seeds[row] for row in firsts], starts)
+        starts = [start_of(self._options[row]) for row in self.joined.first_rows.tolist()]
+        observations = self.joined.reset(self._seeds, starts)
         self._reset_seeds()
         self._reset_options()
         self.finished = ()
-        self._returns[:], self._lengths[:] = 0.0, 0
         return observations
 
     def seed(self, seed: int | Sequence[int | None] | None = None) -> Sequence[int | None]:
@@ -136,8 +126,9 @@ class RobotVecEnv(VecEnv):
         Seeds are the children of one number, drawn from the system without one, or those of a list, of worlds or of
         rows. `parallel_env` repeats a world by its seed.
         """
-        seeds = self._joined.seeds_of(int(np.random.default_rng().integers(2**32)) if seed is None else seed)
-        self._seeds = [seeds[world] for world in self._joined.world_of.tolist()]
+        given = int(np.random.default_rng().integers(2**32)) if seed is None else seed
+        seeds = seeds_from(given, self.joined.first_rows.tolist(), self.joined.rows)
+        self._seeds = [seeds[world] for world in self.joined.world_of.tolist()]
         return self._seeds
 
     def step_async(self, actions: NDArray[Any]) -> None:
@@ -148,59 +139,39 @@ class RobotVecEnv(VecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Run one decision period."""
-        step = self._joined.step(self._actions)
-        self.finished = self._joined.finished
-        self._returns += step.rewards
-        self._lengths += 1
+        step = self.joined.step(self._actions)
+        self.finished = self.joined.finished
         infos = [info for batch in self.batches for info in robot_infos(batch)]
-        self.returns = {}
         for end in self.finished:
             self._add_end(infos, end, step)
-        over = (step.terminated | step.truncated)[self._joined.world_of]
+        over = (step.terminated | step.truncated)[self.joined.world_of]
         return step.observations, step.rewards.astype(np.float32), over, infos
 
     def _add_end(self, infos: list[Info], end: Finished, step: BatchStep) -> None:
-        """Add the figures of a mission to the infos, and set the sums of its world to 0."""
-        elapsed, length = round(time.monotonic() - self._began, 6), int(self._lengths[end.world])
-        rows = np.flatnonzero(self._joined.world_of == end.world)
-        for row in rows.tolist():
+        """Add the figures of a mission to the infos of its rows."""
+        first, elapsed = int(self.joined.first_rows[end.world]), round(time.monotonic() - self._began, 6)
+        for row in np.flatnonzero(self.joined.world_of == end.world).tolist():
             infos[row]["terminal_observation"] = step.final_observations[row].copy()
             infos[row]["TimeLimit.truncated"] = bool(step.truncated[end.world])
-        took_part = rows[: end.result.robots]  # the first to join have the first rows
-        self.returns[end.world] = self._returns[took_part].tolist()
-        for row, gained in zip(took_part.tolist(), self.returns[end.world], strict=True):
-            infos[row]["episode"] = {"r": gained, "l": length, "t": elapsed}
-        self._returns[rows], self._lengths[end.world] = 0.0, 0
+        for info, gained in zip(infos[first:], end.returns, strict=False):
+            info["episode"] = {"r": gained, "l": end.steps, "t": elapsed}
 
-    def get_state(self) -> bytes:
-        """Return the states of all worlds, with what episodes have brought so far; see `Batch.get_state`."""
-        return sealed("robots", (self._sizes(), self._joined.get_state(), self._returns, self._lengths))
+    def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
+        """Return the states of `worlds`, or of all; see `Batch.get_state`."""
+        return self.joined.get_state(worlds)
 
-    def set_state(self, state: bytes) -> Observations:
-        """Go on from a state of as many worlds, in any number of threads; return the observations.
-
-        ValueError says what is damaged or does not fit, and then nothing has changed.
-        """
-        sizes, states, returns, lengths = unsealed("robots", state)
-        check_alike(self._sizes(), sizes)
-        seen = self._joined.set_state(states)
-        self._returns[:], self._lengths[:], self.finished = returns, lengths, ()
-        return seen
-
-    def _sizes(self) -> dict[str, Any]:
-        return {"worlds": self._joined.worlds, "robots": self._joined.rows}
+    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
+        """Make `worlds`, or all, go on from a state, see `Batch.set_state`; return all observations."""
+        self.finished = ()
+        return self.joined.set_state(state, worlds)
 
     def action_masks(self) -> Flags:
         """Return which options (R, O) of all goals, one goal after the other, can serve next."""
-        return self._joined.masks()
-
-    def default_options(self) -> Ints:
-        """Return the option (R, C) of the highest expert score of each goal."""
-        return self._joined.defaults()
+        return self.joined.masks()
 
     def close(self) -> None:
         """End the recordings of missions that are still going on."""
-        self._joined.close()
+        self.joined.close()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """Return an attribute of the rows; AttributeError if the rows do not have it."""
@@ -267,7 +238,7 @@ def evaluate_missions(
         for end in robots.finished:
             if left[end.world]:
                 left[end.world] -= 1
-                gained = float(np.mean(robots.returns[end.world]))
+                gained = float(np.mean(end.returns))
                 figures = {"return": gained, "robots": end.result.robots, "cost_s": end.result.cost_s}
                 told.append({"scenario": end.scenario.id, **figures, **end.statistics})
     return told

@@ -68,8 +68,9 @@ class AllRobots(BaseParallelWrapper[str, Observations, AgentAction]):
 
     def _seen(self) -> tuple[dict[str, Observations], AgentInfos]:
         """Return the observations and infos of all robots."""
-        rows, infos = self.env.everyone()
-        flagged = np.column_stack([rows, [infos[agent][ALIVE] for agent in self.possible_agents]]).astype(np.float32)
+        observations, infos = self.env.seen(self.possible_agents)
+        alive = [infos[agent][ALIVE] for agent in self.possible_agents]
+        flagged = np.column_stack([np.stack([*observations.values()]), alive]).astype(np.float32)
         return dict(zip(self.possible_agents, flagged, strict=True)), infos
 
 

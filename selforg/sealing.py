@@ -12,7 +12,7 @@ import pickle
 from collections.abc import Mapping
 from typing import Any, Final
 
-STATE_VERSION: Final = 8
+STATE_VERSION: Final = 9
 SEAL: Final = 24
 """Bytes of the length and of the checksum."""
 
@@ -24,7 +24,7 @@ def sealed(kind: str, state: object) -> bytes:
     {'ticks': 7}
     >>> unsealed("batch", sealed("world", {"ticks": 7}))
     Traceback (most recent call last):
-    ValueError: state: expected b'clean-swarm state 8 batch', got b'clean-swarm state 8 world'
+    ValueError: state: expected b'clean-swarm state 9 batch', got b'clean-swarm state 9 world'
 
     """
     content = pickle.dumps(state, protocol=5)

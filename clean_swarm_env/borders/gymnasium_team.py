@@ -11,15 +11,15 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
-from clean_swarm_env.borders.settings import GivenReward, spelled_out
-from clean_swarm_env.borders.spaces import check_render_mode, start_of
-from clean_swarm_env.borders.views import PICTURE, WINDOW, View
+from clean_swarm_env.borders.settings import spelled_out
+from clean_swarm_env.borders.spaces import start_of
+from clean_swarm_env.borders.views import OneWorld
 from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission, seeds_from
 from clean_swarm_env.learning.observation.observer import Observations
 
 
-class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
+class CleanSwarmTeam(OneWorld, gymnasium.Env[Observations, NDArray[Any]]):
     """One world of cleaning robots; the agent decides for all of them.
 
     The observation holds those of all robots, one after the other. The action is one option for each robot and goal
@@ -29,12 +29,9 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         one_for_all: whether one option serves all robots.
         render_mode: None; "rgb_array"; or "human", which shows every control period in a window.
-        reward: weights of the reward's terms, or a function, see `Batch`.
         settings: see `EnvSettings`.
 
     """
-
-    metadata = {"render_modes": [WINDOW, PICTURE], "render_fps": 1}  # noqa: RUF012
 
     @spelled_out
     def __init__(
@@ -43,47 +40,32 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         *,
         one_for_all: bool = False,
         render_mode: str | None = None,
-        reward: GivenReward | None = None,
         **settings: Unpack[EnvSettings],
     ) -> None:
-        check_render_mode(render_mode, self.metadata["render_modes"])
-        given = {"mission": mission, "reward": reward, "autoreset_mode": AutoresetMode.DISABLED}
-        self._envs = TeamVectorEnv(1, one_for_all=one_for_all, **given, **settings)  # type: ignore[arg-type]
-        self.batch = self._envs.batch
-        self._view = self._envs.view = View(self.batch, render_mode)
-        self.metadata = {**self.metadata, "render_fps": self._view.fps}
-        self.render_mode = render_mode
+        mode = AutoresetMode.DISABLED
+        self._envs = TeamVectorEnv(1, mission, one_for_all=one_for_all, autoreset_mode=mode, **settings)
+        self._show(self._envs.batch, render_mode)
         self.observation_space = self._envs.single_observation_space
         self.action_space = self._envs.single_action_space
-        self._over = True
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
         """Begin an episode; `options["start"]` may give a `StartConfiguration` or its keys."""
         start_of(options)
-        super().reset(seed=seeds_from([seed], 1)[0])
+        super().reset(seed=seeds_from([seed], [0], 1)[0])
         observations, infos = self._envs.reset(seed=[seed], options=options)
-        self._over = False
-        self._view.reset()
+        self._begin()
         return observations[0], _first(infos)
 
     def step(self, action: NDArray[Any]) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
         """Run one decision period; the period ends early when the mission does."""
-        if self._over:
-            raise RuntimeError("step: the episode is over (or has not begun), call reset first")
         seen, rewards, terminated, truncated, infos = self._envs.step(_alone(action))
-        self._over = bool(terminated[0] or truncated[0])
         return seen[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _first(infos)
-
-    def get_state(self) -> bytes:
-        """Return the state of the mission, from which this or another environment goes on; see `Batch.get_state`."""
-        return self.batch.get_state()
 
     def set_state(self, state: bytes) -> Observations:
         """Go on from a state; return the observation. ValueError: damaged, or does not fit; nothing has changed."""
         observation: Observations = self._envs.set_state(state)[0]
-        self._over = bool(self.batch.over[0])
         return observation
 
     def action_masks(self) -> NDArray[np.bool_]:
@@ -93,15 +75,6 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         """
         masks: NDArray[np.bool_] = self._envs.masks()[0]
         return masks
-
-    def close(self) -> None:
-        """Close the window, and end the recording of a mission that is still going on."""
-        self._view.close()
-        self.batch.close()
-
-    def render(self) -> NDArray[np.uint8] | None:
-        """Return the world as a picture (height, width, 3), or show it, as the render mode says."""
-        return self._view.render()
 
 
 def _alone(action: Any) -> Any:  # noqa: ANN401  (an action, of whatever space)

@@ -25,19 +25,13 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from clean_swarm_env.borders.infos import ALIVE, Info, InfoColumns, mask_key, own_infos, team_infos
-from clean_swarm_env.borders.settings import VectorSettings, spelled_out
-from clean_swarm_env.borders.spaces import (
-    Member,
-    action_space,
-    check_render_mode,
-    observation_space,
-    rows_of,
-    start_of,
-)
-from clean_swarm_env.borders.views import PICTURE, View
+from clean_swarm_env.borders.settings import spelled_out
+from clean_swarm_env.borders.spaces import Member, action_space, observation_space, rows_of, start_of
+from clean_swarm_env.borders.views import PICTURE, checked_mode, picture_of
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.given import whole_number
-from clean_swarm_env.learning.joined import Joined, blocks
+from clean_swarm_env.learning.episodes import EnvSettings
+from clean_swarm_env.learning.given import GivenMission, seeds_from, whole_number
+from clean_swarm_env.learning.joined import Joined, batches_of
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Floats, Ints
 
@@ -48,16 +42,17 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     Args:
         together: rows of one environment: 1, or 0 for all robots of a world.
         worlds: W.
+        mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         threads: number of threads that step the worlds, with the same results for any number.
         one_for_all: whether one action serves all rows of an environment.
         autoreset_mode: what happens when the mission of a world is over.
         render_mode: None or "rgb_array".
-        settings: see `VectorSettings`.
+        settings: see `EnvSettings`.
 
     Attributes:
         autoreset_mode: the mode, as a member of `AutoresetMode`.
-        batch: the worlds; of several `threads`, those of the first.
-        view: what is shown of the worlds of `batch`.
+        joined: the worlds.
+        batch: the worlds; of several `threads` or tori, the first of them.
 
     """
 
@@ -67,36 +62,31 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         self,
         together: int,
         worlds: int,
+        mission: GivenMission | None,
         *,
         threads: int = 1,
         one_for_all: bool = False,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         render_mode: str | None = None,
-        **settings: Unpack[VectorSettings],
+        **settings: Unpack[EnvSettings],
     ) -> None:
-        check_render_mode(render_mode, self.metadata["render_modes"])
+        self.render_mode = checked_mode(render_mode, self.metadata["render_modes"])
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.render_mode = render_mode
         anew = self.autoreset_mode == AutoresetMode.SAME_STEP
-        self._worlds = Joined(blocks(worlds=worlds, threads=threads, begin_anew=anew, **settings), threads)
-        self.batch = self._worlds.batches[0]
-        self.view = View(self.batch, render_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": self.view.fps}
+        self.joined = Joined(batches_of(mission, worlds, threads, begin_anew=anew, **settings), threads)
+        self.batch = self.joined.batches[0]
+        fps = 1.0 / self.batch.decision_period
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": fps}
         self._together = together or self.batch.robots
         self._sharing = self._together if one_for_all else 1
-        self.num_envs = self._worlds.rows // self._together
+        self.num_envs = self.joined.rows // self._together
         self._per_world = self.batch.robots // self._together
-        self.single_observation_space = observation_space(self.batch, self._together)
-        own = self.batch.options, self.batch.action.mode, self._together // self._sharing
-        self.single_action_space = action_space(*own)
+        self.single_observation_space = observation_space(self.joined, self._together)
+        self.single_action_space = action_space(self.joined, self._together // self._sharing)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._over = np.zeros(worlds, dtype=np.bool_)
-        firsts = [(batch, row) for batch in self._worlds.batches for row in range(0, batch.rows, self._together)]
-        self.envs = [
-            Member(batch, env // self._per_world, slice(row, row + self._together))
-            for env, (batch, row) in enumerate(firsts)
-        ]
+        firsts = range(0, self.joined.rows, self._together)
+        self.envs = [Member(self.joined, first, self._together) for first in firsts]
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -108,64 +98,56 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         worlds.
         """
         start = start_of(options, ("start", "reset_mask"))
-        seeds, worlds = self._worlds.seeds_of(seed), self._chosen((options or {}).get("reset_mask"))
+        worlds = self._chosen((options or {}).get("reset_mask"))
+        seeds = seeds_from(seed, self.joined.first_rows.tolist(), self.joined.rows)
         super().reset(seed=seeds[0])
-        if len(worlds) == len(self._over):
-            observations = self._worlds.reset(seeds, [start] * len(seeds))
-        else:
-            observations = self._worlds.reset_worlds(worlds, seeds, [start] * len(seeds))
-        self._over[worlds] = False
-        return self._joined(observations), self._infos()
+        return self._shaped(self.joined.reset(seeds, [start] * len(seeds), worlds)), self._infos()
 
     def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, Info]:
         """Run one decision period."""
-        given = rows_of(actions, self.action_space, self._worlds.rows // self._sharing)
-        waiting = np.flatnonzero(self._over)
+        given = rows_of(actions, self.action_space, self.joined.rows // self._sharing)
+        over = self._waiting()
+        waiting = np.flatnonzero(over)
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise RuntimeError(f"step: the missions of worlds {waiting.tolist()} are over, call reset first")
-        whole = np.repeat(given, self._sharing, axis=0)
-        step = self.view.step(whole) if len(self._worlds.batches) == 1 else self._worlds.step(whole)
-        terminated, truncated = step.terminated & ~self._over, step.truncated & ~self._over
-        seen = self._worlds.reset_worlds(waiting) if len(waiting) else step.observations
+        step = self.joined.step(np.repeat(given, self._sharing, axis=0))
+        seen = self.joined.reset(worlds=waiting) if len(waiting) else step.observations
         infos = self._infos()
-        if self.autoreset_mode == AutoresetMode.SAME_STEP:
-            self._add_final(infos, step.final_observations)
-        else:
-            self._over = terminated | truncated
+        self._add_final(infos, step.final_observations)
         return (
-            self._joined(seen),
+            self._shaped(seen),
             step.rewards.reshape(self.num_envs, -1).mean(axis=1),
-            np.repeat(terminated, self._per_world),
-            np.repeat(truncated, self._per_world),
+            np.repeat(step.terminated & ~over, self._per_world),
+            np.repeat(step.truncated & ~over, self._per_world),
             infos,
         )
 
+    def _waiting(self) -> Flags:
+        """Return which worlds (W,) begin their next mission in the next step, or are to be reset before it."""
+        return self.joined.over & (self.autoreset_mode != AutoresetMode.SAME_STEP)
+
     def masks(self) -> Flags:
         """Return which options (E, ...) can serve next; one option for all can if it can in any robot."""
-        masks: Flags = np.logical_or.reduce(self._worlds.masks().reshape(self.num_envs, self._sharing, -1), axis=1)
+        masks: Flags = np.logical_or.reduce(self.joined.masks().reshape(self.num_envs, self._sharing, -1), axis=1)
         return masks
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the states of `worlds`, or of all; see `Batch.get_state`."""
-        return self._worlds.get_state(worlds)
+        return self.joined.get_state(worlds)
 
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
         """Make `worlds`, or all, go on from a state, see `Batch.set_state`; return all observations."""
-        observations = self._joined(self._worlds.set_state(state, worlds))
-        self._over = self._worlds.over & (self.autoreset_mode != AutoresetMode.SAME_STEP)
-        return observations
+        return self._shaped(self.joined.set_state(state, worlds))
 
     def close_extras(self, **_: object) -> None:
         """End the recordings of missions that are still going on."""
-        self._worlds.close()
+        self.joined.close()
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """Return a picture (height, width, 3) for each environment, or None without a render mode."""
         if self.render_mode is None:
             return None
-        views = {id(batch): View(batch, self.render_mode) for batch in self._worlds.batches[1:]}
-        places = map(self._worlds.place_of, range(len(self._over)))
-        pictures = [views.get(id(batch), self.view).picture(world) for batch, world in places]
+        pictures = [picture_of(*place) for place in self.joined.places()]
         return tuple(pictures[env.world] for env in self.envs)
 
     def call(self, name: str, *arguments: Any, **settings: Any) -> tuple[Any, ...]:  # noqa: ANN401
@@ -183,42 +165,42 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         for env, value in zip(self.envs, each, strict=True):
             setattr(env, name, value)
 
-    def _chosen(self, mask: Any) -> Ints:  # noqa: ANN401  (what a user gave)
-        """Return the worlds that a mask (E,) of environments chooses; all without one."""
+    def _chosen(self, mask: Any) -> Ints | None:  # noqa: ANN401  (what a user gave)
+        """Return the worlds that a mask (E,) of environments chooses; None for all."""
         flags = np.ones(self.num_envs, dtype=np.bool_) if mask is None else np.asarray(mask)
         if flags.shape != (self.num_envs,) or flags.dtype != np.bool_:
             expected = f"truth values of shape {(self.num_envs,)}"
             raise ValueError(f"options['reset_mask']: expected {expected}, got {flags.dtype} of shape {flags.shape}")
         worlds = flags.reshape(-1, self._per_world)
-        if (worlds.any(axis=1) != worlds.all(axis=1)).any():
+        if (worlds != worlds[:, :1]).any():
             raise ValueError("options['reset_mask']: expected all robots of a world or none")
-        return np.flatnonzero(worlds[:, 0])
+        return None if flags.all() else np.flatnonzero(worlds[:, 0])
 
-    def _joined(self, observations: Observations) -> Observations:
+    def _shaped(self, observations: Observations) -> Observations:
         return observations.reshape(self.num_envs, -1).copy()
 
     def _infos(self) -> Info:
         """Return the infos as arrays: (E,) for a team's, (E,) or (E, N) for a robot's own, (E, ...) for the mask."""
-        of_teams, of_robots = (_columns(told, self._worlds.batches) for told in (team_infos, own_infos))
-        infos: Info = {name: np.repeat(values, self._per_world) for name, values in of_teams.items()}
-        for name, own in of_robots.items():
-            infos[name] = np.array(own) if self._together == 1 else np.reshape(own, (self.num_envs, -1))
+        of_teams, of_robots = (_columns(told, self.joined.batches) for told in (team_infos, own_infos))
+        infos: Info = {name: np.array(values).repeat(self._per_world) for name, values in of_teams.items()}
+        shape = (self.num_envs,) if self._together == 1 else (self.num_envs, -1)
+        infos |= {name: np.array(own).reshape(shape) for name, own in of_robots.items()}
         if self.batch.action.mode != "velocity":
-            infos[mask_key(self.batch)] = self._worlds.masks().astype(np.int8).reshape(self.num_envs, -1)
+            infos[mask_key(self.batch)] = self.joined.masks().astype(np.int8).reshape(self.num_envs, -1)
         infos.update({f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in tuple(infos)})
         return infos
 
     def _add_final(self, infos: Info, final: Observations) -> None:
-        """Add the last observations of the missions that ended, and their infos."""
-        finished = self._worlds.finished
+        """Add the last observations of the missions that ended and others have begun, and their infos."""
+        finished = self.joined.finished if self.autoreset_mode == AutoresetMode.SAME_STEP else ()
         if not finished:
             return
         ended = np.isin(np.arange(self.num_envs) // self._per_world, [end.world for end in finished])
         last = np.full(self.num_envs, None, dtype=object)
         for env in np.flatnonzero(ended):
-            last[env] = self._joined(final)[env]
+            last[env] = self._shaped(final)[env]
         happened = {name: values for name, values in infos.items() if not name.startswith("_")}
-        worked = np.concatenate([batch.worked for batch in self._worlds.batches])
+        worked = np.concatenate([batch.worked for batch in self.joined.batches])
         happened[ALIVE] = worked.reshape(infos[ALIVE].shape)
         infos["final_info"] = happened | {f"_{name}": ended.copy() for name in happened}
         infos |= {"final_obs": last, "_final_obs": ended, "_final_info": ended.copy()}
@@ -230,7 +212,7 @@ def _columns(told: Callable[[Batch], InfoColumns], batches: Sequence[Batch]) -> 
     return {name: sum((other[name] for other in others), values) for name, values in first.items()}
 
 
-class ViewedSettings(VectorSettings, total=False):
+class VectorSettings(EnvSettings, total=False):
     """Settings of both kinds, as keyword arguments."""
 
     autoreset_mode: AutoresetMode | str
@@ -246,13 +228,16 @@ class RobotVectorEnv(BatchVectorEnv):
 
     Args:
         worlds: W.
-        settings: see `ViewedSettings`.
+        mission: see `BatchVectorEnv`.
+        settings: see `VectorSettings`.
 
     """
 
     @spelled_out
-    def __init__(self, worlds: int = 1, **settings: Unpack[ViewedSettings]) -> None:
-        super().__init__(1, worlds, **settings)
+    def __init__(
+        self, worlds: int = 1, mission: GivenMission | None = None, **settings: Unpack[VectorSettings]
+    ) -> None:
+        super().__init__(1, worlds, mission, **settings)
 
 
 class TeamVectorEnv(BatchVectorEnv):
@@ -260,11 +245,20 @@ class TeamVectorEnv(BatchVectorEnv):
 
     Args:
         num_envs: W.
+        mission: see `BatchVectorEnv`.
         one_for_all: whether one option serves all robots of a team.
-        settings: see `ViewedSettings`.
+        settings: see `VectorSettings`.
 
     """
 
     @spelled_out
-    def __init__(self, num_envs: int = 1, *, one_for_all: bool = False, **settings: Unpack[ViewedSettings]) -> None:
-        super().__init__(0, whole_number(num_envs, "num_envs", 1), one_for_all=one_for_all, **settings)
+    def __init__(
+        self,
+        num_envs: int = 1,
+        mission: GivenMission | None = None,
+        *,
+        one_for_all: bool = False,
+        **settings: Unpack[VectorSettings],
+    ) -> None:
+        worlds = whole_number(num_envs, "num_envs", 1)
+        super().__init__(0, worlds, mission, one_for_all=one_for_all, **settings)

@@ -1,27 +1,12 @@
-"""The settings that all borders take, and signatures that spell them out."""
+"""Signatures that spell out the settings of borders."""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, TypeVar, get_args, get_type_hints
 
-from clean_swarm_env.learning.episodes import EnvSettings
-from clean_swarm_env.learning.given import GivenMission
-from clean_swarm_env.learning.reward import OwnRewards, RewardConfig
-
 Border = TypeVar("Border", bound=Callable[..., Any])
-GivenReward = RewardConfig | Mapping[str, Any] | OwnRewards | str
-"""Weights of the reward's terms, a function of the batch, or `module:function`."""
-
-
-class VectorSettings(EnvSettings, total=False):
-    """Settings of a vectorised environment, as keyword arguments."""
-
-    mission: GivenMission | None
-    """Its name in `configs/missions` ("table1" unless given), its path, its keys, or the model."""
-    reward: GivenReward | None
-    """Weights of the reward's terms, or a function, see `Batch`."""
 
 
 def spelled_out(function: Border) -> Border:

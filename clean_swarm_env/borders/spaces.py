@@ -11,9 +11,10 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import StartConfiguration
-from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import config_from
+from clean_swarm_env.learning.interface import ManyWorlds
+from clean_swarm_env.learning.joined import Joined
 from selforg.registry import unknown
 
 Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
@@ -26,39 +27,40 @@ NAMES = "names"
 space, as the files of Stable-Baselines3 do, keeps the names (docs/decisions/0220-spaces-have-names.md)."""
 
 
-def observation_space(batch: Batch, robots: int = 1) -> spaces.Box:
+def observation_space(worlds: ManyWorlds, robots: int = 1) -> spaces.Box:
     """Return the space of the observations of `robots` robots, one after the other."""
-    bounds = np.tile(batch.observer.bounds, robots)
+    observer = worlds.batches[0].observer
+    bounds = np.tile(observer.bounds, robots)
     space = spaces.Box(-bounds, bounds, dtype=np.float32)
-    vars(space)[NAMES] = tuple(batch.observer.names) * robots
+    vars(space)[NAMES] = tuple(observer.names) * robots
     return space
 
 
-def action_space(options: Mapping[str, Sequence[str]], mode: Mode, robots: int = 1) -> spaces.Space[Any]:
-    """Return the space of the actions of `robots` robots, one after the other; `options` are those of each goal.
+def action_space(worlds: ManyWorlds, robots: int = 1) -> spaces.Space[Any]:
+    """Return the space of the actions of `robots` robots, one after the other.
 
     A single option is Discrete, several options are MultiDiscrete, vectors are a Box. Both are a Dict: `option`, and
     `correction` of its movement.
     """
-    vectors = spaces.Box(-1.0, 1.0, (2 * robots,), np.float32)
+    mode, vectors = worlds.batches[0].action.mode, spaces.Box(-1.0, 1.0, (2 * robots,), np.float32)
     if mode == "velocity":
         return vectors
-    counts = [len(names) for names in options.values()] * robots
+    counts = [len(names) for names in worlds.options.values()] * robots
     choices = spaces.Discrete(counts[0]) if len(counts) == 1 else spaces.MultiDiscrete(counts)
-    vars(choices)[NAMES] = dict(options)
+    vars(choices)[NAMES] = dict(worlds.options)
     return choices if mode == "option" else spaces.Dict({OPTION: choices, CORRECTION: vectors})
 
 
-def flat_space(options: Mapping[str, Sequence[str]], mode: Mode) -> spaces.Space[Any]:
+def flat_space(worlds: ManyWorlds) -> spaces.Space[Any]:
     """Return the space of the actions of a robot for learners that know no dictionaries.
 
     Actions of both kinds are a Box: a number for each option, the largest of which is taken, and the correction.
     """
-    space = action_space(options, mode)
+    space = action_space(worlds)
     if not isinstance(space, spaces.Dict):
         return space
-    box = spaces.Box(-1.0, 1.0, (sum(map(len, options.values())) + 2,), np.float32)
-    vars(box)[NAMES] = dict(options)
+    box = spaces.Box(-1.0, 1.0, (sum(map(len, worlds.options.values())) + 2,), np.float32)
+    vars(box)[NAMES] = dict(worlds.options)
     return box
 
 
@@ -98,12 +100,6 @@ def start_of(options: Mapping[str, Any] | None, known: Sequence[str] = ("start",
     return None if start is None else config_from(StartConfiguration, start, "options['start']")
 
 
-def check_render_mode(mode: object, known: Sequence[str]) -> None:
-    """Raise ValueError for a render mode other than None and those `known`."""
-    if mode is not None and mode not in known:
-        raise ValueError(f"render_mode: expected None or {' or '.join(map(repr, known))}, got {mode!r}")
-
-
 class Member:
     """One environment of a vectorised environment.
 
@@ -117,10 +113,14 @@ class Member:
     spec = None
     render_mode = None
 
-    def __init__(self, batch: Batch, world: int, rows: slice) -> None:
-        """Make the environment of the `rows` of a batch that belong to one world."""
-        self.world, self.robot = world, rows.start % batch.robots
-        self._batch, self._rows = batch, rows
+    def __init__(self, worlds: Joined, first: int, rows: int) -> None:
+        """Make the environment of some `rows` of a world, from its `first` on among all."""
+        self.world = int(worlds.world_of[first])
+        self.robot = first - int(worlds.first_rows[self.world])
+        batch, own = worlds.places([self.world])[0]
+        start = own * batch.robots + self.robot
+        self._batch: Batch = batch
+        self._rows = slice(start, start + rows)
 
     @property
     def batch(self) -> Batch:
@@ -140,7 +140,7 @@ class Member:
     @property
     def action_space(self) -> spaces.Space[Any]:
         """Space of the actions."""
-        return action_space(self._batch.options, self._batch.action.mode, self._rows.stop - self._rows.start)
+        return action_space(self._batch, self._rows.stop - self._rows.start)
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Return which options of all goals and robots, one after the other, can serve next (for sb3-contrib)."""

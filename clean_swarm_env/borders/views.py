@@ -1,68 +1,69 @@
-"""How environments show their worlds: as pictures, or in a window."""
+"""What environments of one world have in common: its pictures, in a file or in a window, its state and its end."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
-
-from numpy.typing import NDArray
 
 from clean_swarm_env.drawing.canvas import Pixels
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.drawing.window import Window
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.interface import BatchStep
 
 PICTURE: Final = "rgb_array"
 WINDOW: Final = "human"
 
 
-class View:
-    """What an environment shows of the worlds of its batch.
+def picture_of(batch: Batch, world: int = 0) -> Pixels:
+    """Return the picture of a world as it is now."""
+    from clean_swarm_env.drawing.picture import pixels_of  # imports Matplotlib
 
-    Args:
-        batch: the worlds.
-        mode: None; PICTURE; or WINDOW, which shows every control period of the first world.
+    return pixels_of(canvas_of(batch.worlds, world), batch.picture.side, numbers=batch.picture.numbers)
+
+
+def checked_mode(mode: str | None, known: Sequence[str]) -> str | None:
+    """Return a render mode, or raise ValueError for another than None and those `known`."""
+    if mode is not None and mode not in known:
+        raise ValueError(f"render_mode: expected None or {' or '.join(map(repr, known))}, got {mode!r}")
+    return mode
+
+
+class OneWorld:
+    """An environment of one world, which a window shows in each control period if that is its render mode.
+
+    Attributes:
+        batch: the world.
 
     """
 
-    def __init__(self, batch: Batch, mode: str | None) -> None:
-        self._batch, self._mode = batch, mode
-        self._window = Window() if mode == WINDOW else None
+    metadata: dict[str, Any] = {"render_modes": [WINDOW, PICTURE], "render_fps": 1}  # noqa: RUF012
 
-    @property
-    def fps(self) -> float:
-        """Pictures that are one second of the mission."""
-        return 1.0 / (self._batch.period if self._mode == WINDOW else self._batch.decision_period)
+    def _show(self, batch: Batch, render_mode: str | None) -> None:
+        """Take the world, and open a window if it is wanted."""
+        self.batch, self.render_mode = batch, checked_mode(render_mode, self.metadata["render_modes"])
+        self._window = Window() if render_mode == WINDOW else None
+        batch.watch = self.render if self._window else None
+        shown_each = batch.period if self._window else batch.decision_period
+        self.metadata = {**self.metadata, "render_fps": 1.0 / shown_each}  # a second of the mission in a second
 
-    def reset(self) -> None:
+    def _begin(self) -> None:
         """Show the beginning of an episode."""
         if self._window is not None:
-            self._window.show(self.picture())
+            self.render()
 
-    def step(self, actions: NDArray[Any]) -> BatchStep:
-        """Run one decision period, and show it."""
-        if self._window is None:
-            return self._batch.step(actions)
-        for _ in self._batch.ticks(actions):
-            self._window.show(self.picture())
-        return self._batch.end_period()
-
-    def picture(self, world: int = 0) -> Pixels:
-        """Return the picture of a world as it is now."""
-        from clean_swarm_env.drawing.picture import pixels_of  # imports Matplotlib
-
-        wanted = self._batch.picture
-        return pixels_of(canvas_of(self._batch.worlds, world), wanted.side, numbers=wanted.numbers)
+    def get_state(self) -> bytes:
+        """Return the state of the mission, from which this or another environment goes on; see `Batch.get_state`."""
+        return self.batch.get_state()
 
     def render(self) -> Pixels | None:
-        """Return a picture (height, width, 3) or nothing, as the mode says; show it in the window."""
-        if self._mode == PICTURE:
-            return self.picture()
-        if self._window is not None:
-            self._window.show(self.picture())
+        """Return the world as a picture (height, width, 3), or show it in a window; None without a render mode."""
+        if self._window is None:
+            return picture_of(self.batch) if self.render_mode else None
+        self._window.show(picture_of(self.batch))
         return None
 
     def close(self) -> None:
-        """Close the window."""
+        """Close the window, and end the recording of a mission that is still going on."""
         if self._window is not None:
             self._window.close()
+        self.batch.close()

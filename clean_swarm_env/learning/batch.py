@@ -6,7 +6,7 @@ w*N .. (w+1)*N - 1). A world of a batch has, bit for bit, the course that it has
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Unpack
 
@@ -24,37 +24,34 @@ from clean_swarm_env.learning.given import (
     check_settings,
     config_from,
     directories_from,
+    of_each,
     seeds_from,
     whole_number,
 )
 from clean_swarm_env.learning.global_state import GlobalState
-from clean_swarm_env.learning.interface import BatchStep, Finished
+from clean_swarm_env.learning.interface import BatchStep, Finished, ManyWorlds
 from clean_swarm_env.learning.observation.config import ObservationConfig, usual_terms
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
-from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards
+from clean_swarm_env.learning.reward import Rewards
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from clean_swarm_env.recording.recorder import MissionRecorder
 from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, TIME_OVER
-from clean_swarm_env.world.states import Opened
+from clean_swarm_env.world.states import WorldState
 from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats, Ints
 from selforg.declared import make_arrays
 
-BATCH_STATES = "batch"
-"""Kind of the states of worlds of a batch, or of several that are joined."""
 
-
-class Batch:
+class Batch(ManyWorlds):
     """W worlds with one frame, stepped one decision period at a time.
 
     Args:
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         worlds: W.
-        reward: weights of the reward's terms, or a function of the batch that returns the rewards (R,) of the period.
         begin_anew: whether a world whose mission is over begins its next episode at the end of that period. If not,
             the world stays as it is until `reset`, and counts no more.
         settings: see `EnvSettings`.
@@ -69,10 +66,12 @@ class Batch:
         options: coordinated goal -> names of its options; `choices` are these as actions.
         observer: names and bounds of the components of an observation.
         observations: (R, F) float32, the last ones, always the same array.
+        returns: (R,) sum of the rewards of the mission so far.
         working, took_part: (R,) bool, whether there is a robot that works, and whether it did in the last period.
         worked: (R,) bool, whether it did at the end of the last mission that ended.
         open_team: whether a team may have more robots later than at its start.
         recorder: records the missions; None unless asked for.
+        watch: called after each control period of `step`; None unless set.
         series: the episodes that follow from seeds.
         progress: what happened in the last period.
         finished: the missions that ended in the last period.
@@ -88,6 +87,7 @@ class Batch:
 
     observations: Annotated[Observations, "R F", KEPT]
     doing: Annotated[list[Scenario | None], "W", KEPT]
+    returns: Annotated[Floats, "R", KEPT]
     choices: Annotated[LearnerActions, READ]
     recorder: Annotated[MissionRecorder | None, OUTSIDE]
     rewards: Annotated[Rewards, OUTSIDE]
@@ -102,7 +102,6 @@ class Batch:
         mission: GivenMission | None = None,
         worlds: int = 1,
         *,
-        reward: RewardConfig | Mapping[str, Any] | OwnRewards | str | None = None,
         begin_anew: bool = True,
         **settings: Unpack[EnvSettings],
     ) -> None:
@@ -110,6 +109,7 @@ class Batch:
         worlds = whole_number(worlds, "worlds", 1)
         compile_once(lambda: run_through(Batch()))
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
+        episodes.check_size()
         self.mission = episodes.following((0, 0, 1))[0].mission
         self.series = Series(episodes, worlds)
         self._source = settings.get("source") or self.series
@@ -131,7 +131,7 @@ class Batch:
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
         self.open_team = episodes.fewest < self.robots
-        self.rewards = Rewards(reward, self.worlds)
+        self.rewards = Rewards(settings.get("reward"), self.worlds)
         seen = config_from(ObservationConfig, settings.get("observation"), "observation")
         seen = seen.of(usual_terms(self.mission), driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)
@@ -139,79 +139,63 @@ class Batch:
         self.worked[:] = self.working
         self.finished: tuple[Finished, ...] = ()
         self._state = None
+        self.watch: Callable[[], object] | None = None
         self.doing = [None] * worlds
-        self._states = self.worlds.states_below(self, {"terms": self.observer.names})
+        self.states = self.worlds.states_below(self, {"terms": self.observer.names})
         self._begun = False
 
+    @property
+    def batches(self) -> tuple[Batch, ...]:  # type: ignore[override]  # an attribute would be a circle
+        """The batch itself."""
+        return (self,)
+
     def reset(
-        self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
-    ) -> Observations:
-        """Begin an episode in every world and return the observations (R, F), valid until the next call.
-
-        `seeds` (W,) restart the series of episodes. A world without a seed (None) continues its series, or begins
-        one whose seed is drawn from the system. `starts` (W,) take the place of random starts.
-        """
-        self.finished = ()
-        self.progress.reset_period()
-        return self.reset_worlds(np.arange(self.worlds.worlds), seeds, starts)
-
-    def reset_worlds(
         self,
-        worlds: Ints,
-        seeds: Sequence[int | None] | None = None,
+        seeds: int | Sequence[int | None] | None = None,
         starts: Sequence[StartConfiguration | None] | None = None,
+        worlds: Ints | None = None,
     ) -> Observations:
-        """Begin an episode in `worlds` (K,) only, and return the observations (R, F); the counts of the period stay.
+        """Begin an episode in every world, or in `worlds` (K,) only, whose `seeds` and `starts` alone count then.
 
-        `seeds` (W,) and `starts` (W,) are those of `reset`.
+        `seeds` (W,) restart the series of episodes; those of one number are its children. A world without a seed (None)
+        continues its series, or begins one whose seed is drawn from the system. `starts` (W,) take the place of random
+        starts. The observations (R, F) are valid until the next call. Without `worlds` the counts of the last period
+        are gone, too.
         """
-        known = seeds_from(seeds, self.worlds.worlds)
-        if starts is not None and len(starts) != len(known):
-            raise ValueError(f"starts: expected one for each of {len(known)} worlds, got {len(starts)}")
-        if self._source is self.series:
-            self.series.reset(known)
-        elif any(seed is not None for seed in known):
+        known = seeds_from(seeds, range(0, self.rows, self.robots), self.rows)
+        begun = of_each(starts, self.count, "starts")
+        own = self._source is self.series
+        if not own and any(seed is not None for seed in known):
             raise ValueError("seeds: expected none, because a source says what the worlds do")
+        if worlds is None:
+            self.finished, worlds = (), np.arange(self.count)
+            self.progress.reset_period()
         for world in worlds.tolist():
-            self._start_episode(world, None if starts is None else starts[world])
+            if own:
+                self.series.reset(world, known[world])
+            self._start_episode(world, begun[world])
             self.progress.elapsed[world] = 0
         self._begun = True
         self.observer.observe(self.observations, worlds)
         return self.observations
 
-    def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
-        """Return the states of `worlds` (K,), or of all, as sealed bytes that say their version."""
-        return self._states.sealed_of(BATCH_STATES, worlds)
-
-    def open_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Opened:
-        """Return a state, opened, of this or another batch of the same frame, options and terms; see `set_state`.
-
-        It holds K worlds, or one that all K go on from.
-        """
+    def check_state(self, state: WorldState) -> None:
+        """Raise ValueError unless a world can go on from a state."""
         if self.recorder is not None:
             raise ValueError("set_state: expected a batch that records nothing, because a recording has no jumps")
-        return self._states.opened(BATCH_STATES, state, worlds)
+        self.states.check(state)
 
-    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
-        """Make `worlds` (K,), or all, go on from `get_state`; return the observations (R, F).
-
-        The further course has the same bits. ValueError says what is damaged or does not fit, and then nothing has
-        changed.
-        """
-        return self.enter_state(self.open_state(state, worlds))
-
-    def enter_state(self, opened: Opened) -> Observations:
-        """Go on from what `open_state` has returned; the observations (R, F) are valid until the next call.
+    def enter(self, states: Mapping[int, WorldState]) -> Observations:
+        """Make worlds go on from states that `check_state` has let pass; return the observations (R, F).
 
         What ended in the last period, and vectors of the last action, are no part of a state.
         """
-        for world, state in opened:
-            self._states.put(world, state)
-        chosen = [world for world, _ in opened]
-        self._begun = self._begun or len(set(chosen)) == self.worlds.worlds
+        for world, state in states.items():
+            self.states.put(world, state)
+        self._begun = self._begun or len(states) == self.count
         self.finished = ()
         self.worked[:] = self.working
-        self.observer.observe(self._final, np.array(chosen, dtype=np.int64))  # the phases; what is seen is in the state
+        self.observer.observe(self._final, np.array([*states], dtype=np.int64))  # the phases; a state has what is seen
         return self.observations
 
     def steps(self, world: int) -> int:
@@ -248,6 +232,7 @@ class Batch:
         self.worlds.reset(world, scenario.start, scenario.seed, scenario.mission)
         self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), self.worlds.rows_of(world))
         self.progress.reset(world)
+        self.returns[self.worlds.rows_of(world)] = 0.0
         if self.recorder is not None:
             self.recorder.open(world, {"scenario": scenario.id, "seed": scenario.seed})
 
@@ -259,7 +244,8 @@ class Batch:
     def step(self, actions: NDArray[Any]) -> BatchStep:
         """Run one decision period."""
         for _ in self.ticks(actions):
-            pass
+            if self.watch is not None:
+                self.watch()
         return self.end_period()
 
     def masks(self) -> Flags:
@@ -296,6 +282,11 @@ class Batch:
         """Begin the next missions, and return the results of the period."""
         progress = self.progress
         self.rewards.of(self, self._gained)
+        self.returns += self._gained
+        self.finished = tuple(
+            replace(end, returns=self.returns[self.worlds.rows_of(end.world)][: end.result.robots].tolist())
+            for end in self.finished  # the first robots to join have the first rows
+        )
         terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIME_OVER
         if self.begin_anew:
             for end in self.finished:
@@ -318,4 +309,4 @@ class Batch:
             scenario, events = self.doing[world], int(worlds.collisions.events[world, 0])
             assert scenario is not None
             totals = {name: int(counts[world]) for name, counts in worlds.task.totals().items()}
-            self.finished += (Finished(world, scenario, result_of(worlds, world), events, totals),)
+            self.finished += (Finished(world, scenario, self.steps(world), result_of(worlds, world), events, totals),)

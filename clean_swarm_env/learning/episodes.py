@@ -6,7 +6,7 @@ Every episode is a `Scenario`. An episode of a series follows from a seed and it
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
@@ -31,6 +31,7 @@ from clean_swarm_env.learning.given import (
     whole_number,
 )
 from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.learning.reward import GivenReward
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.fields import Closed, Flag
 from selector.documents.trust import reading_files
@@ -57,6 +58,17 @@ class Episodes:
         """The least number of robots at the start of an episode."""
         return self.source.robots[0] if isinstance(self.source, FamilyConfig) else self.source.robots.count
 
+    @property
+    def tori(self) -> tuple[Size | None, ...]:
+        """The tori of a family; one that needs no name for a mission."""
+        return self.source.tori if isinstance(self.source, FamilyConfig) else (None,)
+
+    def check_size(self) -> None:
+        """Raise ValueError unless `size` is a torus of the family, or the family has one torus only."""
+        if self.size not in self.tori and (self.size or len(self.tori) > 1):
+            known = ", ".join(f"{own}" for own in self.tori)
+            raise ValueError(f"size: expected one of those of family {self.source.name!r}, {known}, got {self.size}")
+
     def draw(self, seed: int, number: int) -> Scenario:
         """Return an episode, on whatever torus."""
         if isinstance(self.source, FamilyConfig):
@@ -80,7 +92,8 @@ class Series:
     """The source of W worlds whose episodes follow from seeds.
 
     >>> series = Series(episodes_of("table1"), worlds=2)
-    >>> series.reset([5, 6])
+    >>> series.reset(0, 5)
+    >>> series.reset(1, 6)
     >>> [series(0).id, series(0).id, series(1).id]
     ['1', '2', '1']
     >>> series.share(5)
@@ -100,15 +113,14 @@ class Series:
         scenario, self._places[world] = self._episodes.following(place)
         return scenario
 
-    def reset(self, seeds: Sequence[int | None]) -> None:
-        """Give each world (W,) the episodes 0, 1, ... of its seed.
+    def reset(self, world: int, seed: int | None) -> None:
+        """Give a world the episodes 0, 1, ... of a seed.
 
-        A world without a seed (None) continues its episodes, or begins those of a seed drawn from the system.
+        Without a seed (None) it continues its episodes, or begins those of a seed drawn from the system.
         """
-        for world, seed in enumerate(seeds):
-            if seed is not None or self._places[world] is None:
-                known = np.random.SeedSequence().entropy if seed is None else seed
-                self._places[world] = (int(known), 0, 1)  # type: ignore[arg-type]
+        if seed is not None or self._places[world] is None:
+            known = np.random.SeedSequence().entropy if seed is None else seed
+            self._places[world] = (int(known), 0, 1)  # type: ignore[arg-type]
 
     def part_of(self, world: int) -> Following | None:
         """Return the place of the next episode of a world; None before its first."""
@@ -162,6 +174,9 @@ class EnvSettings(TypedDict, total=False):
     """Function from a world to its next scenario, in place of episodes that follow from seeds. All scenarios have the
     frame of the mission or the family (`frames`). A world without a next scenario stays as it is until `reset`, and
     counts no more."""
+    reward: GivenReward | None
+    """Weights of the reward's terms, a function of a batch that returns the rewards (R,) of a period, or its
+    `module:function`."""
     record: RecordSettings | None
     """Where every mission is recorded; none is unless given."""
     explained: bool
@@ -198,18 +213,8 @@ def episodes_of(mission: GivenMission | None = None, settings: EnvSettings | Non
     if mission is not None:
         raise ValueError("family: expected a mission or a family, got both")
     drawn = family_from(family, directories)
-    size = None if size is None else (size[0], size[1])
-    _check_size(drawn, size)
     known = drawn.model_copy(update={"mission": _changed(drawn.mission, chosen, directories)})
-    return Episodes(known, chosen.get("split", "train"), size)
-
-
-def _check_size(family: FamilyConfig, size: Size | None) -> None:
-    """Raise ValueError unless `size` is a torus of the family, or the family has one torus only."""
-    sizes = family.tori
-    if size not in sizes and (size is not None or len(sizes) > 1):
-        known = ", ".join(f"{own}" for own in sizes)
-        raise ValueError(f"size: expected one of those of family {family.name!r}, {known}, got {size}")
+    return Episodes(known, chosen.get("split", "train"), None if size is None else (size[0], size[1]))
 
 
 def _changed(mission: MissionConfig, chosen: EnvSettings, directories: tuple[Path, ...]) -> MissionConfig:

@@ -6,7 +6,7 @@ A mistake is an error of one line that names the argument and the key, as in a Y
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral
 from pathlib import Path
 from reprlib import repr as brief
@@ -92,7 +92,7 @@ def _content(value: object) -> Any:  # noqa: ANN401  (what a file could hold)
     return tuple(_content(part) for part in value) if isinstance(value, tuple) else value
 
 
-BATCH_ARGUMENTS = ("worlds", "reward", "begin_anew")
+BATCH_ARGUMENTS = ("worlds", "begin_anew")
 """Arguments of all batches beside their settings."""
 
 
@@ -109,7 +109,7 @@ def whole_number(given: object, where: str, least: int = 0) -> int:
     return int(given)
 
 
-def world_seeds(seed: int, worlds: int) -> list[int]:
+def world_seeds(seed: object, worlds: int) -> list[int]:
     """Return the seeds of W worlds: children of one seed, so that other seeds have other worlds.
 
     A world has the same seed among any number of worlds (docs/environment.md#seeds). Seeds are below 2^63: arrays of
@@ -123,13 +123,20 @@ def world_seeds(seed: int, worlds: int) -> list[int]:
     return [int(child.generate_state(1, np.uint64)[0]) >> 1 for child in children]
 
 
-def seeds_from(given: object, count: int) -> list[int | None]:
-    """Return the seeds of `count` worlds, each None without one."""
-    if given is None:
-        return [None] * count
-    if isinstance(given, str) or not isinstance(given, Iterable):
-        raise ValueError(f"seeds: expected one for each of {count} worlds, got {brief(given)}")
-    seeds = list(given)
-    if len(seeds) != count:
-        raise ValueError(f"seeds: expected one for each of {count} worlds, got {len(seeds)}")
-    return [None if seed is None else whole_number(seed, "seed") for seed in seeds]
+def seeds_from(given: object, firsts: Sequence[int], rows: int) -> list[int | None]:
+    """Return the seeds of worlds whose first rows among `rows` are `firsts` (W,), None for a world without one.
+
+    Seeds are the children of one number, or those of a list, of worlds or of rows.
+    """
+    if isinstance(given, Iterable) and not isinstance(given, str):
+        each = list(given)
+        by_world = of_each([each[row] for row in firsts] if len(each) == rows else each, len(firsts), "seeds")
+        return [None if seed is None else whole_number(seed, "seed") for seed in by_world]
+    return [None] * len(firsts) if given is None else [*world_seeds(given, len(firsts))]
+
+
+def of_each(given: Sequence[Any] | None, count: int, what: str) -> Sequence[Any]:
+    """Return what is given for each of `count` worlds, None for each if nothing is; ValueError for another number."""
+    if given is not None and len(given) != count:
+        raise ValueError(f"{what}: expected one for each of {count} worlds, got {len(given)}")
+    return [None] * count if given is None else given

@@ -1,16 +1,23 @@
-"""What a batch of worlds returns: the results of a decision period, and missions that have ended."""
+"""What worlds in one batch and in several have in common: the results of a period, missions that ended, and states."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import pickle
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.parts.measure import key_of
 from selforg.arrays import Flags, Floats
+from selforg.sealing import sealed, unsealed
+
+BATCH_STATES = "batch"
+"""Kind of the states of worlds, whatever batches they are in."""
 
 
 class BatchStep(NamedTuple):
@@ -36,12 +43,16 @@ class Finished:
     """Number of the world in the batch."""
     scenario: Scenario
     """The scenario of the mission."""
+    steps: int
+    """Number of its decision periods."""
     result: MissionResult
     """The figures of the mission."""
     collision_events: int
     """Number of times that a pair came closer than the first collision distance."""
     totals: Mapping[str, int]
     """Numbers that the task has beside its measures; see `Task.totals`."""
+    returns: Sequence[float] = ()
+    """Sum of the rewards of each robot that took part, the first to join first; known at the end of the period."""
 
     @property
     def statistics(self) -> dict[str, Any]:
@@ -50,3 +61,41 @@ class Finished:
         figures = {"duration_s": result.duration_s, "completed": result.completed}
         figures["mission_collision_events"] = self.collision_events
         return figures | {key_of(name): value for name, value in result.measures.items()} | dict(self.totals)
+
+
+class ManyWorlds:
+    """W worlds in one batch or in several, whose states are the same in any."""
+
+    batches: tuple[Any, ...]
+    """The batches (`Batch`, which stands above this module), whose worlds come one after the other."""
+    options: Mapping[str, tuple[str, ...]]
+    """Goal -> names of the options of all batches."""
+
+    def places(self, worlds: Sequence[int] | None = None) -> list[tuple[Any, int]]:
+        """Return the batch of each of `worlds` (K,), or of all, and its number there; ValueError for an unknown one."""
+        every = [(batch, own) for batch in self.batches for own in range(batch.count)]
+        chosen = range(len(every)) if worlds is None else [int(world) for world in worlds]
+        for world in chosen:
+            if not 0 <= world < len(every):
+                raise ValueError(f"worlds: expected 0 to {len(every) - 1}, got {world}")
+        return [every[world] for world in chosen]
+
+    def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
+        """Return the states of `worlds` (K,), or of all, as sealed bytes that say their version."""
+        packed = [pickle.dumps(batch.states.get(own), 5) for batch, own in self.places(worlds)]
+        return sealed(BATCH_STATES, packed)
+
+    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
+        """Make `worlds` (K,), or all, go on from `get_state` of K worlds, or of one; return the observations (R, F).
+
+        The further course has the same bits, in batches of the same frame, options and terms. ValueError says what is
+        damaged or does not fit, and then nothing has changed.
+        """
+        places, packed = self.places(worlds), unsealed(BATCH_STATES, state)
+        if len(packed) not in (1, len(places)):
+            raise ValueError(f"state: expected one world, or {len(places)}, got {len(packed)}")
+        states = [(*place, pickle.loads(packed[k % len(packed)])) for k, place in enumerate(places)]
+        for batch, _, one in states:
+            batch.check_state(one)
+        seen = [batch.enter({own: one for other, own, one in states if other is batch}) for batch in self.batches]
+        return np.concatenate(seen)

@@ -126,6 +126,8 @@ def weights_of(task: Task[Any, Any]) -> type[WeightsConfig]:
 
 OwnRewards = Callable[[Any], Floats]
 """A function of a batch at the end of a period that returns the rewards (R,)."""
+GivenReward = RewardConfig | Mapping[str, Any] | OwnRewards | str
+"""Weights of the reward's terms, a function of the batch, or `module:function`."""
 
 
 def own_rewards(chosen: object) -> OwnRewards | None:
@@ -179,7 +181,7 @@ class Rewards:
 
     """
 
-    def __init__(self, given: RewardConfig | Mapping[str, Any] | OwnRewards | str | None, worlds: Worlds) -> None:
+    def __init__(self, given: GivenReward | None, worlds: Worlds) -> None:
         """Turn the weights of the task of `worlds` into prices, or check the function."""
         self._own, self._worlds, task = own_rewards(given), worlds, worlds.task
         weights: Any = given.model_dump(exclude_unset=True) if isinstance(given, RewardConfig) else given

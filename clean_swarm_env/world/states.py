@@ -8,7 +8,7 @@ state.
 from __future__ import annotations
 
 import pickle
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.clock import Clock
 from selforg.arrays import Mark
 from selforg.declared import Shared, walk
-from selforg.sealing import check_alike, sealed, unsealed
+from selforg.sealing import check_alike
 
 
 class WorldState(NamedTuple):
@@ -35,10 +35,6 @@ class WorldState(NamedTuple):
     """The world's part of each array, one after the other."""
     things: dict[str, Any]
     """The world's part of lists, buffers and other things that are kept, by path."""
-
-
-Opened = list[tuple[int, WorldState]]
-"""Numbers of worlds, and the states from which they can go on."""
 
 
 class Slot(NamedTuple):
@@ -174,32 +170,6 @@ class KeptStates:
         for path, one in shared.items():
             one.put_part(world, state.things[path], later)
         self._missions[world] = state.mission
-
-    def sealed_of(self, kind: str, worlds: Sequence[int] | None) -> bytes:
-        """Return the states of `worlds` (K,), or of all, as sealed bytes of a kind."""
-        return sealed(kind, [pickle.dumps(self.get(world), 5) for world in self._numbers(worlds)])
-
-    def opened(self, kind: str, state: bytes, worlds: Sequence[int] | None) -> Opened:
-        """Return from what `worlds` (K,), or all, can go on: the states of as many, or of one.
-
-        ValueError says what is damaged or does not fit.
-        """
-        packed, chosen = unsealed(kind, state), self._numbers(worlds)
-        if len(packed) not in (1, len(chosen)):
-            raise ValueError(f"state: expected one world, or {len(chosen)}, got {len(packed)}")
-        states = [(world, pickle.loads(packed[number % len(packed)])) for number, world in enumerate(chosen)]
-        for _, of_world in states[: len(packed)]:
-            self.check(of_world)
-        return states
-
-    def _numbers(self, worlds: Sequence[int] | None) -> list[int]:
-        """Return the numbers of `worlds`, or of all; ValueError for one that does not exist."""
-        count = len(self._missions)
-        chosen = list(range(count)) if worlds is None else [int(world) for world in worlds]
-        for world in chosen:
-            if not 0 <= world < count:
-                raise ValueError(f"worlds: expected 0 to {count - 1}, got {world}")
-        return chosen
 
 
 def saved(thing: object) -> object:

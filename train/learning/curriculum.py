@@ -16,7 +16,7 @@ import numpy as np
 from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import Size
-from clean_swarm_env.learning.joined import family_batches
+from clean_swarm_env.learning.joined import batches_of
 from selector.documents.errors import DocumentError
 from selector.knowledge import Definition, check_same
 from train.learning.config import TrainingConfig
@@ -48,11 +48,12 @@ class Curriculum:
         self._tori: list[list[Batch]] = []
         self.definitions: dict[str, dict[str, Definition]] = {}
         for family, task in zip(self._families, config.tasks, strict=True):
-            own = family_batches(
-                family,
+            own = batches_of(
+                None,
                 task.worlds,
+                threads,
                 sizes=_sizes(family),
-                threads=threads,
+                family=family,
                 observation=config.observation,
                 reward=given if isinstance(given := config.reward, str) else given.model_dump(exclude_unset=True),
                 directories=directories,

@@ -71,7 +71,7 @@ def test_all_borders_have_one_course_and_say_the_same_in_every_step(kind, mode):
 def test_velocity_mode_shows_neither_masks_nor_options(border):
     env = border(mission=SHORT, action=VELOCITY)
     _, infos = env.reset(seed=1)
-    names = (env._batch if border is clean_swarm_v0.parallel_env else env.batch).observer.names
+    names = env.batch.observer.names
     assert not [name for name in names if name.startswith("holds_")]
     assert not {MASK, OPTION_MASK} & infos.get("robot_0", infos).keys()
     with pytest.raises(ValueError, match="terms: 'holds': expected options as actions, got mode 'velocity'"):

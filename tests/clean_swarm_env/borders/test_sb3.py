@@ -20,7 +20,7 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import world_seeds
-from clean_swarm_env.learning.joined import family_batches
+from clean_swarm_env.learning.joined import batches_of
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.sb3 import MissionCallback, RobotVecEnv, evaluate_missions
 from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
@@ -160,7 +160,7 @@ def test_ppo_learns_on_it_and_equal_seeds_learn_alike(mode):
 def of_two():
     """Return the worlds of a mission, and those of a family with larger teams."""
     settings = {"knowledge": "avoidance", "observation": ObservationConfig(terms=["situation", "crowd"])}
-    return [Batch(SHORT, 2, **settings), *family_batches("crowded", 1, **settings)]
+    return [Batch(SHORT, 2, **settings), *batches_of("crowded", 1, **settings)]
 
 
 @long_course

@@ -64,7 +64,7 @@ def test_an_environment_of_a_family_sees_the_terms_of_its_mission():
 def test_spaces_name_what_they_hold_and_copies_do_too(copied):
     batch = Batch(family="clustered")
     assert copied(observation_space(batch)).names == batch.observer.names
-    assert copied(action_space(batch.options, "option")).names == dict(batch.options)
+    assert copied(action_space(batch)).names == dict(batch.options)
     assert len(observation_space(batch, 2).names) == 2 * batch.observer.width
 
 

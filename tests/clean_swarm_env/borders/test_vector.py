@@ -170,6 +170,15 @@ def test_seeds_may_be_those_of_worlds_or_of_robots():
     assert np.array_equal(envs.reset(seed=[7] * 5 + [9] * 5)[0], first)
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_seed_counts_for_the_worlds_that_begin_only(threads):
+    envs, others = (RobotVectorEnv(2, mission=SHORT, threads=threads) for _ in "ab")
+    for one in (envs, others):
+        one.reset(seed=3)
+    envs.reset(seed=8, options={"reset_mask": np.arange(10) >= 5})
+    assert np.array_equal(envs.reset()[0][:5], others.reset()[0][:5])
+
+
 def test_neighbouring_seeds_have_other_worlds_and_each_world_repeats_alone():
     """Ten seeds of 24 worlds are 240 worlds; world w of seed S is no world of seed S + 1."""
     assert len({one for seed in range(10) for one in world_seeds(seed, 24)}) == 240

@@ -82,10 +82,12 @@ def test_without_seeds_every_batch_is_another():
 def test_statistics_of_a_finished_mission_are_what_was_counted_on_the_way():
     batch = begun(Batch(short(), 3), [1, 2, 3])
     events, seconds, ends = np.zeros((6, batch.rows)), np.zeros(3), 0
+    paid, steps = np.zeros(batch.rows), np.zeros(3, dtype=np.int64)
     for _ in range(250):
         step = batch.step(np.zeros(batch.rows, dtype=np.int64))
         events += batch.progress.events
         seconds += batch.progress.ticks * batch.worlds.period
+        paid, steps = paid + step.rewards, steps + 1
         for end in batch.finished:
             rows = batch.worlds.rows_of(end.world)
             result = end.result
@@ -94,7 +96,9 @@ def test_statistics_of_a_finished_mission_are_what_was_counted_on_the_way():
             assert events[0, rows].sum() >= events[1, rows].sum() >= events[2, rows].sum()
             assert events[3, rows].sum() / 2 == pytest.approx(result.collision_events_per_s[0] * result.ticks * 0.2)
             assert result.completed == step.terminated[end.world] == (not step.truncated[end.world])
+            assert (end.returns, end.steps) == (paid[rows].tolist(), steps[end.world])
             events[:, rows], seconds[end.world] = 0.0, 0.0
+            paid[rows], steps[end.world] = 0.0, 0
             ends += 1
     assert ends > 6
 

@@ -13,7 +13,7 @@ def named(env):
 
 def test_the_state_says_where_everything_is():
     env = begun(clean_swarm_v0.parallel_env(), seed=1)
-    worlds, state = env._batch.worlds, named(env)
+    worlds, state = env.batch.worlds, named(env)
     assert env.state_space.shape == (len(state),) == (5 * (7 + 3) + 10 * 5 + 4 + 2,)
     for row in range(5):
         x, y = worlds.physics.positions[row] / worlds.extent * 2 - 1

@@ -7,7 +7,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import episodes_of
-from clean_swarm_env.learning.joined import Joined, family_batches
+from clean_swarm_env.learning.joined import Joined, batches_of
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import begun, long_course, mission
@@ -19,7 +19,7 @@ UNSEEN = ((8.0, 8.0), (16.0, 9.0), (18.0, 18.0))
 def mix():
     """Return batches of two missions and a family, with 3, 5 and up to 5 robots a world."""
     small = mission(robots={"count": 3}, garbage={"count": 1}, time_limit=20.0)
-    return [Batch(SHORT, 2), Batch(small, 1), *family_batches("random", 1, knowledge="cleaning")]
+    return [Batch(SHORT, 2), Batch(small, 1), *batches_of("random", 1, knowledge="cleaning")]
 
 
 def options_of(rows, steps):
@@ -59,7 +59,7 @@ def test_a_shared_seed_is_dealt_out_to_the_worlds():
 
 
 def test_a_family_of_several_tori_makes_a_batch_for_each():
-    batches = family_batches("unseen", 5)
+    batches = batches_of("unseen", 5)
     sizes = [(batch.mission.world.width, batch.mission.world.height) for batch in batches]
     assert (tuple(sizes), [batch.worlds.worlds for batch in batches]) == (UNSEEN, [2, 2, 1])
     unlike = {load_family("unseen").scenario(3, k, "train").mission.world.width for k in range(6)}
@@ -68,8 +68,8 @@ def test_a_family_of_several_tori_makes_a_batch_for_each():
     for _ in range(3):
         assert {scenario.mission.world.width for scenario in batches[1].doing} == {16.0}
         batches[1].reset()
-    assert [batch.worlds.worlds for batch in family_batches("unseen", 1, sizes=UNSEEN[2:])] == [1]
-    assert len(family_batches("crowded", 3)) == 1
+    assert [batch.worlds.worlds for batch in batches_of("unseen", 1, sizes=UNSEEN[2:])] == [1]
+    assert len(batches_of("crowded", 3)) == 1
 
 
 @long_course

@@ -9,8 +9,9 @@ import time
 import numpy as np
 import pytest
 
+from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.joined import Joined, blocks, family_batches, in_threads
+from clean_swarm_env.learning.joined import Joined, batches_of, in_threads
 from clean_swarm_env.recording.recorder import RecordSettings
 from tests.clean_swarm_env.courses import begun, mission
 
@@ -32,7 +33,7 @@ def course_of(joined, steps=20, state=None):
 
 
 def test_any_number_of_threads_gives_the_same_bits():
-    each = [Joined(blocks(SHORT, WORLDS, threads), threads) for threads in (1, 2, 3, 5)]
+    each = [Joined(batches_of(SHORT, WORLDS, threads), threads) for threads in (1, 2, 3, 5)]
     courses = {course_of(joined) for joined in each}
     assert len(courses) == 1
     assert courses.pop()[1] > 0, "missions end and begin anew"
@@ -44,24 +45,25 @@ def test_any_number_of_threads_gives_the_same_bits():
 
 
 def test_more_threads_than_worlds_are_no_mistake_and_none_is():
-    assert [batch.count for batch in blocks(SHORT, 2, 7)] == [1, 1]
+    assert [batch.count for batch in batches_of(SHORT, 2, 7)] == [1, 1]
     with pytest.raises(ValueError, match="threads: expected a whole number of at least 1, got 0"):
-        blocks(SHORT, 2, 0)
+        batches_of(SHORT, 2, 0)
 
 
 def test_worlds_with_a_source_and_recorded_ones_stay_together(tmp_path):
-    assert len(blocks(SHORT, 2, 2, record=RecordSettings(tmp_path))) == 1
-    assert len(blocks(SHORT, 2, 2, source=lambda world: None)) == 1
+    assert len(batches_of(SHORT, 2, 2, record=RecordSettings(tmp_path))) == 1
+    assert len(batches_of(SHORT, 2, 2, source=lambda world: None)) == 1
 
 
 def test_a_family_has_blocks_of_each_torus():
-    parts = family_batches("unseen", 7, threads=2)
+    parts = batches_of("unseen", 7, 2)
     assert sum(batch.count for batch in parts) == 7
-    assert len(parts) == 2 * len(family_batches("unseen", 7))
+    assert len(parts) == 2 * len(batches_of("unseen", 7))
+    assert RobotVectorEnv(7, "unseen").num_envs == sum(batch.rows for batch in parts)
 
 
 def test_a_wrong_action_moves_no_world():
-    joined = begun(Joined(blocks(SHORT, 4, 2), 2), range(4))
+    joined = begun(Joined(batches_of(SHORT, 4, 2), 2), range(4))
     before = [batch.get_state() for batch in joined.batches]
     wrong = np.zeros(joined.rows, dtype=np.int64)
     wrong[-1] = 99

@@ -171,7 +171,7 @@ def test_an_environment_has_actions_for_all_goals_and_a_state_with_all_stations(
     assert kinds == [f"{station}_{axis}" for station, axis in itertools.product(expected, "xy")]
     stations = [2 * place / 20.0 - 1 for point in load_mission("transport").task.stations.places for place in point]
     np.testing.assert_allclose(env.state()[[env.state_names.index(name) for name in kinds]], stations, atol=1e-6)
-    world = env.unwrapped._batch.worlds
+    world = env.unwrapped.batch.worlds
     own = world.physics.positions[0]
     away = min(nearest_distance(own, np.array([p]), world.extent) for p in world.task.stations[0, [0, 2, 3]])
     seen = observations["robot_0"][env.observation_names.index("recycling_distance")]

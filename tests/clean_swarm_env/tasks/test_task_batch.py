@@ -136,6 +136,6 @@ def test_states_of_other_tasks_are_refused():
 def test_a_given_start_takes_the_place_of_robots_that_the_task_would_place():
     places = [[1.0 + 2.0 * k, 1.0, 0.0] for k in range(12)]
     env = begun(clean_swarm_v0.parallel_env(FORAGING), seed=1, options={"start": {"id": "own", "robots": places}})
-    assert env.unwrapped._batch.worlds.physics.positions.tolist() == [place[:2] for place in places]
+    assert env.unwrapped.batch.worlds.physics.positions.tolist() == [place[:2] for place in places]
     with pytest.raises(ValueError, match="expected 12 robots and 0 items, got 1 and 0"):
         env.reset(options={"start": {"id": "own", "robots": places[:1]}})

@@ -106,7 +106,7 @@ def test_a_model_holds_its_option_whatever_is_given_and_masks_say_so():
     assert infos["robot_2"]["action_mask"].tolist() == [0, 0, 1]
     assert infos["robot_0"]["action_mask"].tolist() == [1, 1, 1]
     env.step(dict.fromkeys(env.agents, 0))
-    assert env._batch.worlds.coordinators[0].held.tolist() == [0, 0, 2]
+    assert env.batch.worlds.coordinators[0].held.tolist() == [0, 0, 2]
 
 
 def test_an_option_that_nobody_knows_cannot_be_held():

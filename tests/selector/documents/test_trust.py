@@ -17,7 +17,7 @@ from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_experiment, load_family, load_mission
 from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.joined import family_batches
+from clean_swarm_env.learning.joined import batches_of
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from selector.documents.errors import DocumentError
 from selector.documents.imported import imported, source_of
@@ -123,7 +123,7 @@ def test_an_argument_trusts_what_it_reads_and_nothing_else(canary, tmp_path, cap
         partial(CleanSwarmTeam, "far.yaml"),
         partial(TeamVectorEnv, 1, mission="far.yaml"),
         partial(Batch, family="family.yaml", directories=tmp_path),
-        partial(family_batches, "family.yaml", 1, directories=(tmp_path,)),
+        partial(batches_of, "family.yaml", 1, directories=(tmp_path,)),
     )
     for read in readers:
         with permitting(Permission()):

@@ -47,7 +47,7 @@ class SelectorEnv(VecEnvWrapper):
         self._columns = [list(robots.options).index(goal) for goal in self.options]
         self._places = [order.index(option) for option in each_option(self.options)]
         self._holds = np.array([holds[goal] for goal in self.options], dtype=np.int64)
-        self._defaults = robots.default_options()
+        self._defaults = robots.joined.defaults()
         self._left = np.zeros((robots.num_envs, len(self.counts)), dtype=np.int64)
         self._masks = np.zeros((robots.num_envs, len(self._places)), dtype=np.bool_)
         self.chosen = self.anew = self._left > 0
