@@ -97,11 +97,12 @@ class CleanSwarm(OneWorld, ParallelEnv[str, Observations, AgentAction]):
         self._state = batch.global_state()
         self.observation_names, self.state_names = batch.observer.names, self._state.names
         self._sees_all = state == "global"
-        self.state_space = observation_space(batch, batch.robots)
-        if self._sees_all:
-            self.state_space = gymnasium.spaces.Box(-1.0, 1.0, (len(self.state_names),), np.float32)
-        space = action_space(batch)
+        whole = gymnasium.spaces.Box(-1.0, 1.0, (len(self.state_names),), np.float32)
+        self.state_space = whole if self._sees_all else observation_space(batch, batch.robots)
+        space, mode, options = action_space(batch), batch.action.mode, batch.choices.default
         self._choices = int(space.n) if isinstance(space, gymnasium.spaces.Discrete) else 0
+        kinds = {"option": options[0] if self._choices else options, "velocity": np.zeros(2)}
+        self._idle = kinds.get(mode, np.append(options, np.zeros(2)))  # the action of robots that join during a period
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Box:
         """Return the space of an agent's observations: always the same object."""
@@ -118,7 +119,6 @@ class CleanSwarm(OneWorld, ParallelEnv[str, Observations, AgentAction]):
         known = ("start", "options")  # PettingZoo's own tests give {"options": 1}
         self.batch.reset([seed], [start_of(options, known)])
         self.agents = self.at_work()
-        self._begin()
         return self.seen(self.agents)
 
     def step(self, actions: Mapping[str, AgentAction]) -> AgentsStep:
@@ -201,15 +201,10 @@ class CleanSwarm(OneWorld, ParallelEnv[str, Observations, AgentAction]):
             if not space.contains(action):
                 expected = f"0..{space.n - 1}" if isinstance(space, gymnasium.spaces.Discrete) else repr(space)
                 raise ValueError(f"actions[{agent!r}]: expected {expected}, got {brief(action)}")
-        mode, options, still = self.batch.action.mode, self.batch.choices.default, np.zeros(2)
         given: Mapping[str, Any] = actions
-        if mode == "both":
+        if self.batch.action.mode == "both":
             given = {agent: np.hstack([action[OPTION], action[CORRECTION]]) for agent, action in given.items()}
-        if len(given) == len(self.possible_agents):
-            return np.array([given[agent] for agent in self.possible_agents])
-        default = {"option": options, "velocity": still, "both": np.append(options, still)}[mode]
-        first = default.reshape(np.shape(given[self.agents[0]]))  # the action of robots that join during the period
-        return np.array([given.get(agent, first) for agent in self.possible_agents])
+        return np.array([given.get(agent, self._idle) for agent in self.possible_agents])
 
 
 class WholeSettings(EnvSettings, total=False):

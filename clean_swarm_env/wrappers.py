@@ -15,8 +15,8 @@ from pettingzoo import ParallelEnv
 from pettingzoo.utils.wrappers import BaseParallelWrapper
 
 from clean_swarm_env.borders.infos import ALIVE, MASK, OPTION_MASK
-from clean_swarm_env.borders.spaces import OPTION
 from clean_swarm_env.clean_swarm_v0 import AgentAction, AgentInfos, AgentsStep, CleanSwarm
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 
 
@@ -80,7 +80,7 @@ class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], Agent
     Where an action is more than one option, the key is `option_mask`: libraries sample whole actions by `action_mask`.
 
     Args:
-        env: a parallel environment with options as actions, wrapped or not.
+        env: a `CleanSwarm` with options as actions, wrapped or not.
         key: key of the observation, as the library wants it: "observation" (PettingZoo, Tianshou), "observations"
             (RLlib).
 
@@ -111,12 +111,10 @@ class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], Agent
         return (self._masked(observations, infos), *others, infos)
 
     def _space(self, agent: str) -> gymnasium.spaces.Dict:
-        actions: Any = self.env.action_space(agent)
-        if isinstance(actions, gymnasium.spaces.Box):
+        batch: Batch = self.unwrapped.batch
+        if batch.action.mode == "velocity":
             raise ValueError("MaskedObservations: expected options as actions, got mode 'velocity'")
-        actions = actions[OPTION] if isinstance(actions, gymnasium.spaces.Dict) else actions
-        options = int(actions.n) if isinstance(actions, gymnasium.spaces.Discrete) else int(actions.nvec.sum())
-        mask = gymnasium.spaces.Box(0, 1, (options,), np.int8)
+        mask = gymnasium.spaces.Box(0, 1, (sum(batch.choices.counts),), np.int8)
         return gymnasium.spaces.Dict({self._key: self.env.observation_space(agent), self._mask: mask})
 
     def _masked(self, observations: dict[str, Observations], infos: AgentInfos) -> dict[str, dict[str, NDArray[Any]]]:

@@ -55,7 +55,6 @@ class CleanSwarmTeam(OneWorld, gymnasium.Env[Observations, NDArray[Any]]):
         start_of(options)
         super().reset(seed=seeds_from([seed], [0], 1)[0])
         observations, infos = self._envs.reset(seed=[seed], options=options)
-        self._begin()
         return observations[0], _first(infos)
 
     def step(self, action: NDArray[Any]) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
@@ -65,16 +64,14 @@ class CleanSwarmTeam(OneWorld, gymnasium.Env[Observations, NDArray[Any]]):
 
     def set_state(self, state: bytes) -> Observations:
         """Go on from a state; return the observation. ValueError: damaged, or does not fit; nothing has changed."""
-        observation: Observations = self._envs.set_state(state)[0]
-        return observation
+        return self._envs.set_state(state).ravel()
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Return which options can serve next, those of each robot one after the other (for sb3-contrib).
 
         One option for all robots can serve if it can in any robot.
         """
-        masks: NDArray[np.bool_] = self._envs.masks()[0]
-        return masks
+        return self._envs.masks().ravel()
 
 
 def _alone(action: Any) -> Any:  # noqa: ANN401  (an action, of whatever space)

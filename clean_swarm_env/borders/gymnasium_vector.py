@@ -16,7 +16,7 @@ What happens when the mission of a world is over:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Unpack
 
 import numpy as np
@@ -24,11 +24,10 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from clean_swarm_env.borders.infos import ALIVE, Info, InfoColumns, mask_key, own_infos, team_infos
+from clean_swarm_env.borders.infos import ALIVE, Info, InfoColumns, own_infos, team_infos
 from clean_swarm_env.borders.settings import spelled_out
 from clean_swarm_env.borders.spaces import Member, action_space, observation_space, rows_of, start_of
 from clean_swarm_env.borders.views import PICTURE, checked_mode, picture_of
-from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission, seeds_from, whole_number
 from clean_swarm_env.learning.joined import Joined, batches_of
@@ -112,14 +111,13 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
             raise RuntimeError(f"step: the missions of worlds {waiting.tolist()} are over, call reset first")
         step = self.joined.step(np.repeat(given, self._sharing, axis=0))
         seen = self.joined.reset(worlds=waiting) if len(waiting) else step.observations
-        infos = self._infos()
-        self._add_final(infos, step.final_observations)
+        anew = self.autoreset_mode == AutoresetMode.SAME_STEP
         return (
             self._shaped(seen),
             step.rewards.reshape(self.num_envs, -1).mean(axis=1),
             np.repeat(step.terminated & ~over, self._per_world),
             np.repeat(step.truncated & ~over, self._per_world),
-            infos,
+            self._infos(step.final_observations if anew else None),
         )
 
     def _waiting(self) -> Flags:
@@ -159,12 +157,6 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         """Return an attribute of every environment, such as `world`; AttributeError if they do not have it."""
         return tuple(getattr(env, name) for env in self.envs)
 
-    def set_attr(self, name: str, values: Any) -> None:  # noqa: ANN401  (one for each environment, or one for all)
-        """Set an attribute of every environment; those that follow from the batch cannot be set."""
-        each = values if isinstance(values, list | tuple) else [values] * self.num_envs
-        for env, value in zip(self.envs, each, strict=True):
-            setattr(env, name, value)
-
     def _chosen(self, mask: Any) -> Ints | None:  # noqa: ANN401  (what a user gave)
         """Return the worlds that a mask (E,) of environments chooses; None for all."""
         flags = np.ones(self.num_envs, dtype=np.bool_) if mask is None else np.asarray(mask)
@@ -179,37 +171,36 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     def _shaped(self, observations: Observations) -> Observations:
         return observations.reshape(self.num_envs, -1).copy()
 
-    def _infos(self) -> Info:
-        """Return the infos as arrays: (E,) for a team's, (E,) or (E, N) for a robot's own, (E, ...) for the mask."""
-        of_teams, of_robots = (_columns(told, self.joined.batches) for told in (team_infos, own_infos))
-        infos: Info = {name: np.array(values).repeat(self._per_world) for name, values in of_teams.items()}
-        shape = (self.num_envs,) if self._together == 1 else (self.num_envs, -1)
-        infos |= {name: np.array(own).reshape(shape) for name, own in of_robots.items()}
-        if self.batch.action.mode != "velocity":
-            infos[mask_key(self.batch)] = self.joined.masks().astype(np.int8).reshape(self.num_envs, -1)
-        infos.update({f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in tuple(infos)})
-        return infos
+    def _infos(self, final: Observations | None = None) -> Info:
+        """Return the infos as arrays: (E,) for a team's, (E,) or (E, N) for a robot's own, (E, ...) for the mask.
 
-    def _add_final(self, infos: Info, final: Observations) -> None:
-        """Add the last observations of the missions that ended and others have begun, and their infos."""
-        finished = self.joined.finished if self.autoreset_mode == AutoresetMode.SAME_STEP else ()
-        if not finished:
-            return
-        ended = np.isin(np.arange(self.num_envs) // self._per_world, [end.world for end in finished])
-        last = np.full(self.num_envs, None, dtype=object)
-        for env in np.flatnonzero(ended):
-            last[env] = self._shaped(final)[env]
-        happened = {name: values for name, values in infos.items() if not name.startswith("_")}
-        worked = np.concatenate([batch.worked for batch in self.joined.batches])
-        happened[ALIVE] = worked.reshape(infos[ALIVE].shape)
-        infos["final_info"] = happened | {f"_{name}": ended.copy() for name in happened}
-        infos |= {"final_obs": last, "_final_obs": ended, "_final_info": ended.copy()}
+        `final` has the last observations of missions that ended, if others have begun.
+        """
+        of_teams, of_robots = (_columns(map(told, self.joined.batches)) for told in (team_infos, own_infos))
+        infos: Info = {name: values.repeat(self._per_world) for name, values in of_teams.items()}
+        for name, own in of_robots.items():
+            infos[name] = own if self._together == own.ndim == 1 else own.reshape(self.num_envs, -1)
+        told, finished = _flagged(infos, np.ones(self.num_envs, dtype=np.bool_)), self.joined.finished
+        if final is not None and finished:
+            ended = np.isin(np.arange(self.num_envs) // self._per_world, [end.world for end in finished])
+            last = np.full(self.num_envs, None, dtype=object)
+            for env in np.flatnonzero(ended):
+                last[env] = self._shaped(final)[env]
+            worked = np.concatenate([batch.worked for batch in self.joined.batches]).reshape(infos[ALIVE].shape)
+            happened = _flagged(infos | {ALIVE: worked}, ended)
+            told |= _flagged({"final_obs": last, "final_info": happened}, ended)
+        return told
 
 
-def _columns(told: Callable[[Batch], InfoColumns], batches: Sequence[Batch]) -> InfoColumns:
+def _columns(told: Iterable[InfoColumns]) -> dict[str, NDArray[Any]]:
     """Return what is told of batches, with the values of all one after the other."""
-    first, *others = map(told, batches)
-    return {name: sum((other[name] for other in others), values) for name, values in first.items()}
+    each = list(told)
+    return {name: np.concatenate([one[name] for one in each]) for name in each[0]}
+
+
+def _flagged(infos: Info, which: Flags) -> Info:
+    """Return infos, and for each of them which environments have it."""
+    return infos | {f"_{name}": which.copy() for name in infos}
 
 
 class VectorSettings(EnvSettings, total=False):

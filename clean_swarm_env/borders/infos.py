@@ -17,14 +17,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from clean_swarm_env.borders.spaces import masks_of
+import numpy as np
+
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission_end import COMPLETED
 from clean_swarm_env.world.parts.measure import key_of
 
 Info = dict[str, Any]
-InfoColumns = dict[str, list[Any]]
-"""Key of an info -> values of all worlds or of all rows."""
+InfoColumns = dict[str, Any]
+"""Key of an info -> values of all worlds or of all rows, one after the other."""
 
 MASK, OPTION_MASK = "action_mask", "option_mask"
 """Keys of the options that can serve in the coming period, 1 or 0: where these are the action, and where they are a
@@ -64,25 +65,22 @@ def team_infos(batch: Batch) -> InfoColumns:
 
 
 def own_infos(batch: Batch) -> InfoColumns:
-    """Return the achievements of each row, the values of `OWN`, and which robots are at work."""
+    """Return the achievements of each row, the values of `OWN`, which robots are at work, and the masks (R, O)."""
     worlds, columns = batch.worlds, InfoColumns()
     names = [*(f"own_{achievement.name}" for achievement in worlds.task.achievements), *OWN]
     for name, counts in zip(names, batch.progress.events.tolist(), strict=True):
         columns[name] = [ticks * worlds.period for ticks in counts] if name in SECONDS else counts
     columns[ALIVE] = batch.alive.tolist()
+    if batch.action.mode != "velocity":
+        columns[MASK if batch.action.mode == "option" else OPTION_MASK] = batch.masks().view(np.int8)
     return columns
 
 
-def mask_key(batch: Batch) -> str:
-    """Return the key of the masks of a batch whose actions have options."""
-    return MASK if batch.action.mode == "option" else OPTION_MASK
-
-
 def robot_infos(batch: Batch) -> list[Info]:
-    """Return the infos of each row: those of its world, its own, and the mask."""
-    team, own = team_infos(batch), own_infos(batch)
-    if batch.action.mode != "velocity":
-        own[mask_key(batch)] = list(masks_of(batch))
+    """Return the infos of each row: those of its world and its own, masks as `sample` of the space takes them."""
+    team, own, counts = team_infos(batch), own_infos(batch), batch.choices.counts
+    for name in own.keys() & {MASK, OPTION_MASK} if len(counts) > 1 else ():
+        own[name] = zip(*np.split(own[name], np.cumsum(counts)[:-1], axis=1), strict=True)
     rows, infos = zip(*own.values(), strict=True), []
     for values in zip(*team.values(), strict=True):
         shared = dict(zip(team, values, strict=True))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from reprlib import repr as brief
 from typing import Any
 
@@ -17,7 +17,6 @@ from clean_swarm_env.learning.interface import ManyWorlds
 from clean_swarm_env.learning.joined import Joined
 from selforg.registry import unknown
 
-Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
 OPTION, CORRECTION = "option", "correction"
 """Keys of an action that is both an option and a vector."""
 
@@ -82,13 +81,6 @@ def rows_of(actions: Any, space: spaces.Space[Any], rows: int) -> NDArray[Any]: 
     return given.reshape(rows, -1)
 
 
-def masks_of(batch: Batch) -> Iterable[Mask]:
-    """Return the options that can serve next in each row, in the form that `sample` of one robot's space takes."""
-    whole = batch.masks().view(np.int8)
-    counts = batch.choices.counts
-    return whole if len(counts) == 1 else zip(*np.split(whole, np.cumsum(counts)[:-1], axis=1), strict=True)
-
-
 def start_of(options: Mapping[str, Any] | None, known: Sequence[str] = ("start",)) -> StartConfiguration | None:
     """Return the start in the options of a reset, None without one; `known` are the keys that they may have."""
     if options is not None and not isinstance(options, Mapping):
@@ -131,16 +123,6 @@ class Member:
     def options(self) -> dict[str, tuple[str, ...]]:
         """Coordinated goal -> names of its options."""
         return dict(self._batch.options)
-
-    @property
-    def observation_space(self) -> spaces.Box:
-        """Space of the observations."""
-        return observation_space(self._batch, self._rows.stop - self._rows.start)
-
-    @property
-    def action_space(self) -> spaces.Space[Any]:
-        """Space of the actions."""
-        return action_space(self._batch, self._rows.stop - self._rows.start)
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Return which options of all goals and robots, one after the other, can serve next (for sb3-contrib)."""

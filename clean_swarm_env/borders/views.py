@@ -46,11 +46,6 @@ class OneWorld:
         shown_each = batch.period if self._window else batch.decision_period
         self.metadata = {**self.metadata, "render_fps": 1.0 / shown_each}  # a second of the mission in a second
 
-    def _begin(self) -> None:
-        """Show the beginning of an episode."""
-        if self._window is not None:
-            self.render()
-
     def get_state(self) -> bytes:
         """Return the state of the mission, from which this or another environment goes on; see `Batch.get_state`."""
         return self.batch.get_state()

@@ -21,7 +21,6 @@ from clean_swarm_env.learning.actions import ActionConfig, LearnerActions
 from clean_swarm_env.learning.episodes import EnvSettings, EpisodeSource, PictureConfig, Series, episodes_of
 from clean_swarm_env.learning.given import (
     GivenMission,
-    check_settings,
     config_from,
     directories_from,
     of_each,
@@ -44,6 +43,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats, Ints
 from selforg.declared import make_arrays
+from selforg.registry import unknown
 
 
 class Batch(ManyWorlds):
@@ -71,7 +71,7 @@ class Batch(ManyWorlds):
         worked: (R,) bool, whether it did at the end of the last mission that ended.
         open_team: whether a team may have more robots later than at its start.
         recorder: records the missions; None unless asked for.
-        watch: called after each control period of `step`; None unless set.
+        watch: called after each `reset`, and after each control period of `step`; None unless set.
         series: the episodes that follow from seeds.
         progress: what happened in the last period.
         finished: the missions that ended in the last period.
@@ -105,7 +105,8 @@ class Batch(ManyWorlds):
         begin_anew: bool = True,
         **settings: Unpack[EnvSettings],
     ) -> None:
-        check_settings(settings, EnvSettings, "Batch")
+        for name in sorted(settings.keys() - EnvSettings.__optional_keys__):
+            raise TypeError(f"Batch: {unknown('setting', name, sorted({*EnvSettings.__optional_keys__, 'worlds'}))}")
         worlds = whole_number(worlds, "worlds", 1)
         compile_once(lambda: run_through(Batch()))
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
@@ -177,6 +178,8 @@ class Batch(ManyWorlds):
             self.progress.elapsed[world] = 0
         self._begun = True
         self.observer.observe(self.observations, worlds)
+        if self.watch is not None:
+            self.watch()
         return self.observations
 
     def check_state(self, state: WorldState) -> None:

@@ -200,21 +200,19 @@ def episodes_of(mission: GivenMission | None = None, settings: EnvSettings | Non
         with reading_files(trust=True):
             return episodes_of(mission, {**chosen, "trust": False})
     family, directories = chosen.get("family"), directories_from(chosen.get("directories"))
-    size = chosen.get("size")
-    if family is None and isinstance(mission, str | os.PathLike):
-        found = load_named(os.fspath(mission), directories)
-        family, mission = (found, None) if isinstance(found, FamilyConfig) else (None, found)
-    if family is None:
-        for name in ("split", "size"):
-            if chosen.get(name) is not None:
-                raise ValueError(f"{name}: expected with a family only, got {chosen.get(name)!r}")
-        given = mission_from("table1" if mission is None else mission, directories)
-        return Episodes(_changed(given, chosen, directories))
-    if mission is not None:
+    if family is not None and mission is not None:
         raise ValueError("family: expected a mission or a family, got both")
-    drawn = family_from(family, directories)
-    known = drawn.model_copy(update={"mission": _changed(drawn.mission, chosen, directories)})
-    return Episodes(known, chosen.get("split", "train"), None if size is None else (size[0], size[1]))
+    source: Any = family if family is not None else "table1" if mission is None else mission
+    if family is None and isinstance(source, str | os.PathLike):
+        source = load_named(os.fspath(source), directories)
+    if family is not None or isinstance(source, FamilyConfig):
+        drawn, size = family_from(source, directories), chosen.get("size")
+        known = drawn.model_copy(update={"mission": _changed(drawn.mission, chosen, directories)})
+        return Episodes(known, chosen.get("split", "train"), None if size is None else (size[0], size[1]))
+    for name in ("split", "size"):
+        if chosen.get(name) is not None:
+            raise ValueError(f"{name}: expected with a family only, got {chosen.get(name)!r}")
+    return Episodes(_changed(mission_from(source, directories), chosen, directories))
 
 
 def _changed(mission: MissionConfig, chosen: EnvSettings, directories: tuple[Path, ...]) -> MissionConfig:

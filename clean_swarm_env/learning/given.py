@@ -20,7 +20,6 @@ from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import with_changes
 from selector.documents.errors import DocumentError, M, validated
-from selforg.registry import unknown
 
 Named = str | os.PathLike[str]
 """A name of a shipped file, or a path."""
@@ -90,16 +89,6 @@ def _content(value: object) -> Any:  # noqa: ANN401  (what a file could hold)
         parts = vars(value) | (value.model_extra or {})
         return {name: _content(part) for name, part in parts.items() if not name.startswith("__")}
     return tuple(_content(part) for part in value) if isinstance(value, tuple) else value
-
-
-BATCH_ARGUMENTS = ("worlds", "begin_anew")
-"""Arguments of all batches beside their settings."""
-
-
-def check_settings(given: Mapping[str, object], known: type[Any], where: str) -> None:
-    """Raise TypeError for settings that are no keys of the TypedDict `known`, which all are optional."""
-    for name in sorted(given.keys() - known.__optional_keys__):
-        raise TypeError(f"{where}: {unknown('setting', name, sorted({*known.__optional_keys__, *BATCH_ARGUMENTS}))}")
 
 
 def whole_number(given: object, where: str, least: int = 0) -> int:

@@ -57,10 +57,9 @@ class Finished:
     @property
     def statistics(self) -> dict[str, Any]:
         """The figures that borders report of a mission."""
-        result = self.result
-        figures = {"duration_s": result.duration_s, "completed": result.completed}
-        figures["mission_collision_events"] = self.collision_events
-        return figures | {key_of(name): value for name, value in result.measures.items()} | dict(self.totals)
+        figures = {"duration_s": self.result.duration_s, "completed": self.result.completed}
+        measures = {key_of(name): value for name, value in self.result.measures.items()}
+        return {**figures, "mission_collision_events": self.collision_events, **measures, **self.totals}
 
 
 class ManyWorlds:

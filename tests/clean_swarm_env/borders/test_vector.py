@@ -197,8 +197,6 @@ def test_attributes_methods_masks_and_pictures_of_environments():
     assert envs.get_attr("world") == (0,) * 5 + (1,) * 5
     assert envs.call("robot") == (0, 1, 2, 3, 4) * 2
     assert np.array_equal(np.stack(envs.call("action_masks")), envs.batch.masks())
-    envs.set_attr("nickname", [f"r{k}" for k in range(10)])
-    assert envs.get_attr("nickname")[9] == "r9"
     with pytest.raises(AttributeError, match="weather"):
         envs.get_attr("weather")
     assert len(envs.render()) == 10
