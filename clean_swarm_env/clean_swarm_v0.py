@@ -116,8 +116,7 @@ class CleanSwarm(OneWorld, ParallelEnv[str, Observations, AgentAction]):
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observations], AgentInfos]:
         """Begin an episode; `options["start"]` may give a `StartConfiguration` or its keys."""
-        known = ("start", "options")  # PettingZoo's own tests give {"options": 1}
-        self.batch.reset([seed], [start_of(options, known)])
+        self.batch.reset([seed], [start_of(options, ("start", "options"))])  # PettingZoo's tests give {"options": 1}
         self.agents = self.at_work()
         return self.seen(self.agents)
 

@@ -48,7 +48,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices,
 
 from clean_swarm_env.borders.infos import Info, robot_infos
 from clean_swarm_env.borders.settings import spelled_out
-from clean_swarm_env.borders.spaces import Member, flat_space, observation_space, preferred, start_of
+from clean_swarm_env.borders.spaces import Member, flat_space, members, observation_space, preferred, start_of
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission, seeds_from, whole_number
@@ -105,10 +105,11 @@ class RobotVecEnv(VecEnv):
         self.joined = Joined(batches or batches_of(mission, worlds, threads, **settings), threads)
         self.batches, self.worlds, self.options = self.joined.batches, self.joined.worlds, self.joined.options
         self.finished: tuple[Finished, ...] = ()
-        self._robots = [Member(self.joined, row, 1) for row in range(self.joined.rows)]
+        self._robots = members(self.joined)
         self._actions: NDArray[Any] = np.zeros(0)
         self._began = time.monotonic()
-        self._choices = self.joined.counts if self.batches[0].action.mode == "both" else ()
+        both = self.batches[0].action.mode == "both"
+        self._choices = [len(names) for names in self.options.values()] if both else []
         super().__init__(self.joined.rows, observation_space(self.joined), flat_space(self.joined))
 
     def reset(self) -> Observations:

@@ -33,7 +33,9 @@ class AllRobots(BaseParallelWrapper[str, Observations, AgentAction]):
         self.possible_agents = env.possible_agents
         self.agents: list[str] = []
         self.observation_names = (*env.observation_names, ALIVE)
-        self._spaces = {agent: _with_flag(env.observation_space(agent)) for agent in env.possible_agents}
+        space = env.observation_space(env.possible_agents[0])
+        low, high = np.append(space.low, np.float32(0.0)), np.append(space.high, np.float32(1.0))
+        self._spaces = {agent: gymnasium.spaces.Box(low, high, dtype=np.float32) for agent in env.possible_agents}
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Box:
         """Return the space of an agent's observations: always the same object."""
@@ -88,11 +90,15 @@ class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], Agent
 
     def __init__(self, env: ParallelEnv[str, Observations, AgentAction], key: str = "observation") -> None:
         super().__init__(env)
-        self._key = key
-        actions = env.action_space(env.possible_agents[0])
-        self._told = OPTION_MASK if isinstance(actions, gymnasium.spaces.Dict) else MASK
-        self._mask = MASK if isinstance(actions, gymnasium.spaces.Discrete) else OPTION_MASK
-        self._spaces = {agent: self._space(agent) for agent in env.possible_agents}
+        batch: Batch = self.unwrapped.batch
+        counts, mode = batch.choices.counts, batch.action.mode
+        if mode == "velocity":
+            raise ValueError("MaskedObservations: expected options as actions, got mode 'velocity'")
+        self._key, self._told = key, MASK if mode == "option" else OPTION_MASK
+        self._mask = MASK if mode == "option" and len(counts) == 1 else OPTION_MASK
+        seen = {agent: env.observation_space(agent) for agent in env.possible_agents}
+        mask = gymnasium.spaces.Box(0, 1, (sum(counts),), np.int8)
+        self._spaces = {agent: gymnasium.spaces.Dict({key: own, self._mask: mask}) for agent, own in seen.items()}
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Dict:
         """Return the space of an agent's observations: always the same object."""
@@ -110,19 +116,6 @@ class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], Agent
         observations, *others, infos = self.env.step(actions)
         return (self._masked(observations, infos), *others, infos)
 
-    def _space(self, agent: str) -> gymnasium.spaces.Dict:
-        batch: Batch = self.unwrapped.batch
-        if batch.action.mode == "velocity":
-            raise ValueError("MaskedObservations: expected options as actions, got mode 'velocity'")
-        mask = gymnasium.spaces.Box(0, 1, (sum(batch.choices.counts),), np.int8)
-        return gymnasium.spaces.Dict({self._key: self.env.observation_space(agent), self._mask: mask})
-
     def _masked(self, observations: dict[str, Observations], infos: AgentInfos) -> dict[str, dict[str, NDArray[Any]]]:
         masks = {agent: np.hstack(infos[agent][self._told]) for agent in observations}
         return {agent: {self._key: seen, self._mask: masks[agent]} for agent, seen in observations.items()}
-
-
-def _with_flag(space: gymnasium.spaces.Box) -> gymnasium.spaces.Box:
-    """Return the space with one component more, 0 or 1."""
-    low, high = np.append(space.low, np.float32(0.0)), np.append(space.high, np.float32(1.0))
-    return gymnasium.spaces.Box(low, high, dtype=np.float32)

@@ -76,9 +76,8 @@ class CleanSwarmTeam(OneWorld, gymnasium.Env[Observations, NDArray[Any]]):
 
 def _alone(action: Any) -> Any:  # noqa: ANN401  (an action, of whatever space)
     """Return the action of the only environment as those of all environments."""
-    if isinstance(action, Mapping):
-        return {name: _alone(part) for name, part in action.items()}
-    return np.asarray(action)[None]
+    parts = isinstance(action, Mapping)
+    return {name: np.asarray(part)[None] for name, part in action.items()} if parts else np.asarray(action)[None]
 
 
 def _first(infos: dict[str, Any]) -> dict[str, Any]:

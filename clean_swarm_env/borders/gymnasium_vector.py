@@ -24,9 +24,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from clean_swarm_env.borders.infos import ALIVE, Info, InfoColumns, own_infos, team_infos
+from clean_swarm_env.borders.infos import ALIVE, Info, own_infos, team_infos
 from clean_swarm_env.borders.settings import spelled_out
-from clean_swarm_env.borders.spaces import Member, action_space, observation_space, rows_of, start_of
+from clean_swarm_env.borders.spaces import action_space, members, observation_space, rows_of, start_of
 from clean_swarm_env.borders.views import PICTURE, checked_mode, picture_of
 from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission, seeds_from, whole_number
@@ -71,11 +71,11 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     ) -> None:
         self.render_mode = checked_mode(render_mode, self.metadata["render_modes"])
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        anew = self.autoreset_mode == AutoresetMode.SAME_STEP
-        self.joined = Joined(batches_of(mission, worlds, threads, begin_anew=anew, **settings), threads)
+        self._anew = self.autoreset_mode == AutoresetMode.SAME_STEP
+        self.joined = Joined(batches_of(mission, worlds, threads, begin_anew=self._anew, **settings), threads)
         self.batch = self.joined.batches[0]
-        fps = 1.0 / self.batch.decision_period
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": fps}
+        told = {"autoreset_mode": self.autoreset_mode, "render_fps": 1.0 / self.batch.decision_period}
+        self.metadata = {**self.metadata, **told}
         self._together = together or self.batch.robots
         self._sharing = self._together if one_for_all else 1
         self.num_envs = self.joined.rows // self._together
@@ -84,8 +84,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         self.single_action_space = action_space(self.joined, self._together // self._sharing)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        firsts = range(0, self.joined.rows, self._together)
-        self.envs = [Member(self.joined, first, self._together) for first in firsts]
+        self.envs = members(self.joined, self._together)
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -111,23 +110,21 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
             raise RuntimeError(f"step: the missions of worlds {waiting.tolist()} are over, call reset first")
         step = self.joined.step(np.repeat(given, self._sharing, axis=0))
         seen = self.joined.reset(worlds=waiting) if len(waiting) else step.observations
-        anew = self.autoreset_mode == AutoresetMode.SAME_STEP
         return (
             self._shaped(seen),
             step.rewards.reshape(self.num_envs, -1).mean(axis=1),
             np.repeat(step.terminated & ~over, self._per_world),
             np.repeat(step.truncated & ~over, self._per_world),
-            self._infos(step.final_observations if anew else None),
+            self._infos(step.final_observations if self._anew else None),
         )
 
     def _waiting(self) -> Flags:
         """Return which worlds (W,) begin their next mission in the next step, or are to be reset before it."""
-        return self.joined.over & (self.autoreset_mode != AutoresetMode.SAME_STEP)
+        return self.joined.over & (not self._anew)
 
     def masks(self) -> Flags:
         """Return which options (E, ...) can serve next; one option for all can if it can in any robot."""
-        masks: Flags = np.logical_or.reduce(self.joined.masks().reshape(self.num_envs, self._sharing, -1), axis=1)
-        return masks
+        return np.asarray(self.joined.masks().reshape(self.num_envs, self._sharing, -1).any(axis=1))
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the states of `worlds`, or of all; see `Batch.get_state`."""
@@ -192,7 +189,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         return told
 
 
-def _columns(told: Iterable[InfoColumns]) -> dict[str, NDArray[Any]]:
+def _columns(told: Iterable[Info]) -> dict[str, NDArray[Any]]:
     """Return what is told of batches, with the values of all one after the other."""
     each = list(told)
     return {name: np.concatenate([one[name] for one in each]) for name in each[0]}

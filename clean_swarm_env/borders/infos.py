@@ -24,8 +24,6 @@ from clean_swarm_env.world.mission_end import COMPLETED
 from clean_swarm_env.world.parts.measure import key_of
 
 Info = dict[str, Any]
-InfoColumns = dict[str, Any]
-"""Key of an info -> values of all worlds or of all rows, one after the other."""
 
 MASK, OPTION_MASK = "action_mask", "option_mask"
 """Keys of the options that can serve in the coming period, 1 or 0: where these are the action, and where they are a
@@ -42,31 +40,31 @@ ALIVE = "alive"
 """Key of whether the robot is at work. If not, its observation is zeros, and its action does nothing."""
 
 
-def team_infos(batch: Batch) -> InfoColumns:
-    """Return the values of each world that are the same for all its robots."""
+def team_infos(batch: Batch) -> Info:
+    """Return the values of all worlds, each one after the other, that are the same for all robots of a world."""
     worlds, progress, task = batch.worlds, batch.progress, batch.worlds.task
     values = task.result()
     times = [ticks * worlds.period for ticks in progress.elapsed.tolist()]
     completed = task.completed(values) if task.measures else progress.outcome == COMPLETED
-    columns: InfoColumns = {
+    achieved = zip(task.achievements, progress.team.tolist(), strict=True)
+    columns: Info = {
         "time_s": times,
         "mission_collision_events": worlds.collisions.events[:, 0].tolist(),
         "completed": completed.tolist(),
         "duration_s": times.copy(),
+        **{achievement.name: counts for achievement, counts in achieved if achievement.team},
+        **{name: counts.tolist() for name, counts in task.totals().items()},
+        **{key_of(name): own.tolist() for name, own in values.items()},
     }
-    achieved = zip(task.achievements, progress.team.tolist(), strict=True)
-    columns |= {achievement.name: counts for achievement, counts in achieved if achievement.team}
-    columns |= {name: counts.tolist() for name, counts in task.totals().items()}
-    columns |= {key_of(name): own.tolist() for name, own in values.items()}
     for end in batch.finished:  # such a world may have begun anew
         for name, value in end.statistics.items():
             columns[name][end.world] = value
     return columns
 
 
-def own_infos(batch: Batch) -> InfoColumns:
+def own_infos(batch: Batch) -> Info:
     """Return the achievements of each row, the values of `OWN`, which robots are at work, and the masks (R, O)."""
-    worlds, columns = batch.worlds, InfoColumns()
+    worlds, columns = batch.worlds, Info()
     names = [*(f"own_{achievement.name}" for achievement in worlds.task.achievements), *OWN]
     for name, counts in zip(names, batch.progress.events.tolist(), strict=True):
         columns[name] = [ticks * worlds.period for ticks in counts] if name in SECONDS else counts

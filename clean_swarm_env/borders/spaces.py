@@ -105,14 +105,10 @@ class Member:
     spec = None
     render_mode = None
 
-    def __init__(self, worlds: Joined, first: int, rows: int) -> None:
-        """Make the environment of some `rows` of a world, from its `first` on among all."""
-        self.world = int(worlds.world_of[first])
-        self.robot = first - int(worlds.first_rows[self.world])
-        batch, own = worlds.places([self.world])[0]
-        start = own * batch.robots + self.robot
-        self._batch: Batch = batch
-        self._rows = slice(start, start + rows)
+    def __init__(self, batch: Batch, world: int, robot: int, rows: slice) -> None:
+        """Make the environment of some `rows` of a batch, from a robot of a world on."""
+        self.world, self.robot = world, robot
+        self._batch, self._rows = batch, rows
 
     @property
     def batch(self) -> Batch:
@@ -127,3 +123,12 @@ class Member:
     def action_masks(self) -> NDArray[np.bool_]:
         """Return which options of all goals and robots, one after the other, can serve next (for sb3-contrib)."""
         return self._batch.masks()[self._rows].ravel()
+
+
+def members(joined: Joined, together: int = 1) -> list[Member]:
+    """Return the environments of a vectorised environment, of `together` rows each."""
+    return [
+        Member(batch, world, robot, slice(own * batch.robots + robot, own * batch.robots + robot + together))
+        for world, (batch, own) in enumerate(joined.places())
+        for robot in range(0, batch.robots, together)
+    ]

@@ -208,8 +208,7 @@ class Batch(ManyWorlds):
     @property
     def over(self) -> Flags:
         """(W,) whether the mission of a world is over and no other has begun."""
-        over: Flags = self.progress.outcome != RUNNING
-        return over
+        return np.asarray(self.progress.outcome != RUNNING)
 
     @property
     def alive(self) -> Flags:

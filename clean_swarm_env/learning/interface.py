@@ -57,9 +57,13 @@ class Finished:
     @property
     def statistics(self) -> dict[str, Any]:
         """The figures that borders report of a mission."""
-        figures = {"duration_s": self.result.duration_s, "completed": self.result.completed}
-        measures = {key_of(name): value for name, value in self.result.measures.items()}
-        return {**figures, "mission_collision_events": self.collision_events, **measures, **self.totals}
+        return {
+            "duration_s": self.result.duration_s,
+            "completed": self.result.completed,
+            "mission_collision_events": self.collision_events,
+            **{key_of(name): value for name, value in self.result.measures.items()},
+            **self.totals,
+        }
 
 
 class ManyWorlds:

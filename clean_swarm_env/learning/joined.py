@@ -41,7 +41,6 @@ class Joined(ManyWorlds):
 
     Attributes:
         options: goal -> names of the options of all batches.
-        counts: (C,) number of options of each goal.
         rows: R, number of rows of all batches.
         worlds: W, number of worlds of all batches.
         world_of: (R,) int64, world of each row.
@@ -55,10 +54,8 @@ class Joined(ManyWorlds):
 
     """
 
-    batches: tuple[Batch, ...]
-
     def __init__(self, batches: Sequence[Batch], threads: int = 1) -> None:
-        self.batches = tuple(batches)
+        self.batches: tuple[Batch, ...] = tuple(batches)
         self._threads = min(whole_number(threads, "threads", 1), len(self.batches))
         _check_alike(self.batches)
         robots = np.array([batch.robots for batch, _ in self.places()])
@@ -72,7 +69,6 @@ class Joined(ManyWorlds):
             for goal, names in batch.options.items():
                 options[goal] = tuple(dict.fromkeys((*options.get(goal, ()), *names)))
         self.options = options
-        self.counts = tuple(map(len, self.options.values()))
         self._own = [
             None
             if batch.action.mode == "velocity" or [*batch.options.items()] == [*self.options.items()]
@@ -235,17 +231,10 @@ def _check_alike(batches: Sequence[Batch]) -> None:
         raise ValueError("batches: expected at least one, got none")
     if len({id(batch) for batch in batches}) < len(batches):
         raise ValueError("batches: expected each one once, got one twice")
-    first = _compared(batches[0])
-    for number, batch in enumerate(batches):
-        for what, given in _compared(batch).items():
-            if given != first[what]:
-                expected = f"{first[what]} as in the first"
+    observed = [dict(zip(batch.observer.names, batch.observer.bounds.tolist(), strict=True)) for batch in batches]
+    compared: dict[str, list[Any]] = {"action": [b.action for b in batches], "observations and their bounds": observed}
+    for what, each in compared.items():
+        for number, given in enumerate(each):
+            if given != each[0]:
+                expected = f"{each[0]} as in the first"
                 raise ConfigurationError(f"batches[{number}]: {what}: expected {expected}, got {given}")
-
-
-def _compared(batch: Batch) -> dict[str, Any]:
-    """Return the settings that must be equal in batches that are joined."""
-    return {
-        "action": batch.action.model_dump(),
-        "observations and their bounds": dict(zip(batch.observer.names, batch.observer.bounds.tolist(), strict=True)),
-    }

@@ -82,9 +82,7 @@ class BanditTraining(Training):
             if len(paid.rows):
                 self.strategy.update(*paid)
                 self._record(self.problem.goal, self.problem.options, paid)
-            self.decisions += rows
-            self._costs += [end.result.excess_s for end in self._joined.finished]
-            self.job.update(completed=self.decisions)
+            self._note(self.decisions + rows, [end.result.excess_s for end in self._joined.finished])
         return {"missions": len(self._costs)}
 
     def _decider_maker(self) -> DeciderMaker:

@@ -162,8 +162,7 @@ class MembersTraining(Training, Generic[Learned]):
             assert isinstance(run, MemberRun)
             place = int(run.condition)
             costs[place], seen[place] = judged(run.result), run.seen
-            self.decisions += 1
-            self.job.update(completed=self.decisions)
+            self._note(self.decisions + 1)
         self._costs += costs.tolist()
         return costs.reshape(len(scenarios), len(members)), seen.sum(axis=0)
 

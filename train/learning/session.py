@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ from rich.console import Console
 from rich.progress import TextColumn
 
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.warm_up import compile_once, run_through
 from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
 from selector.strategies.problem import Problem
@@ -69,21 +67,24 @@ def run_training(
     stem = f"{Path(request.name).stem[:MOST_LETTERS]}-{learner}-seed{request.seed}"
     directory = request.output or Path("results") / stem
     with request.results(directory, {"identity": identity, **before}) as folder:
-        job = TrainingJob(
-            config,
-            request.seed,
-            folder,
-            directories=request.directories,
-            memory=memory,
-            threads=request.machine.threads,
-        )
         try:
-            compile_once(lambda: run_through(Batch()))  # before the bar and the workers
+            Batch()  # compiles, before the bar and the workers
             counted, total = TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions
             bar = progress("decisions", total, log=folder.path, counted=counted, quiet=console.quiet)
             with bar as update, request.engine.rounds() as done:
                 parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
-                training = made(replace(job, update=update, parts=parts, done=done))
+                job = TrainingJob(
+                    config,
+                    request.seed,
+                    folder,
+                    update=update,
+                    directories=request.directories,
+                    memory=memory,
+                    parts=parts,
+                    done=done,
+                    threads=request.machine.threads,
+                )
+                training = made(job)
                 update(completed=training.decisions, begun=training.decisions)
                 while not training.finished:
                     training.advance()

@@ -249,6 +249,12 @@ class Training(ABC):
     def _loaded(self) -> Mapping[str, Any]:
         """Continue after the checkpoint, and return its content, with the history."""
 
+    def _note(self, decisions: int, costs: Sequence[float] = ()) -> None:
+        """Note how many decisions were made so far, and what missions that have just ended cost; show it."""
+        self.decisions = decisions
+        self._costs += costs
+        self.job.update(completed=decisions)
+
     def _record(self, goal: str, options: Sequence[str], paid: Paid) -> None:
         """Keep what options brought for the knowledge store, which gets it once a checkpoint is saved."""
         if self.job.memory is not None and self.job.memory.learns:

@@ -24,7 +24,7 @@ def course_of(joined, steps=20, state=None):
     seen = joined.reset(range(joined.worlds)) if state is None else joined.set_state(state)
     digest, rng, ended = hashlib.sha256(seen.tobytes()), np.random.default_rng(3), 0
     for _ in range(steps):
-        step = joined.step(rng.integers(0, joined.counts[0], joined.rows))
+        step = joined.step(rng.integers(0, joined.batches[0].choices.counts[0], joined.rows))
         ended += len(joined.finished)
         for array in (*step, joined.masks()):
             digest.update(array.tobytes())

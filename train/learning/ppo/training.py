@@ -85,8 +85,8 @@ class PpoTraining(Training):
     @property
     def decides(self) -> Sequence[str]:
         """The goals whose options are learned, each by outputs of its own."""
-        goal, known = self.config.goal, tuple(self.curriculum.batches[0].options)
-        return [named_goal(known, None)] if goal is None else goal.split(JOINT)
+        usual = self.config.goal or named_goal(tuple(self.curriculum.batches[0].options), None)
+        return usual.split(JOINT)
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
@@ -121,26 +121,24 @@ class PpoTraining(Training):
         model.learning_rate, model.lr_schedule = rate, lambda _: rate
         model._last_obs = None  # makes PPO reset all worlds
         self.curriculum.set_scenarios(self.checkpoint)
-        model.learn(config.decisions, callback=lambda *_: self._note(), reset_num_timesteps=model.num_timesteps == 0)
+        model.learn(config.decisions, callback=lambda *_: self._follow(), reset_num_timesteps=model.num_timesteps == 0)
         return {}
 
-    def _note(self) -> bool:
-        """Note the excess of missions that have ended; PPO calls this after each step and continues if it is True."""
+    def _follow(self) -> bool:
+        """Note rewards, and missions that have ended; PPO calls this after each step and continues if it is True."""
         deciding = self.model.rollout_buffer.deciding
         self.model.num_timesteps -= int((~deciding).sum())
-        self.decisions = self.model.num_timesteps
         rewards = self.normal.get_original_reward().astype(np.float64)
         for column, (goal, credit) in enumerate(self._credits.items()):
             rows = np.flatnonzero(self.envs.anew[:, column] & deciding)
             credit.decide(rows, self.envs.taken[rows, column])
             self._record(goal, self.envs.options[goal], credit.pay(rewards, self.envs.over))
-        self._costs += [end.result.excess_s for end in self.robots.finished]
-        self.job.update(completed=self.decisions)
+        self._note(self.model.num_timesteps, [end.result.excess_s for end in self.robots.finished])
         return True
 
     def _working(self) -> Flags:
         """Return which rows (R,) have a robot at work."""
-        return np.concatenate([batch.working for batch in self.curriculum.batches])
+        return self.robots.joined.working
 
     def _effective(self) -> Flags:
         """Return which options (R, G) that were chosen in the last period count, see `PpoConfig.running`."""

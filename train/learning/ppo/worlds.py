@@ -49,9 +49,6 @@ class SelectorEnv(VecEnvWrapper):
         self._holds = np.array([holds[goal] for goal in self.options], dtype=np.int64)
         self._defaults = robots.joined.defaults()
         self._left = np.zeros((robots.num_envs, len(self.counts)), dtype=np.int64)
-        self._masks = np.zeros((robots.num_envs, len(self._places)), dtype=np.bool_)
-        self.chosen = self.anew = self._left > 0
-        self.taken = self._left
         seen = envs.observation_space
         assert isinstance(seen, Box)
         flags = np.ones(len(self._places), np.float32)
@@ -79,7 +76,7 @@ class SelectorEnv(VecEnvWrapper):
         """Return the results of the step."""
         seen, rewards, self.over, infos = self.venv.step_wait()
         several = [part.sum(axis=1) > 1 for part in np.split(self._masks, np.cumsum(self.counts)[:-1], axis=1)]
-        self.chosen = np.stack(several, axis=1)
+        self.chosen: Flags = np.stack(several, axis=1)
         self._left[self.over] = 0
         for row in np.flatnonzero(self.over).tolist():
             last = infos[row]["terminal_observation"]
