@@ -83,7 +83,6 @@ class RobotVecEnv(VecEnv):
         batches: the batches, as many as `threads` unless others are given.
         options: goal -> names of the options of all batches, which the numbers of actions mean.
         worlds: W, of all batches.
-        finished: the missions that ended in the last period, with the return of each robot.
 
     """
 
@@ -104,7 +103,6 @@ class RobotVecEnv(VecEnv):
             raise ValueError(f"RobotVecEnv: expected batches or settings of one, got both, {given}")
         self.joined = Joined(batches or batches_of(mission, worlds, threads, **settings), threads)
         self.batches, self.worlds, self.options = self.joined.batches, self.joined.worlds, self.joined.options
-        self.finished: tuple[Finished, ...] = ()
         self._robots = members(self.joined)
         self._actions: NDArray[Any] = np.zeros(0)
         self._began = time.monotonic()
@@ -118,7 +116,6 @@ class RobotVecEnv(VecEnv):
         observations = self.joined.reset(self._seeds, starts)
         self._reset_seeds()
         self._reset_options()
-        self.finished = ()
         return observations
 
     def seed(self, seed: int | Sequence[int | None] | None = None) -> Sequence[int | None]:
@@ -141,9 +138,8 @@ class RobotVecEnv(VecEnv):
     def step_wait(self) -> VecEnvStepReturn:
         """Run one decision period."""
         step = self.joined.step(self._actions)
-        self.finished = self.joined.finished
         infos = [info for batch in self.batches for info in robot_infos(batch)]
-        for end in self.finished:
+        for end in self.joined.finished:
             self._add_end(infos, end, step)
         over = (step.terminated | step.truncated)[self.joined.world_of]
         return step.observations, step.rewards.astype(np.float32), over, infos
@@ -163,8 +159,12 @@ class RobotVecEnv(VecEnv):
 
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
         """Make `worlds`, or all, go on from a state, see `Batch.set_state`; return all observations."""
-        self.finished = ()
         return self.joined.set_state(state, worlds)
+
+    @property
+    def finished(self) -> tuple[Finished, ...]:
+        """The missions that ended in the last period, with the return of each robot."""
+        return self.joined.finished
 
     def action_masks(self) -> Flags:
         """Return which options (R, O) of all goals, one goal after the other, can serve next."""

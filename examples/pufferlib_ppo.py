@@ -18,7 +18,6 @@ from torch import nn
 
 from clean_swarm_env.borders.spaces import action_space, observation_space
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.given import world_seeds
 
 SAME = {"update_epochs": EPOCHS, "minibatch_size": MINIBATCH, "bptt_horizon": STEPS, "gamma": DISCOUNT}
 SAME |= {"gae_lambda": TRACE, "clip_coef": CLIP, "ent_coef": ENTROPY, "learning_rate": RATE, "max_grad_norm": 0.5}
@@ -32,13 +31,13 @@ class Robots(pufferlib.PufferEnv):
     def __init__(self, batch: Batch) -> None:
         self.batch, self.num_agents = batch, batch.rows
         self.single_observation_space = observation_space(batch)
-        self.single_action_space = action_space(batch.options, "option")
+        self.single_action_space = action_space(batch)
         super().__init__()
         self.observations = batch.observations
 
     def reset(self, seed: int = 0) -> tuple[object, ...]:
         """Begin an episode in every world."""
-        return self.batch.reset(world_seeds(seed, self.batch.count)), []
+        return self.batch.reset(seed), []
 
     def step(self, actions: np.ndarray) -> tuple[object, ...]:
         """Run one decision period; the trainer knows one kind of end."""

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.borders.infos import ALIVE, Info, own_infos, team_infos
 from clean_swarm_env.borders.settings import spelled_out
 from clean_swarm_env.borders.spaces import action_space, members, observation_space, rows_of, start_of
-from clean_swarm_env.borders.views import PICTURE, checked_mode, picture_of
+from clean_swarm_env.borders.views import PICTURE, checked_mode, world_picture
 from clean_swarm_env.learning.episodes import EnvSettings
 from clean_swarm_env.learning.given import GivenMission, seeds_from, whole_number
 from clean_swarm_env.learning.joined import Joined, batches_of
@@ -104,7 +104,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, Info]:
         """Run one decision period."""
         given = rows_of(actions, self.action_space, self.joined.rows // self._sharing)
-        over = self._waiting()
+        over = self.joined.over & (not self._anew)  # worlds that begin their next mission, or are to be reset before
         waiting = np.flatnonzero(over)
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise RuntimeError(f"step: the missions of worlds {waiting.tolist()} are over, call reset first")
@@ -117,10 +117,6 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
             np.repeat(step.truncated & ~over, self._per_world),
             self._infos(step.final_observations if self._anew else None),
         )
-
-    def _waiting(self) -> Flags:
-        """Return which worlds (W,) begin their next mission in the next step, or are to be reset before it."""
-        return self.joined.over & (not self._anew)
 
     def masks(self) -> Flags:
         """Return which options (E, ...) can serve next; one option for all can if it can in any robot."""
@@ -142,7 +138,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         """Return a picture (height, width, 3) for each environment, or None without a render mode."""
         if self.render_mode is None:
             return None
-        pictures = [picture_of(*place) for place in self.joined.places()]
+        pictures = [world_picture(*place) for place in self.joined.places()]
         return tuple(pictures[env.world] for env in self.envs)
 
     def call(self, name: str, *arguments: Any, **settings: Any) -> tuple[Any, ...]:  # noqa: ANN401

@@ -14,7 +14,7 @@ PICTURE: Final = "rgb_array"
 WINDOW: Final = "human"
 
 
-def picture_of(batch: Batch, world: int = 0) -> Pixels:
+def world_picture(batch: Batch, world: int = 0) -> Pixels:
     """Return the picture of a world as it is now."""
     from clean_swarm_env.drawing.picture import pixels_of  # imports Matplotlib
 
@@ -53,8 +53,8 @@ class OneWorld:
     def render(self) -> Pixels | None:
         """Return the world as a picture (height, width, 3), or show it in a window; None without a render mode."""
         if self._window is None:
-            return picture_of(self.batch) if self.render_mode else None
-        self._window.show(picture_of(self.batch))
+            return world_picture(self.batch) if self.render_mode else None
+        self._window.show(world_picture(self.batch))
         return None
 
     def close(self) -> None:
