@@ -102,7 +102,7 @@ class RobotVecEnv(VecEnv):
         if batches and given != 1:
             raise ValueError(f"RobotVecEnv: expected batches or settings of one, got both, {given}")
         self.joined = Joined(batches or batches_of(mission, worlds, threads, **settings), threads)
-        self.batches, self.worlds, self.options = self.joined.batches, self.joined.worlds, self.joined.options
+        self.batches, self.worlds, self.options = self.joined.batches, self.joined.count, self.joined.options
         self._robots = members(self.joined)
         self._actions: NDArray[Any] = np.zeros(0)
         self._began = time.monotonic()

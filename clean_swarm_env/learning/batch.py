@@ -105,8 +105,9 @@ class Batch(ManyWorlds):
         begin_anew: bool = True,
         **settings: Unpack[EnvSettings],
     ) -> None:
-        for name in sorted(settings.keys() - EnvSettings.__optional_keys__):
-            raise TypeError(f"Batch: {unknown('setting', name, sorted({*EnvSettings.__optional_keys__, 'worlds'}))}")
+        known_settings = {*EnvSettings.__optional_keys__, "worlds", "begin_anew"}
+        for name in sorted(settings.keys() - known_settings):
+            raise TypeError(f"Batch: {unknown('setting', name, sorted(known_settings))}")
         worlds = whole_number(worlds, "worlds", 1)
         compile_once(lambda: run_through(Batch()))
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))

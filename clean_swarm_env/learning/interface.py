@@ -67,7 +67,10 @@ class Finished:
 
 
 class ManyWorlds:
-    """W worlds in one batch or in several, whose states are the same in any."""
+    """W worlds in one batch or in several, whose states are the same in any.
+
+    `Batch` and `Joined` share this and no more: one steps worlds, the other asks batches and copies what they return.
+    """
 
     batches: tuple[Any, ...]
     """The batches (`Batch`, which stands above this module), whose worlds come one after the other."""

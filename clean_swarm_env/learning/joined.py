@@ -42,7 +42,7 @@ class Joined(ManyWorlds):
     Attributes:
         options: goal -> names of the options of all batches.
         rows: R, number of rows of all batches.
-        worlds: W, number of worlds of all batches.
+        count: W, number of worlds of all batches.
         world_of: (R,) int64, world of each row.
         first_rows: (W,) int64, first row of each world.
 
@@ -59,8 +59,8 @@ class Joined(ManyWorlds):
         self._threads = min(whole_number(threads, "threads", 1), len(self.batches))
         _check_alike(self.batches)
         robots = np.array([batch.robots for batch, _ in self.places()])
-        self.rows, self.worlds = int(robots.sum()), len(robots)
-        self.world_of: Ints = np.repeat(np.arange(self.worlds), robots)
+        self.rows, self.count = int(robots.sum()), len(robots)
+        self.world_of: Ints = np.repeat(np.arange(self.count), robots)
         self.first_rows: Ints = np.cumsum(robots) - robots
         self._cuts = list(accumulate(batch.rows for batch in batches))[:-1]
         self._first_worlds = list(accumulate((batch.count for batch in batches), initial=0))[:-1]
@@ -87,7 +87,7 @@ class Joined(ManyWorlds):
         A list of seeds may also have one for each row.
         """
         known = seeds_from(seeds, self.first_rows.tolist(), self.rows)
-        begun, seen = of_each(starts, self.worlds, "starts"), []
+        begun, seen = of_each(starts, self.count, "starts"), []
         for batch, first in zip(self.batches, self._first_worlds, strict=True):
             last = first + batch.count
             own = None if worlds is None else worlds[(first <= worlds) & (worlds < last)] - first

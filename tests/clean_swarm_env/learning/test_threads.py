@@ -21,7 +21,7 @@ SHORT = mission(garbage={"count": 2}, time_limit=12.0)
 
 def course_of(joined, steps=20, state=None):
     """Return the hash of what a learner sees in some steps from a reset or a state on, and how many missions end."""
-    seen = joined.reset(range(joined.worlds)) if state is None else joined.set_state(state)
+    seen = joined.reset(range(joined.count)) if state is None else joined.set_state(state)
     digest, rng, ended = hashlib.sha256(seen.tobytes()), np.random.default_rng(3), 0
     for _ in range(steps):
         step = joined.step(rng.integers(0, joined.batches[0].choices.counts[0], joined.rows))
