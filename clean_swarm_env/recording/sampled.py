@@ -19,6 +19,7 @@ from clean_swarm_env.world.parts.shown import ROBOT, Shown
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
+from selforg.components.facts import SharedFact
 from selforg.mechanisms.causes import MOST_CAUSES
 from selforg.network import state as st
 from selforg.network.explanation import in_short
@@ -118,6 +119,8 @@ def mind_arrays(worlds: Worlds) -> Iterator[Sampled]:
             yield from _network(robots, prefix, content.network, (number, k))
     for nested in worlds.minds.nested:
         yield from _network(robots, nested.name, nested.network)
+    for fact in worlds.minds.facts.values():
+        yield from _heard(worlds, fact)
 
 
 def _movements(robots: int, movements: Movements) -> Iterator[Sampled]:
@@ -134,6 +137,19 @@ def _movements(robots: int, movements: Movements) -> Iterator[Sampled]:
     about = "robots because of whom it does not do what it wanted, the one that counts most first; -1 for none"
     yield Sampled(Channel("cause", axes, shape, 1, 1, "-", about), movements.who)
     yield Sampled(Channel("cause_share", axes, shape, MILLI, 1, "-", "how much each of them counts"), movements.shares)
+
+
+def _heard(worlds: Worlds, fact: SharedFact) -> Iterator[Sampled]:
+    """Yield what robots have heard of a fact; the first one brings all up to date."""
+    each = {
+        "age": (fact.ages, MILLI, "s", "time since it was told, -1 where nothing was heard"),
+        "robot": (fact.robots, 1, "-", "who told it, -1 where nothing was heard"),
+        "value": (fact.values, MILLI, "-", "the number that was told, 0 where nothing was heard"),
+    }
+    for name, (values, scale, unit, about) in each.items():
+        channel = Channel(f"heard/{fact.name}/{name}", ("robot",), (worlds.robots,), scale, 1, unit, about)
+        note = (lambda: fact.note(worlds.now - worlds.period)) if name == "age" else None
+        yield Sampled(channel, values, prepare=note)
 
 
 def networks_of(worlds: Worlds) -> dict[str, Any]:

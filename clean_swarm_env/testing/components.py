@@ -16,6 +16,7 @@ from selector.vocabulary.constructors import references_of
 from selforg.arrays import Ints
 from selforg.commands import Commands
 from selforg.components import ACTIONS, SENSORS, Action, RobotMemory, SensorComponent
+from selforg.components.facts import SHARED_FACTS, FactRule, SharedFact
 from selforg.components.sources import Source
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
@@ -28,7 +29,7 @@ from selforg.space import Euclidean
 EACH_ROW, SOME, OTHERS = np.arange(4), np.array([2, 0]), np.array([1, 3])
 OF_KIND = {MovementMechanism: "go", DecisionMechanism: "quorum", SteeringMechanism: "bend"}
 """Base class of mechanisms -> name of one in the document."""
-NAMES = {"target": "goal", "knowledge": "told", "call": "ring"}
+NAMES = {"target": "goal", "knowledge": "told", "call": "ring", "fact": "danger"}
 PARTS = {
     "mechanisms": {
         "go": {"type": "RepulsionGradient"},
@@ -52,7 +53,10 @@ class Scene:
         self.called: list[list[int]] = []
         self.sources: tuple[Source, ...] = ()
         calls = {"ring": lambda now, rows: self.called.append(rows.tolist())}
-        self.host = Host(poses, {"gradients": buffer}, memory=RobotMemory(4, {"told": False}), calls=calls)
+        facts = {"danger": SharedFact(SoBuffer(SHARED_FACTS, poses.space, poses), "danger", FactRule())}
+        facts["danger"].tell(0.8, np.array([1]), 3.0)
+        memory = RobotMemory(4, {"told": False})
+        self.host = Host(poses, {"gradients": buffer}, memory=memory, calls=calls, facts=facts)
 
     def build(self, cls: type, parameters: dict[str, Any]) -> Any:  # noqa: ANN401  (a sensor or an action)
         """Return a component of a document, with its sources asked; DocumentError for what a document cannot say."""

@@ -47,6 +47,19 @@ class Nested:
 
 
 @dataclass(frozen=True)
+class HeardFact:
+    """A fact that a robot has noticed or heard."""
+
+    fact: str
+    value: float
+    robot: int
+    """Who told it."""
+    age_s: float
+    """How long ago [s]."""
+    sentence: str
+
+
+@dataclass(frozen=True)
 class RobotStep:
     """One step of one robot."""
 
@@ -66,6 +79,8 @@ class RobotStep:
     coordinators: tuple[Coordinated, ...]
     networks: tuple[Nested, ...]
     """Networks inside behaviours."""
+    heard: tuple[HeardFact, ...]
+    """The facts that it has noticed or heard."""
 
     def as_mapping(self) -> dict[str, Any]:
         """Return the step as plain data, with the entries of the robot's network beside the others."""
@@ -88,6 +103,9 @@ def explain_robot(worlds: Worlds, row: int, step: int | None = None) -> RobotSte
     step = int(worlds.ticks[world]) - 1 if step is None else step
     if step < 0:
         raise ValueError("explain: expected a world that has run a control period, got one at its beginning")
+    facts = worlds.minds.facts.values()
+    for fact in facts if step == worlds.ticks[world] - 1 else ():  # else they were put back
+        fact.note(worlds.now - worlds.period)
     robot, time = row % worlds.robots, round(step * worlds.period, 9)
     if robot >= worlds.team.joined[world]:
         mission = worlds.missions[world]
@@ -104,6 +122,13 @@ def explain_robot(worlds: Worlds, row: int, step: int | None = None) -> RobotSte
         explain(worlds.network, row),
         tuple(_coordinated(coordinator, row) for coordinator in worlds.coordinators),
         tuple(Nested(one.name, _inner_step(one, one.network, row)) for one in worlds.minds.nested),
+        tuple(
+            HeardFact(
+                fact.name, float(fact.values[row]), int(fact.robots[row]), float(fact.ages[row]), fact.sentence(row)
+            )
+            for fact in facts
+            if fact.ages[row] >= 0.0
+        ),
     )
 
 

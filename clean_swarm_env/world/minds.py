@@ -21,6 +21,7 @@ from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
+from selforg.components.facts import SHARED_FACTS, FactRule, SharedFact
 from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import PoseDelivery
@@ -36,7 +37,8 @@ class Minds:
     Attributes:
         poses: the pose gradients of the robots.
         reception: the delivery of messages.
-        buffers: by name; those of the task.
+        buffers: by name; those of the task, and that of the facts, if there are any.
+        facts: what robots tell each other, by name: those of their documents, and what `share` adds.
         memory: knowledge of every robot, shared by all options.
         known: returns what robots know from the start on: name -> (R,).
         surroundings: what rays from the robots meet; the worlds say what that is.
@@ -97,6 +99,7 @@ class Minds:
         explained: bool,
     ) -> None:
         robot = self.robot = task.robot(mission, models, directories)
+        self.facts: dict[str, SharedFact] = {}
         planner = planner_named(robot.model, mission.network.planner)
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
@@ -105,13 +108,39 @@ class Minds:
         order = list(dict.fromkeys([mission.network.robot, *named]))
         of_model = np.array([order.index(name) for name in named], dtype=np.int64)
         documents = np.tile(of_model[mission.models], self.rows // mission.rows)
+        lacking = [left_out.facts for left_out in robot.left_out] or [()]
+        for name, rule in robot.facts.items():
+            self.share({name: rule}, np.array([name not in lacks for lacks in lacking])[documents])
         host = Host(
-            self.poses, self.buffers, self.directions, self._chances, self.memory, surroundings=self.surroundings
+            self.poses,
+            self.buffers,
+            self.directions,
+            self._chances,
+            self.memory,
+            facts=self.facts,
+            surroundings=self.surroundings,
         )
         self.robots = CoordinatedRobots(
             models, host, network=robot, planner=planner, explained=explained, documents=documents
         )
         self.network, self.coordinators, self.nested = self.robots.network, self.robots.coordinators, self.robots.inner
+
+    def share(self, rules: Mapping[str, FactRule], knows: Flags | None = None) -> None:
+        """Let robots, those marked in `knows` (R,) if given, tell each other facts that they do not tell yet."""
+        for name, rule in rules.items():
+            if not self.facts:
+                buffer = self.buffers["facts"] = SoBuffer(
+                    SHARED_FACTS, self.poses.space, self.poses, self.reception.delivery()
+                )
+                self._delayed += [buffer] if buffer.delivery.delay > 0.0 else []
+            if name not in self.facts:
+                self.facts[name] = SharedFact(self.buffers["facts"], name, rule, knows)
+
+    def tell(self, noticed: Mapping[str, Flags], now: float) -> None:
+        """Let robots tell at `now` [s] the facts that they know and have `noticed`, by name (R,)."""
+        for name, rows in noticed.items():
+            if name in self.facts:
+                self.facts[name].tell(now, np.flatnonzero(rows))
 
     def coordinator_of(self, goal: str) -> Coordinator:
         """Return the coordinator of a goal; KeyError if the robot's document does not coordinate it."""
@@ -135,6 +164,8 @@ class Minds:
         for buffer in self.buffers.values():
             buffer.clear_rows(rows)
         self.memory.reset(rows)
+        for fact in self.facts.values():
+            fact.forget(rows)
         for name, values in self.known().items():
             if name in self.memory.kinds:
                 self.memory[name].values[rows] = values[rows]

@@ -30,6 +30,7 @@ from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import network_of
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.commands import Commands
+from selforg.components.facts import FactRule
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
@@ -51,6 +52,7 @@ class StagedTask(TaskKind, ABC):
         best_score: score of a mission that costs nothing, from which its cost by the time limit is taken [-].
         thinks_when_driven: whether networks of robots go on deciding while a learner drives the robots.
         always_acts: whether networks select again until some behaviour runs.
+        notices: facts that robots notice by themselves, see `noticed`: how each is told and kept, by name.
         around: the things, as `Task.things` returned them.
         asked: (R, 2) [m/s] what the mechanisms asked for last; 0 for nothing.
         standing: (R,) ticks for which a collision stops the robot, that of the collision included; 0 unless you say so.
@@ -65,6 +67,7 @@ class StagedTask(TaskKind, ABC):
     best_score: ClassVar[float] = 2.0  # 1 where the measure that is worst by its target just meets it
     thinks_when_driven: ClassVar[bool] = True
     always_acts: ClassVar[bool] = True
+    notices: ClassVar[Mapping[str, FactRule]] = {}
 
     world: TaskView
     around: tuple[Things, ...]
@@ -165,6 +168,13 @@ class StagedTask(TaskKind, ABC):
 
     def before_moving(self, commands: Commands) -> None:
         """Change the commands of all robots, also of driven ones, just before they move."""
+
+    def noticed(self) -> Mapping[str, Flags]:
+        """Return which robots (R,) have noticed something in this period that they tell, by the names in `notices`.
+
+        It is asked only where robots tell facts: because their documents declare some, or somebody sees `heard`.
+        """
+        return {}
 
     def completed(self, values: Mapping[str, Floats]) -> Flags:
         """Return whether the missions (W,) are completed: all measures, whose `values` are (W,), meet their targets."""

@@ -213,6 +213,8 @@ class Worlds:
         floor.move(minds.commands.packed, now)
         self._clock.advance()
         task.after_moving()
+        if minds.facts:
+            minds.tell(task.noticed(), now)
         return self.collisions.entered_in_tick
 
     def _bodies(self) -> list[Bodies]:

@@ -77,11 +77,10 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour]):
         """Whether all that the behaviours do is done beside what others command, so that they need no turn."""
         return all(action.type in BESIDE for behaviour in self.behaviours.values() for action in behaviour.action)
 
-    @property
-    def calls(self) -> tuple[str, ...]:
-        """Names of the host's functions that the behaviours call."""
+    def referred(self, what: str) -> tuple[str, ...]:
+        """Return the names of the host's functions ("call") or facts ("fact") to which components refer."""
         references = (reference for _, spec in self._components() for reference in spec.references())
-        return tuple(name for _, reference, name in references if reference.what == "call")
+        return tuple(name for _, reference, name in references if reference.what == what)
 
     @property
     def buffers(self) -> tuple[str, ...]:
@@ -134,7 +133,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour]):
         }
         for parameter, reference, name in spec.references():
             if reference.what not in declared:
-                continue  # a call: the host is checked for it
+                continue  # a call or a fact: the host is checked for it
             must_know(reference.what, name, declared[reference.what], f"{where}.{parameter}")
             if reference.what == "mechanism":
                 given = self.mechanisms[name].type

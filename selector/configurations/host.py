@@ -10,8 +10,9 @@ import numpy as np
 
 from selector.configurations.configuration import ActingNetworkSpec
 from selector.documents.errors import DocumentError
-from selforg.components import RobotMemory, Surroundings
+from selforg.components import FactRule, RobotMemory, SharedFact, Surroundings
 from selforg.components.actions import Call
+from selforg.components.facts import SHARED_FACTS
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
@@ -33,6 +34,7 @@ class Host:
         generators: (R,) other randomness; the host may replace the generator of a row in this list.
         memory: what each robot knows independently of its option, under the names that configurations expect.
         calls: functions by name; behaviours call them with the time [s] and the rows in which they start.
+        facts: what robots tell each other, by name.
         surroundings: what rays from the robots meet.
 
     """
@@ -43,6 +45,7 @@ class Host:
     generators: Sequence[np.random.Generator] = ()
     memory: RobotMemory = field(default_factory=lambda: RobotMemory(0, {}))
     calls: Mapping[str, Call] = field(default_factory=dict)
+    facts: Mapping[str, SharedFact] = field(default_factory=dict)
     surroundings: Surroundings = field(default_factory=Surroundings)
 
     @property
@@ -52,12 +55,12 @@ class Host:
 
     def check(self, configuration: AnySpec, where: str) -> None:
         """Raise DocumentError, which begins with `where`, if the host lacks something that the configuration names."""
-        for name in configuration.buffers:
-            if name not in self.buffers:
-                raise DocumentError(f"{where}: {unknown('buffer', name, sorted(self.buffers))}")
-        for name in configuration.calls:
-            if name not in self.calls:
-                raise DocumentError(f"{where}: {unknown('call', name, sorted(self.calls))}")
+        buffers, calls, facts = configuration.buffers, configuration.referred("call"), configuration.referred("fact")
+        named = {"buffer": (buffers, self.buffers), "call": (calls, self.calls), "fact": (facts, self.facts)}
+        for what, (names, known) in named.items():
+            for name in names:
+                if name not in known:
+                    raise DocumentError(f"{where}: {unknown(what, name, sorted(known))}")
         kinds = self.memory.kinds
         for name, kind in configuration.expects.items():
             if name not in kinds:
@@ -66,12 +69,23 @@ class Host:
                 raise DocumentError(f"{where}: expects.{name}: expected a {kind}, but the host knows a {kinds[name]}")
 
 
-def trial_host(configuration: AnySpec) -> Host:
-    """Return a host of one robot with all that a configuration names, to check that the configuration can be built."""
+def trial_host(configuration: AnySpec, facts: Iterable[str] | None = None) -> Host:
+    """Return a host of one robot with all that a configuration names, to check that the configuration can be built.
+
+    Args:
+        configuration: the configuration.
+        facts: names of the facts that the robot knows; all that the configuration names unless given.
+
+    """
     poses = OwnPoses(Euclidean(2), 1)
     buffers = {name: SoBuffer(BufferSettings(), poses.space, poses) for name in configuration.buffers}
-    calls: dict[str, Call] = dict.fromkeys(configuration.calls, lambda now, rows: None)
-    return Host(poses, buffers, None, [np.random.default_rng(0)], host_memory([configuration], 1), calls)
+    calls: dict[str, Call] = dict.fromkeys(configuration.referred("call"), lambda now, rows: None)
+    buffer, names = (
+        SoBuffer(SHARED_FACTS, poses.space, poses),
+        configuration.referred("fact") if facts is None else facts,
+    )
+    known = {name: SharedFact(buffer, name, FactRule()) for name in names}
+    return Host(poses, buffers, None, [np.random.default_rng(0)], host_memory([configuration], 1), calls, known)
 
 
 def host_memory(configurations: Iterable[AnySpec], rows: int) -> RobotMemory:

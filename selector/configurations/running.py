@@ -146,6 +146,7 @@ class RunningConfiguration:
             "mechanism": self.mechanisms,
             "target": self._targets,
             "call": self._host.calls,
+            "fact": self._host.facts,
         }
         return found[reference.what][name] if reference.what in found else self._remembered(name)
 

@@ -16,12 +16,15 @@
         behaviours: {Go: {action: {type: Move, mechanism: go}, preconditions: [near]}}
     root: robot
     parameters: {reach: 1.0}
+    facts: {door_shut: {keep: newest, means: that the door is shut}}
 
 The name of an entry of `conditions` may be given in place of a condition. A network knows the named conditions of the
 networks around it, and must not give their names another meaning. An inner network decides and acts while the
 behaviour that holds it runs; behaviours of an inner network may hold further networks. In the root network, a behaviour
 `G: {type: Coordinator, goal: G}` holds the configuration that serves the goal G now and adds its sensors; with
 `during: [A, B]` its options only steer what the behaviours A and B command.
+What robots tell each other is under `facts`, see `FactRule`: the action `Tell` tells it, and the sensors `Heard`,
+`HeardValue` and `HeardAge` read it, in the root network, too.
 A file with `base: NAME` has what differs from that document; null leaves a part of it out.
 `$reach` in place of a value stands for the parameter of that name, which the reader of the file may override.
 """
@@ -30,7 +33,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
@@ -42,9 +47,13 @@ from selector.documents.parameters import Content, check_parameters_used, resolv
 from selector.documents.plain import short
 from selector.documents.reading import read_mapping
 from selector.vocabulary.conditions import NamedConditions
+from selector.vocabulary.constructors import checked_parameters
+from selforg.components import FactRule
 from selforg.network.model.behaviours import NetworkSettings
 from selforg.registry import unknown
 
+MOST_FACTS = 16
+"""Facts that the robots of a document tell; each is looked for whenever a robot tells one."""
 MOST_NETWORKS = 50
 """Networks of a robot, each counted wherever it stands; each costs a robot its own state and some milliseconds."""
 
@@ -58,6 +67,8 @@ class NetworksSpec(Closed):
     """The outermost network."""
     networks: dict[Name, dict[str, Any]]
     """Networks by name."""
+    facts: Annotated[dict[Name, dict[Name, Any]], Field(max_length=MOST_FACTS)] = Field(default_factory=dict)
+    """What robots tell each other, by name; see `FactRule`."""
 
 
 def load_network(
@@ -127,7 +138,12 @@ def network_from(
         check_parameters_used(content)
         filled = resolved(content, parameters or {})
     file = validated(NetworksSpec, filled, where)
-    return _Nesting(file.networks, where, coordinators or {}, settings).of(file.root, {}, ())
+    facts: dict[str, FactRule] = {}
+    for name, given in file.facts.items():
+        checked = checked_parameters(FactRule, given, f"{where}: facts.{name}")
+        with within(f"{where}: facts.{name}"):
+            facts[name] = FactRule(**checked)
+    return _Nesting(file.networks, where, coordinators or {}, settings, facts).of(file.root, {}, ())
 
 
 def coordinated_goals(path: Path) -> tuple[str, ...]:
@@ -160,6 +176,7 @@ class _Nesting:
     file: str
     coordinators: Coordinators
     settings: NetworkSettings | None
+    facts: Mapping[str, FactRule]
     numbers: Iterator[int] = field(default_factory=count)
     """Numbers of the networks in the order in which they are met."""
 
@@ -182,9 +199,10 @@ class _Nesting:
         inner = {b: held.network for b, held in spec.behaviours.items() if held.network is not None}
         held = {b: self.of(other, named, (*path, name)) for b, other in inner.items()}
         if isinstance(spec, InnerNetworkSpec):
-            model = RunningConfiguration(spec, trial_host(spec), where).network.model
+            model = RunningConfiguration(spec, trial_host(spec, self.facts), where).network.model
             with within(where):
                 return RobotNetwork(model, held, frozenset(spec.own_sensors), spec=spec)
         with within(where):
             model = spec.build(self.coordinators, self.settings)
-            return RobotNetwork(model, held, during=spec.during)
+            sensors = spec.sensors_of(self.facts)
+            return RobotNetwork(model, held, during=spec.during, facts=self.facts, sensors=sensors)

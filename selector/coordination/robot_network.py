@@ -5,7 +5,7 @@ The cleaning robot's document is `configs/robots/cleaning.yaml`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
@@ -18,6 +18,7 @@ from selector.documents.fields import Closed, Name
 from selector.vocabulary.components import ActionSpecs, SensorSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
+from selforg.components import FactRule
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
 from selforg.network.model.model import NestedModel, NetworkModel
 from selforg.registry import unknown
@@ -63,11 +64,22 @@ class HoldingBehaviourSpec(BehaviourSpec):
         return model.behaviour(plain)
 
 
+def _kind_of_sensor(given: Any) -> str:  # noqa: ANN401  (whatever YAML holds)
+    return "kind" if isinstance(given, str) else "sensor"
+
+
+InnerSensor = Annotated[
+    Annotated[Literal["fact", "number"], Tag("kind")] | Annotated[SensorSpec, Tag("sensor")],
+    Discriminator(_kind_of_sensor),
+]
+"""Kind of the sensor of that name, which something around the network feeds, or a sensor component."""
+
+
 class NetworkSpec(Closed):
     """The root network, after names of conditions were replaced."""
 
-    sensors: Annotated[dict[Name, Literal["fact", "number"]], Field(min_length=1)]
-    """What each sensor reads."""
+    sensors: Annotated[dict[Name, InnerSensor], Field(min_length=1)]
+    """What each sensor reads, which the host writes; or a sensor of a fact that robots tell each other."""
     conditions: dict[Name, AnyCondition] = Field(default_factory=dict)
     """Conditions by name."""
     behaviours: Annotated[dict[Name, HoldingBehaviourSpec], Field(min_length=1)]
@@ -82,6 +94,17 @@ class NetworkSpec(Closed):
         """The coordinators that steer only while certain behaviours run, and these behaviours."""
         return {name: spec.during for name, spec in self.behaviours.items() if spec.during}
 
+    def sensors_of(self, facts: Collection[str]) -> dict[str, SensorSpec]:
+        """Return the sensors of facts; ValueError for another component, or a fact that is not one of `facts`."""
+        found = {name: spec for name, spec in self.sensors.items() if isinstance(spec, SensorSpec)}
+        for name, spec in found.items():
+            references = [(reference.what, fact) for _, reference, fact in spec.references()]
+            if [what for what, _ in references] != ["fact"]:
+                expected = "fact, number, or a sensor of a fact, as the outermost network has no other components"
+                raise ValueError(f"sensors.{name}: expected {expected}, got {spec.type}")
+            must_know("fact", references[0][1], dict.fromkeys(facts), f"sensors.{name}.fact")
+        return found
+
     def build(self, coordinators: Coordinators, settings: NetworkSettings | None) -> NetworkModel:
         """Return the model, with `settings` if given; the sensors of coordinators come after those of the network."""
         for coordinator, names in self.during.items():
@@ -90,7 +113,7 @@ class NetworkSpec(Closed):
         behaviours = [spec.build_with(name, coordinators) for name, spec in self.behaviours.items()]
         held = [spec.goal for spec in self.behaviours.values() if spec.goal is not None]
         sensors = [
-            *(Sensor(name, kind) for name, kind in self.sensors.items()),
+            *(Sensor(name, one if isinstance(one, str) else one.component.kind) for name, one in self.sensors.items()),
             *(sensor for goal in held for sensor in coordinators[goal].sensors),
         ]
         goals = [spec.build(name) for name, spec in self.goals.items()]
@@ -102,17 +125,6 @@ class InnerBehaviourSpec(HoldingBehaviourSpec, ActingBehaviourSpec):
 
     action: ActionSpecs = ()
     """What the behaviour does while it runs: one action or several."""
-
-
-def _kind_of_sensor(given: Any) -> str:  # noqa: ANN401  (whatever YAML holds)
-    return "kind" if isinstance(given, str) else "sensor"
-
-
-InnerSensor = Annotated[
-    Annotated[Literal["fact", "number"], Tag("kind")] | Annotated[SensorSpec, Tag("sensor")],
-    Discriminator(_kind_of_sensor),
-]
-"""Kind of the sensor of that name in the network around, or a sensor component."""
 
 
 class InnerNetworkSpec(ActingNetworkSpec[InnerSensor, InnerBehaviourSpec]):
@@ -132,10 +144,11 @@ class InnerNetworkSpec(ActingNetworkSpec[InnerSensor, InnerBehaviourSpec]):
 
 
 class LeftOut(NamedTuple):
-    """Behaviours and goals of a network that robots of one document do not have, by name."""
+    """Behaviours, goals and facts of a network that robots of one document do not have, by name."""
 
     behaviours: tuple[str, ...]
     goals: tuple[str, ...]
+    facts: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -147,6 +160,8 @@ class RobotNetwork(NestedModel):
         during: goals of coordinators that steer only while certain behaviours run, and these behaviours.
         left_out: of a network for robots of several documents, what those of each do not have.
         spec: components of a network inside; None for the root, whose behaviours the host of the robot carries out.
+        facts: of the root: what robots tell each other, by name.
+        sensors: of the root: its sensors of facts, by name.
 
     """
 
@@ -154,6 +169,8 @@ class RobotNetwork(NestedModel):
     during: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     spec: InnerNetworkSpec | None = None
     left_out: tuple[LeftOut, ...] = ()
+    facts: Mapping[str, FactRule] = field(default_factory=dict)
+    sensors: Mapping[str, SensorSpec] = field(default_factory=dict)
 
     def all_specs(self) -> Iterator[InnerNetworkSpec]:
         """Yield the documents of all networks inside, at any depth."""
@@ -178,7 +195,15 @@ def merged_networks(networks: Mapping[str, RobotNetwork]) -> RobotNetwork:
     goals = _all_of("goal", names, [model.goals for model in models])
     inner: dict[str, RobotNetwork] = {}
     during: dict[str, tuple[str, ...]] = {}
+    facts: dict[str, FactRule] = {}
+    read: dict[str, SensorSpec] = {}
     for name, network in networks.items():
+        for fact, rule in network.facts.items():
+            if facts.setdefault(fact, rule) != rule:
+                raise DocumentError(f"robots of {name}: fact {fact}: expected {_SAME}")
+        for sensor, spec in network.sensors.items():
+            if read.setdefault(sensor, spec) != spec:
+                raise DocumentError(f"robots of {name}: sensor {sensor}: expected {_SAME}")
         for holder, held in network.inner.items():
             if inner.setdefault(holder, held).spec != held.spec:
                 raise DocumentError(f"robots of {name}: behaviour {holder}: expected {_SAME}")
@@ -191,14 +216,14 @@ def merged_networks(networks: Mapping[str, RobotNetwork]) -> RobotNetwork:
                 raise DocumentError(f"robots of {name}: behaviour {behaviour.name}: expected {_SAME}")
     left_out = tuple(
         LeftOut(
-            tuple(one.name for one in behaviours if one.name not in model.behaviour_index),
-            tuple(one.name for one in goals if one.name not in model.goal_index),
+            tuple(one.name for one in behaviours if one.name not in network.model.behaviour_index),
+            tuple(one.name for one in goals if one.name not in network.model.goal_index),
+            tuple(fact for fact in facts if fact not in network.facts),
         )
-        for model in models
+        for network in networks.values()
     )
-    return RobotNetwork(
-        NetworkModel(sensors, behaviours, goals, models[0].settings), inner, during=during, left_out=left_out
-    )
+    model = NetworkModel(sensors, behaviours, goals, models[0].settings)
+    return RobotNetwork(model, inner, during=during, left_out=left_out, facts=facts, sensors=read)
 
 
 _SAME = "the same as in the documents of the mission's other robots, or another name"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -12,8 +12,10 @@ from selector.coordination.coordinator import Coordinator, hold_options
 from selector.coordination.inner_network import InnerNetwork, inner_networks
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
+from selector.vocabulary.components import SensorSpec
 from selforg.arrays import READ, Ints
 from selforg.commands import Commands
+from selforg.components import SensorComponent
 from selforg.network.model.behaviours import NetworkSettings
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
@@ -64,12 +66,18 @@ class CoordinatedRobots:
         self._inside: tuple[Coordinator | InnerNetwork, ...] = (*self.coordinators, *self.inner)
         self._commands = Commands(host.rows, host.poses.space.dim)
         self._all: Ints = np.arange(host.rows)
+        column, made = self.network.model.sensor_index, robot.sensors.items()
+        self._sensors = [(column[name], component_of(spec, host)) for name, spec in made]
         self._left_out = robot.left_out
         self._documents = np.zeros(host.rows, dtype=np.int64) if documents is None else documents
         self._leave_out(self._all)
 
     def sense(self, now: float) -> None:
-        """Write the sensors of coordinators at `now` [s] into the readings of the network."""
+        """Write sensors of facts, and those of coordinators, at `now` [s] into the readings of the network."""
+        for column, sensor in self._sensors:
+            for source in sensor.sources:
+                source.ask(now, self._all)
+            self.network.readings[:, column] = sensor.read(self._all)
         for coordinator in self.coordinators:
             coordinator.sense(now)
 
@@ -122,6 +130,15 @@ class CoordinatedRobots:
         self.act(now, self._commands)
         self.leave(now)
         return self._commands
+
+
+def component_of(spec: SensorSpec, host: Host) -> SensorComponent:
+    """Return a sensor of a fact, which the host knows."""
+    given = spec.given
+    ((parameter, _, name),) = spec.references()
+    cls: Any = spec.component
+    sensor: SensorComponent = cls(**given | {parameter: host.facts[name]})
+    return sensor
 
 
 def network_of(models: Sequence[CoordinatorModel], settings: NetworkSettings | None = None) -> NetworkModel:

@@ -17,7 +17,7 @@ from pydantic import AfterValidator, BaseModel, Field, create_model
 from selector.documents import fields
 from selector.documents.errors import validated, within
 from selforg import parameters as declared
-from selforg.components import DecisionSource, GoalSource, MovementSource, Remembered
+from selforg.components import DecisionSource, GoalSource, MovementSource, Remembered, SharedFact
 from selforg.components.actions import Call
 from selforg.mechanisms import DecisionMechanism, MovementMechanism, Pheromone, SteeringMechanism
 from selforg.mechanisms.base import Mechanism
@@ -63,7 +63,7 @@ class Reference:
     """What a parameter refers to by a name.
 
     Attributes:
-        what: "mechanism", "target", "knowledge" or "call".
+        what: "mechanism", "target", "knowledge", "fact" or "call".
         annotation: type of the parameter, which is what the component gets.
         mechanism: class that a mechanism must have.
 
@@ -89,6 +89,7 @@ _REFERENCES = {
     DecisionSource: Reference("mechanism", DecisionSource, DecisionMechanism),
     GoalSource: Reference("target", GoalSource),
     Remembered: Reference("knowledge", Remembered),
+    SharedFact: Reference("fact", SharedFact),
     Call: Reference("call", Call),
 }
 

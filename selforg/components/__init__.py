@@ -11,6 +11,12 @@ from selforg.components.actions import SetState as SetState
 from selforg.components.actions import Spread as Spread
 from selforg.components.actions import Steer as Steer
 from selforg.components.actions import Turn as Turn
+from selforg.components.facts import FactRule as FactRule
+from selforg.components.facts import Heard as Heard
+from selforg.components.facts import HeardAge as HeardAge
+from selforg.components.facts import HeardValue as HeardValue
+from selforg.components.facts import SharedFact as SharedFact
+from selforg.components.facts import Tell as Tell
 from selforg.components.memory import Remembered as Remembered
 from selforg.components.memory import RobotMemory as RobotMemory
 from selforg.components.robot import OrganisedRobots as OrganisedRobots

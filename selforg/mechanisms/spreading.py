@@ -69,7 +69,7 @@ class Spreader:
         if len(rows) == 0:
             return
         buffer = self._buffer
-        messages, tags = np.repeat(self._messages, len(rows), axis=0), np.repeat(self._tags, len(rows), axis=0)
+        messages, tags = self.blank(len(rows))
         messages[:, c.X : c.X + 3] = buffer.poses.own[rows, 0, c.X : c.X + 3]
         set_times(messages, now)
         tags[:, c.TAG_SOURCE] = rows
@@ -80,6 +80,10 @@ class Spreader:
         elif buffer.on_deposit is not None and not self.carried.moving:
             buffer.on_deposit(rows, messages[0], tags[0])
         buffer.spread(messages, tags, now)
+
+    def blank(self, count: int) -> tuple[Floats, Ints]:
+        """Return messages (count, MESSAGE) and tags (count, TAG) that say neither who spreads it nor when and where."""
+        return np.repeat(self._messages, count, axis=0), np.repeat(self._tags, count, axis=0)
 
     def deposit(self, now: float, rows: Ints) -> None:
         """Leave it at the newest pose of each of `rows` (R,); rows without a pose leave none."""

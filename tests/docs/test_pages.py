@@ -25,7 +25,7 @@ from clean_swarm_env.config.load import load_experiment, load_family, load_missi
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.configurations.library import Library
-from selector.coordination.robot_document import network_from
+from selector.coordination.robot_document import network_from, read_robot
 from selector.documents.find import load_file
 from selector.knowledge import load_knowledge
 from selector.strategies.registry import StrategySpec, spec_from_text
@@ -171,6 +171,7 @@ LOADERS = {
     "knowledge": load_knowledge,
     "mechanisms": lambda name, directories: Library(directories).configuration(name),
     "missions": load_mission,
+    "robots": lambda name, directories: read_robot(directories[0] / "robots" / f"{name}.yaml"),
     "training": lambda name, directories: load_file("training", name, TrainingConfig, directories),
 }
 """Folder of a directory of configurations -> what reads a file of it."""

@@ -7,6 +7,7 @@ import numpy as np
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.parts.things import kinds_of
+from selector.documents.errors import DocumentError
 from selforg.arrays import Flags, Floats, Ints
 from selforg.elementary import unit_vectors
 from selforg.plugins import check_answer
@@ -70,6 +71,32 @@ class FactsTerm(Term):
         memory = self.observed.worlds.minds.memory
         for number, name in enumerate(self.components):
             out[number] = memory[name].values
+
+
+@TERMS.register
+class HeardTerm(Term):
+    """What robots tell each other: the number of each fact that the robot has heard, and how long ago, by `oldest` [s].
+
+    The number is 0 and the age 1 where it has heard nothing; numbers are divided by the fact's `scale`. Robots tell the
+    facts of their documents, and those that the task notices.
+    """
+
+    name = "heard"
+
+    def __init__(self, observed: Observed, *, oldest: float = 120.0) -> None:
+        super().__init__(observed)
+        worlds = observed.worlds
+        worlds.minds.share(worlds.task.notices)
+        self._facts, self._oldest = tuple(worlds.minds.facts.values()), max(oldest, worlds.period)
+        if not self._facts:
+            expected = "robots that tell facts, by their document or their task"
+            raise DocumentError(f"observation: terms: {self.name}: expected {expected}, got none in {worlds.task.name}")
+        self.components = tuple(f"{self.name}_{fact.name}{part}" for fact in self._facts for part in ("", "_age"))
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        now = self.observed.worlds.now
+        for number, fact in enumerate(self._facts):
+            fact.observe(now, rows, self._oldest, out[2 * number], out[2 * number + 1])
 
 
 @TERMS.register

@@ -21,6 +21,11 @@ from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.space import nearest_image
 
+NOTICED = "stopped_by_collision", "collision_was_harmless", "nothing_found_here"
+"""Facts that robots notice: when they collide, and when they have looked for garbage in vain."""
+IN_VAIN = 20.0
+"""Time for which they have looked then [s]."""
+
 
 class Consequence(NamedTuple):
     """What collisions have done to the robots, and what they do."""
@@ -34,6 +39,13 @@ class Consequence(NamedTuple):
     back_off: int  # ticks for which it then drives off, the last ones of `standing`
     back_speed: Annotated[Floats, "R", READ]  # its speed then [m/s]
     drop: int  # 1 where it loses its cargo
+    active: int  # 1 where collisions have any of these consequences
+    counted: Annotated[Ints, "R 3", KEPT]  # what the row noticed since it could tell: 1, 1, and ticks without garbage
+    phase: Annotated[Ints, "W", KEPT]  # ticks since its robots could tell
+    noticed: Annotated[Flags, "3 R", SCRATCH]  # which of NOTICED the row tells now
+    found: Annotated[Ints, "1", SCRATCH]  # the sum of 2^k over those that any row tells
+    second: int  # ticks after which robots tell what they have noticed
+    long: int  # ticks without garbage of which they tell
 
 
 CONSEQUENCE = Recording(Consequence)
@@ -68,6 +80,13 @@ class Consequences:
                 back_off=round(config.back_off * rate),
                 back_speed=0.5 * np.tile(mission.of_each("max_speed"), worlds),
                 drop=int(config.drop),
+                active=int(self.active),
+                counted=np.zeros((rows, 3), dtype=np.int64),
+                phase=np.zeros(worlds, dtype=np.int64),
+                noticed=np.zeros((3, rows), dtype=np.bool_),
+                found=np.zeros(1, dtype=np.int64),
+                second=max(round(rate), 1),
+                long=round(IN_VAIN * rate),
             )
         )
         self.standing, self.collisions = self._packed.record.standing, self._packed.record.collisions
@@ -82,10 +101,19 @@ class Consequences:
             Shown("collisions", ROBOT, self.collisions, "collisions of the robot"),
         )
 
+    def noticed(self) -> dict[str, Flags]:
+        """Return once a second which robots (R,) have noticed something in it, by the names in NOTICED."""
+        c = self._packed.record
+        found = int(c.found[0])
+        return {name: c.noticed[k] for k, name in enumerate(NOTICED) if found >> k & 1} if found else {}
+
+    def reset_world(self, world: int) -> None:
+        """Let robots of a world tell what they notice from now on a second later."""
+        self._packed.record.phase[world] = 0
+
     def reset(self, rows: Ints) -> None:
         """Reset `rows` (K,)."""
-        self.standing[rows] = 0
-        self.collisions[rows] = 0
+        self.standing[rows] = self.collisions[rows] = self._packed.record.counted[rows] = 0
 
     def start_tick(self, at_work: Ints | None) -> Ints | None:
         """Begin a tick; return those of the rows `at_work` (K,), None for all, that do not stand, in the same way."""
@@ -137,6 +165,23 @@ def turn_away(row: int, present: Flags, f: FloorRecord, c: Consequence) -> None:
                 c.away[row, 0], c.away[row, 1] = speed * x / length, speed * y / length
 
 
+@inlined
+def notice(working: Flags, c: Consequence) -> None:
+    """Mark once a second what rows at work have noticed in it."""
+    per_world = working.shape[0] // c.phase.shape[0]
+    for world in range(c.phase.shape[0]):
+        c.phase[world] = c.phase[world] % c.second + 1
+    c.found[0] = 0
+    for k in range(3):
+        least = c.long if k == 2 else 1
+        for row in range(working.shape[0]):
+            full = c.phase[row // per_world] == c.second
+            c.noticed[k, row] = full and working[row] and c.counted[row, k] >= least
+            c.found[0] |= int(c.noticed[k, row]) << k
+            if c.noticed[k, row] or (full and k < 2):
+                c.counted[row, k] = 0
+
+
 @lean_kernel
 def suffer(
     entered: Ints, working: Flags, present: Flags, floor: Written[FloorRecord], consequence: Written[Consequence]
@@ -146,7 +191,12 @@ def suffer(
     count, per_world = 0, f.robots.shape[0] // f.stations.shape[0]
     for row in range(entered.shape[0]):
         world, x, y = row // per_world, f.robots[row, 0], f.robots[row, 1]
-        if entered[row] > 0 and working[row] and c.harmless[world] == 0:
+        looks = working[row] and c.standing[row] == 0 and f.cargo[row] == NOTHING and f.nearest[row] == NOTHING
+        c.counted[row, 2] = c.counted[row, 2] + 1 if looks else 0
+        harmless = c.active == 0 or c.harmless[world] == 1
+        if entered[row] > 0 and working[row] and (harmless or c.stop + c.back_off > 0):
+            c.counted[row, 1 if harmless else 0] = 1
+        if entered[row] > 0 and working[row] and not harmless:
             c.collisions[row] += entered[row]
             c.standing[row] = max(c.standing[row], c.stop + c.back_off + 1)
             turn_away(row, present, f, c)
@@ -159,4 +209,5 @@ def suffer(
                 f.recycled[row] = 0
                 c.lost[count] = row
                 count += 1
+    notice(working, c)
     return count

@@ -135,7 +135,7 @@ def robot_network(
     if model.sensors[: len(OWN_SENSORS)] != OWN_SENSORS:
         expected, given = (", ".join(s.name for s in sensors) for sensors in (OWN_SENSORS, model.sensors))
         raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {given}")
-    known = {sensor.name for coordinator in coordinators for sensor in coordinator.sensors}
+    known = {sensor.name for coordinator in coordinators for sensor in coordinator.sensors} | robot.sensors.keys()
     for sensor in model.sensors[len(OWN_SENSORS) :]:
         if sensor.name not in known:
             expected = "a sensor of the robot itself or of a coordinator's options, which something feeds"

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from clean_swarm_env.tasks.cleaning.cargo import (
     reset_commands,
 )
 from clean_swarm_env.tasks.cleaning.coming import Comings
-from clean_swarm_env.tasks.cleaning.consequences import Consequences
+from clean_swarm_env.tasks.cleaning.consequences import NOTICED, Consequences
 from clean_swarm_env.tasks.cleaning.cost import collisions_cost, cost_terms, mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import DONE, LYING
 from clean_swarm_env.tasks.cleaning.learning.around import PHASES
@@ -40,6 +41,7 @@ from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.view import TaskView
 from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commands
+from selforg.components.facts import FactRule
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
@@ -62,6 +64,13 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     story = "robots find garbage, carry it to the station and leftovers to the dump, and keep clear of each other"
     baseline = ""
     changes = priced = True
+    notices: ClassVar[Mapping[str, FactRule]] = {
+        NOTICED[0]: FactRule(every=5.0, means="that collisions stop"),
+        NOTICED[1]: FactRule(every=5.0, means="that collisions are free"),
+        NOTICED[2]: FactRule(
+            view_distance=2.0, evaporation_factor=0.9, evaporation_period=5.0, means="that it found nothing near"
+        ),
+    }
     best_score = 1.0  # the share of the time limit that is left
     terms = (
         "garbage", "cargo", "phase", "situation", "recycling", "dump", "nearness", "target", "neighbour", "encounter",
@@ -116,6 +125,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def reset(self, world: int, rows: slice) -> None:
         """Show items and stations of a world, whose mission may have harmless collisions."""
+        self.consequences.reset_world(world)
         self.consequences.harmless[world] = settings_of(self.world.missions[world]).consequences.harmless
         self.site.show(world)
 
@@ -185,13 +195,17 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def after_moving(self) -> None:
         """Let the collisions of the tick have their consequences."""
-        if self.consequences.active:
+        if self.consequences.active or self.world.minds.facts:
             floor, team = self.world.floor, self.world.team
             lost = self.consequences.apply(
                 floor.collisions.entered_in_tick, team.working, floor.physics.present, self.site.packed
             )
             if len(lost):
                 self.site.show_items(lost // self.world.robots, floor.physics.positions[lost])
+
+    def noticed(self) -> Mapping[str, Flags]:
+        """Return who was stopped by a collision, whom one did nothing, and who looked for garbage in vain."""
+        return self.consequences.noticed()
 
     def done(self) -> Flags:
         """Return where all garbage that has come is dumped, and no more will come."""

@@ -36,6 +36,16 @@ def behaviour(name, **fields):
     return changed("networks", "robot", "behaviours", name, to=fields)
 
 
+def facts(**rules):
+    return changed("facts", to=rules)
+
+
+def telling(action):
+    whole = behaviour("Dump", network="tell") | {"facts": {"door": {}}}
+    whole["networks"]["tell"] = {"behaviours": {"Do": {"action": action}}}
+    return whole
+
+
 def test_the_shipped_robot_is_the_one_declared_in_python(coordinators):
     nested = load_network(PATH, coordinators)
     assert nested.inner == {}
@@ -123,6 +133,27 @@ def test_conditions_that_exclude_each_other_may_be_optional_or_count_a_little(co
             "behaviours.Rest: preconditions: expected conditions that can be true together, got 'garbage_at' both true",
         ),
         (changed("parameters", "idle", to=1.0), "parameters.idle: nothing in the configuration uses $idle"),
+        (facts(door={"keep": "oldest"}), "facts.door: keep: expected newest or largest, got 'oldest'"),
+        (facts(door={"diffusion": float("nan")}), "facts.door: diffusion: expected a finite number, got nan"),
+        (facts(door={"colour": 1.0}), "facts.door: colour: unknown key 'colour' (known: diffusion, evaporation_factor"),
+        (
+            facts(**{"two\nlines": {}}),
+            "facts.two lines.[key]: expected up to 100 letters, digits and -_. beginning and ending",
+        ),
+        (facts(**{f"f{k}": {} for k in range(17)}), "facts: expected at most 16 "),
+        (telling({"type": "Tell", "fact": "window"}), "networks.tell: unknown fact 'window' (known: door)"),
+        (
+            telling({"type": "Tell", "fact": "door", "value": float("inf")}),
+            "Tell.value: expected a finite number, got inf",
+        ),
+        (
+            changed("networks", "robot", "sensors", "told", to={"type": "Heard", "fact": "door"}),
+            "networks.robot: sensors.told.fact: unknown fact 'door' (known: none)",
+        ),
+        (
+            changed("networks", "robot", "sensors", "far", to={"type": "Lidar"}),
+            "sensors.far: expected fact, number, or a sensor of a fact, as the outermost network has no other components,",
+        ),
     ],
 )
 def test_a_mistake_is_one_line_that_says_where(document, message, coordinators):
