@@ -47,19 +47,6 @@ class Nested:
 
 
 @dataclass(frozen=True)
-class HeardFact:
-    """A fact that a robot has noticed or heard."""
-
-    fact: str
-    value: float
-    robot: int
-    """Who told it."""
-    age_s: float
-    """How long ago [s]."""
-    sentence: str
-
-
-@dataclass(frozen=True)
 class RobotStep:
     """One step of one robot."""
 
@@ -79,8 +66,8 @@ class RobotStep:
     coordinators: tuple[Coordinated, ...]
     networks: tuple[Nested, ...]
     """Networks inside behaviours."""
-    heard: tuple[HeardFact, ...]
-    """The facts that it has noticed or heard."""
+    heard: tuple[dict[str, Any], ...]
+    """The facts that it has noticed or heard: `fact`, `value`, the `robot` that told it, `age_s`, and a `sentence`."""
 
     def as_mapping(self) -> dict[str, Any]:
         """Return the step as plain data, with the entries of the robot's network beside the others."""
@@ -122,13 +109,7 @@ def explain_robot(worlds: Worlds, row: int, step: int | None = None) -> RobotSte
         explain(worlds.network, row),
         tuple(_coordinated(coordinator, row) for coordinator in worlds.coordinators),
         tuple(Nested(one.name, _inner_step(one, one.network, row)) for one in worlds.minds.nested),
-        tuple(
-            HeardFact(
-                fact.name, float(fact.values[row]), int(fact.robots[row]), float(fact.ages[row]), fact.sentence(row)
-            )
-            for fact in facts
-            if fact.ages[row] >= 0.0
-        ),
+        tuple(report for fact in facts if (report := fact.report(row))),
     )
 
 

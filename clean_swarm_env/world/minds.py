@@ -164,8 +164,6 @@ class Minds:
         for buffer in self.buffers.values():
             buffer.clear_rows(rows)
         self.memory.reset(rows)
-        for fact in self.facts.values():
-            fact.forget(rows)
         for name, values in self.known().items():
             if name in self.memory.kinds:
                 self.memory[name].values[rows] = values[rows]

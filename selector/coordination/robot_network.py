@@ -195,15 +195,14 @@ def merged_networks(networks: Mapping[str, RobotNetwork]) -> RobotNetwork:
     goals = _all_of("goal", names, [model.goals for model in models])
     inner: dict[str, RobotNetwork] = {}
     during: dict[str, tuple[str, ...]] = {}
-    facts: dict[str, FactRule] = {}
-    read: dict[str, SensorSpec] = {}
+    shared: dict[str, dict[str, Any]] = {"fact": {}, "sensor": {}}
     for name, network in networks.items():
-        for fact, rule in network.facts.items():
-            if facts.setdefault(fact, rule) != rule:
-                raise DocumentError(f"robots of {name}: fact {fact}: expected {_SAME}")
-        for sensor, spec in network.sensors.items():
-            if read.setdefault(sensor, spec) != spec:
-                raise DocumentError(f"robots of {name}: sensor {sensor}: expected {_SAME}")
+        given = [("fact", *one) for one in network.facts.items()] + [
+            ("sensor", *one) for one in network.sensors.items()
+        ]
+        for what, own, one in given:
+            if shared[what].setdefault(own, one) != one:
+                raise DocumentError(f"robots of {name}: {what} {own}: expected {_SAME}")
         for holder, held in network.inner.items():
             if inner.setdefault(holder, held).spec != held.spec:
                 raise DocumentError(f"robots of {name}: behaviour {holder}: expected {_SAME}")
@@ -218,11 +217,12 @@ def merged_networks(networks: Mapping[str, RobotNetwork]) -> RobotNetwork:
         LeftOut(
             tuple(one.name for one in behaviours if one.name not in network.model.behaviour_index),
             tuple(one.name for one in goals if one.name not in network.model.goal_index),
-            tuple(fact for fact in facts if fact not in network.facts),
+            tuple(fact for fact in shared["fact"] if fact not in network.facts),
         )
         for network in networks.values()
     )
     model = NetworkModel(sensors, behaviours, goals, models[0].settings)
+    facts, read = shared["fact"], shared["sensor"]
     return RobotNetwork(model, inner, during=during, left_out=left_out, facts=facts, sensors=read)
 
 

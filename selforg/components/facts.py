@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints
+from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Handle, Recording, Written
 from selforg.components.actions import ACTIONS, Action
@@ -44,7 +44,6 @@ class FactRule:
         keep: which of those heard counts, the newest or the largest.
         diffusion [m], evaporation_factor [-], evaporation_period [s]: as in `Gradient`; it never evaporates by default.
         view_distance: how far beyond its diffusion it is known around the place where it was told [m].
-        every: time after which a robot tells the same number again, at the earliest [s].
         scale: number that counts as 1 in observations.
         means: what it says, for explanations, as in "that collisions stop".
 
@@ -55,7 +54,6 @@ class FactRule:
     evaporation_factor: UpToOne = 1.0
     evaporation_period: AtLeastZero = 0.0
     view_distance: float = np.inf
-    every: AtLeastZero = 1.0
     scale: AtLeastZero = 1.0
     means: str = ""
 
@@ -69,15 +67,12 @@ class FactRule:
 
 
 class Hearing(NamedTuple):
-    """One fact: which of those in view counts, what each row has told and heard, and room for messages."""
+    """One fact: which of those in view counts, what each row has heard, and room for messages."""
 
     channel: int  # number of its channel
     largest: int  # 1: the largest counts, 0: the newest
     view_distance: float  # [m]
-    every: float  # time after which a row tells the same number again [s]
     knows: Annotated[Flags, "N", READ]  # whether the row tells and hears it
-    said: Annotated[Floats, "N", KEPT]  # what each row told last [-]
-    said_at: Annotated[Floats, "N", CLOCKED]  # and when [s]
     values: Annotated[Floats, "N", SCRATCH]  # what was heard [-], 0 for nothing
     stamps: Annotated[Floats, "N", SCRATCH]  # when it was told [s]
     tellers: Annotated[Ints, "N", SCRATCH]  # row that told it, -1 for nothing
@@ -132,10 +127,7 @@ class SharedFact(Source):
             channel=buffer.channel_code(name),
             largest=int(rule.keep == LARGEST_KNOWN),
             view_distance=rule.view_distance,
-            every=rule.every,
             knows=np.ones(rows, dtype=np.bool_) if knows is None else knows,
-            said=np.zeros(rows),
-            said_at=np.full(rows, -np.inf),
             values=np.zeros(rows),
             stamps=np.zeros(rows),
             tellers=np.full(rows, -1),
@@ -151,7 +143,7 @@ class SharedFact(Source):
         self._looked = -1, -1  # messages and gradients of the buffer at the last look
 
     def tell(self, now: float, rows: Ints, values: npt.ArrayLike = 1.0) -> None:
-        """Let `rows` (K,) tell one number or `values` (K,) at `now` [s], unless they told the same too short ago.
+        """Let `rows` (K,), each at most once, tell one number or `values` (K,) at `now` [s].
 
         Raises ValueError for what is no finite number up to 1e9.
         """
@@ -163,10 +155,6 @@ class SharedFact(Source):
         if count:
             record = self._packed.record
             self._buffer.spread(record.messages[:count], record.tags[:count], now)
-
-    def forget(self, rows: Ints) -> None:
-        """Let `rows` (K,) tell anew whatever they told before."""
-        self._packed.record.said_at[rows] = -np.inf
 
     def ask(self, now: float, rows: Ints) -> None:
         """Renew what `rows` (K,) have heard, or all rows; nothing is looked at where nothing can have changed."""
@@ -191,34 +179,30 @@ class SharedFact(Source):
         self.ages[:] = np.where(heard, now - self.stamps, -1.0)
         self.robots[:] = np.where(heard, self.tellers - self._first, -1)
 
-    def sentence(self, row: int) -> str:
-        """Return what a row has heard, as the end of a sentence about a robot; empty for nothing; see `note`."""
-        if self.ages[row] < 0.0:
-            return ""
-        own = self.robots[row] == row - self._first[row]
-        who = "noticed itself" if own else f"heard from robot {self.robots[row]}"
-        says = " ".join(self.rule.means.split()) or f"that {self.name} is {self.values[row]:g}"
-        return f"has {who}, {self.ages[row]:.0f} s ago, {says}"
+    def report(self, row: int) -> dict[str, Any]:
+        """Return what a row has heard, as `note` wrote it, and the end of a sentence about it; empty for nothing."""
+        value, robot, age = float(self.values[row]), int(self.robots[row]), float(self.ages[row])
+        who = "noticed itself" if robot == row - self._first[row] else f"heard from robot {robot}"
+        says = " ".join(self.rule.means.split()) or f"that {self.name} is {value:g}"
+        sentence = f"has {who}, {age:.0f} s ago, {says}"
+        heard = {"fact": self.name, "value": value, "robot": robot, "age_s": age, "sentence": sentence}
+        return heard if age >= 0.0 else {}
 
 
 @lean_kernel
-def tell_rows(now: float, rows: Ints, values: Floats, hearing: Written[Hearing], poses: Handle[Poses]) -> int:
+def tell_rows(now: float, rows: Ints, values: Floats, hearing: Handle[Hearing], poses: Handle[Poses]) -> int:
     """Fill the room for messages with what `rows` (K,) tell, `values` (K,); return how many messages there are.
 
-    A row tells nothing without a pose, or if it told the same a shorter time ago than `every`. The result is -1, and
-    nobody tells anything, if one of the values is no number up to LARGEST.
+    A row tells nothing without a pose. The result is -1 if one of the values is no number up to LARGEST.
     """
     h, p = open_hearing(hearing), open_poses(poses)
-    for value in values:
-        if not abs(value) <= LARGEST:
-            return -1
     count = 0
     for index in range(len(rows)):
         row, value = int(rows[index]), values[index]
-        again = h.said[row] == value and now - h.said_at[row] < h.every - CLOCK_TOLERANCE
-        if again or not h.knows[row] or p.rows[row, c.ROW_POSES] == 0 or count == len(h.tags):
+        if not abs(value) <= LARGEST:
+            return -1
+        if not h.knows[row] or p.rows[row, c.ROW_POSES] == 0 or count == len(h.tags):
             continue
-        h.said[row], h.said_at[row] = value, now
         for axis in range(3):
             h.messages[count, c.X + axis] = p.own[row, 0, c.X + axis]
         h.messages[count, c.MESSAGE_FAR + c.FAR_STAMP] = h.messages[count, c.MESSAGE_FAR + c.FAR_CLOCK] = now
@@ -249,11 +233,10 @@ def hear_rows(now: float, rows: Ints, hearing: Handle[Hearing], poses: Handle[Po
                 if not still_there(at, now, store):
                     continue
                 h.due[0] = min(h.due[0], s.near[at, c.NEAR_DUE])
-                if not anywhere:
-                    dx, dy = s.near[at, c.X] - p.own[row, 0, c.X], s.near[at, c.Y] - p.own[row, 0, c.Y]
-                    dz, reach = s.near[at, c.Z] - p.own[row, 0, c.Z], h.view_distance + s.near[at, c.DIFFUSION]
-                    if squared_length(dx, dy, dz, p.extent) > reach * reach:
-                        continue
+                dx, dy = s.near[at, c.X] - p.own[row, 0, c.X], s.near[at, c.Y] - p.own[row, 0, c.Y]
+                dz, reach = s.near[at, c.Z] - p.own[row, 0, c.Z], h.view_distance + s.near[at, c.DIFFUSION]
+                if squared_length(dx, dy, dz, p.extent) > reach * reach:
+                    continue
                 value, stamp = s.far[at, c.FAR_VALUE], s.far[at, c.FAR_STAMP]
                 rank = (value, stamp) if h.largest == 1 else (stamp, value)
                 if rank > best:
@@ -276,8 +259,8 @@ def observe_rows(
 class FactSensor(SensorComponent):
     """Base class of sensors of a fact."""
 
-    def __init__(self, fact: SharedFact) -> None:
-        self.fact = fact
+    def __init__(self, fact: SharedFact, unheard: Finite = 0.0) -> None:
+        self.fact, self._unheard = fact, unheard
         self.sources = (fact,)
 
 
@@ -289,21 +272,17 @@ class Heard(FactSensor):
 
     def __init__(self, fact: SharedFact, within: AtLeastZero = LARGEST) -> None:
         super().__init__(fact)
-        self._within = within
+        self._within = within + CLOCK_TOLERANCE
 
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        recent = self.fact.asked_at - self.fact.stamps[rows] <= self._within + CLOCK_TOLERANCE
-        there: Flags = (self.fact.tellers[rows] >= 0) & recent
+        fact = self.fact
+        there: Flags = (fact.tellers[rows] >= 0) & (fact.asked_at - fact.stamps[rows] <= self._within)
         return there
 
 
 @SENSORS.register
 class HeardValue(FactSensor):
     """The number that was told [-], `unheard` where none was heard."""
-
-    def __init__(self, fact: SharedFact, unheard: Finite = 0.0) -> None:
-        super().__init__(fact)
-        self._unheard = unheard
 
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return np.where(self.fact.tellers[rows] >= 0, self.fact.values[rows], self._unheard)
@@ -316,8 +295,7 @@ class HeardAge(FactSensor):
     example: ClassVar[Mapping[str, Any]] = {"unheard": 3600.0}
 
     def __init__(self, fact: SharedFact, unheard: AtLeastZero) -> None:
-        super().__init__(fact)
-        self._unheard = unheard
+        super().__init__(fact, unheard)
 
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return np.where(self.fact.tellers[rows] >= 0, self.fact.asked_at - self.fact.stamps[rows], self._unheard)

@@ -155,7 +155,7 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, A
     stayed = f"it has stayed within {STILL:g} m for {before['stayed_s']:g} s"
     told = [
         f"it {before['sentence']}",
-        *(f"it {report.sentence}" for report in step.heard),
+        *(f"it {report['sentence']}" for report in step.heard),
         *(_moved(goal, move) for goal, move in before["policy"].items()),
         STATES.get(step.state, stayed if before["stayed_s"] >= SHORTEST_STAY else ""),
         "; ".join(f"{name} has run for {seconds:g} s" for name, seconds in before["running_s"].items()),

@@ -40,8 +40,8 @@ class Consequence(NamedTuple):
     back_speed: Annotated[Floats, "R", READ]  # its speed then [m/s]
     drop: int  # 1 where it loses its cargo
     active: int  # 1 where collisions have any of these consequences
-    counted: Annotated[Ints, "R 3", KEPT]  # what the row noticed since it could tell: 1, 1, and ticks without garbage
-    phase: Annotated[Ints, "W", KEPT]  # ticks since its robots could tell
+    counted: Annotated[Ints, "R 4", KEPT]  # collisions that stopped the row, or not, which it did not tell yet; ticks
+    # without garbage; ticks since it could tell anything
     noticed: Annotated[Flags, "3 R", SCRATCH]  # which of NOTICED the row tells now
     found: Annotated[Ints, "1", SCRATCH]  # the sum of 2^k over those that any row tells
     second: int  # ticks after which robots tell what they have noticed
@@ -81,8 +81,7 @@ class Consequences:
                 back_speed=0.5 * np.tile(mission.of_each("max_speed"), worlds),
                 drop=int(config.drop),
                 active=int(self.active),
-                counted=np.zeros((rows, 3), dtype=np.int64),
-                phase=np.zeros(worlds, dtype=np.int64),
+                counted=np.zeros((rows, 4), dtype=np.int64),
                 noticed=np.zeros((3, rows), dtype=np.bool_),
                 found=np.zeros(1, dtype=np.int64),
                 second=max(round(rate), 1),
@@ -106,10 +105,6 @@ class Consequences:
         c = self._packed.record
         found = int(c.found[0])
         return {name: c.noticed[k] for k, name in enumerate(NOTICED) if found >> k & 1} if found else {}
-
-    def reset_world(self, world: int) -> None:
-        """Let robots of a world tell what they notice from now on a second later."""
-        self._packed.record.phase[world] = 0
 
     def reset(self, rows: Ints) -> None:
         """Reset `rows` (K,)."""
@@ -166,20 +161,18 @@ def turn_away(row: int, present: Flags, f: FloorRecord, c: Consequence) -> None:
 
 
 @inlined
-def notice(working: Flags, c: Consequence) -> None:
-    """Mark once a second what rows at work have noticed in it."""
-    per_world = working.shape[0] // c.phase.shape[0]
-    for world in range(c.phase.shape[0]):
-        c.phase[world] = c.phase[world] % c.second + 1
-    c.found[0] = 0
+def notice(row: int, entered: int, works: bool, f: FloorRecord, c: Consequence) -> None:
+    """Count what a row notices in a tick, once it has suffered, and mark once a second what it tells."""
+    harmless = c.active == 0 or c.harmless[row // (f.robots.shape[0] // f.stations.shape[0])] == 1
+    counted, looks = c.counted[row], f.cargo[row] == NOTHING and f.nearest[row] == NOTHING
+    counted[0] += entered > 0 and works and not harmless and c.standing[row] > 0
+    counted[1] += entered > 0 and works and harmless
+    counted[2] = counted[2] + 1 if works and looks and c.standing[row] == 0 else 0
+    counted[3] = (counted[3] + 1) % c.second
     for k in range(3):
-        least = c.long if k == 2 else 1
-        for row in range(working.shape[0]):
-            full = c.phase[row // per_world] == c.second
-            c.noticed[k, row] = full and working[row] and c.counted[row, k] >= least
-            c.found[0] |= int(c.noticed[k, row]) << k
-            if c.noticed[k, row] or (full and k < 2):
-                c.counted[row, k] = 0
+        c.noticed[k, row] = counted[3] == 0 and counted[k] >= (c.long if k == 2 else 1)
+        c.found[0] |= int(c.noticed[k, row]) << k
+        counted[k] = 0 if c.noticed[k, row] else counted[k]
 
 
 @lean_kernel
@@ -188,15 +181,10 @@ def suffer(
 ) -> int:
     """Note the collisions of a tick; return how many robots lost their cargo, see `Consequences.apply`."""
     f, c = open_floor(floor), open_consequence(consequence)
-    count, per_world = 0, f.robots.shape[0] // f.stations.shape[0]
+    count, per_world, c.found[0] = 0, f.robots.shape[0] // f.stations.shape[0], 0
     for row in range(entered.shape[0]):
         world, x, y = row // per_world, f.robots[row, 0], f.robots[row, 1]
-        looks = working[row] and c.standing[row] == 0 and f.cargo[row] == NOTHING and f.nearest[row] == NOTHING
-        c.counted[row, 2] = c.counted[row, 2] + 1 if looks else 0
-        harmless = c.active == 0 or c.harmless[world] == 1
-        if entered[row] > 0 and working[row] and (harmless or c.stop + c.back_off > 0):
-            c.counted[row, 1 if harmless else 0] = 1
-        if entered[row] > 0 and working[row] and not harmless:
+        if entered[row] > 0 and working[row] and c.harmless[world] == 0 and c.active == 1:
             c.collisions[row] += entered[row]
             c.standing[row] = max(c.standing[row], c.stop + c.back_off + 1)
             turn_away(row, present, f, c)
@@ -209,5 +197,5 @@ def suffer(
                 f.recycled[row] = 0
                 c.lost[count] = row
                 count += 1
-    notice(working, c)
+        notice(row, entered[row], working[row], f, c)
     return count

@@ -65,8 +65,8 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     baseline = ""
     changes = priced = True
     notices: ClassVar[Mapping[str, FactRule]] = {
-        NOTICED[0]: FactRule(every=5.0, means="that collisions stop"),
-        NOTICED[1]: FactRule(every=5.0, means="that collisions are free"),
+        NOTICED[0]: FactRule(means="that collisions stop"),
+        NOTICED[1]: FactRule(means="that collisions are free"),
         NOTICED[2]: FactRule(
             view_distance=2.0, evaporation_factor=0.9, evaporation_period=5.0, means="that it found nothing near"
         ),
@@ -125,7 +125,6 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     def reset(self, world: int, rows: slice) -> None:
         """Show items and stations of a world, whose mission may have harmless collisions."""
-        self.consequences.reset_world(world)
         self.consequences.harmless[world] = settings_of(self.world.missions[world]).consequences.harmless
         self.site.show(world)
 

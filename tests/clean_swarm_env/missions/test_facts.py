@@ -44,8 +44,8 @@ def test_the_robots_of_the_page_tell_hear_and_explain(own):
     assert (worlds.network.readings[:, column] == recent).all()
     row = int(np.flatnonzero((fact.robots >= 0) & (fact.robots != np.arange(5)))[0])
     (heard,) = explain_robot(worlds, row).heard
-    words = f"has heard from robot {heard.robot}, {heard.age_s:.0f} s ago, that it was at the dump"
-    assert heard.sentence == words
+    who, ago = heard["robot"], heard["age_s"]
+    assert heard["sentence"] == f"has heard from robot {who}, {ago:.0f} s ago, that it was at the dump"
 
 
 def test_robots_of_another_document_neither_tell_nor_hear(own):

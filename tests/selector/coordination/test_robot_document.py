@@ -152,7 +152,7 @@ def test_conditions_that_exclude_each_other_may_be_optional_or_count_a_little(co
         ),
         (
             changed("networks", "robot", "sensors", "far", to={"type": "Lidar"}),
-            "sensors.far: expected fact, number, or a sensor of a fact, as the outermost network has no other components,",
+            "sensors.far: expected fact, number, or a sensor of a fact, as the outermost network has no other comp",
         ),
     ],
 )
