@@ -10,9 +10,10 @@ import numpy as np
 from clean_swarm_env.deciders.decider import OptionDecider
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.strategies.machine_file import StateMachine
+from selector.strategies.probing import Prober, Probing
 from selector.strategies.problem import Problem
 from selector.strategies.streams import Keys, row_keys, uniforms
-from selforg.arrays import Ints
+from selforg.arrays import Flags, Ints
 
 
 class FixedDecider(OptionDecider):
@@ -38,13 +39,14 @@ class MachineDecider(OptionDecider):
     Args:
         machine: the machine.
         problem, teams: see `Decider`.
+        probing: in place of that of the machine.
 
     Raises:
         DocumentError: the machine does not fit the problem.
 
     """
 
-    def __init__(self, machine: StateMachine, problem: Problem, teams: Ints) -> None:
+    def __init__(self, machine: StateMachine, problem: Problem, teams: Ints, probing: Probing | None = None) -> None:
         super().__init__(problem, teams)
         machine.check_fits(problem, "machine")
         names, states = list(machine.states), list(machine.states.values())
@@ -60,6 +62,8 @@ class MachineDecider(OptionDecider):
                 self._column[s, t] = problem.features.index(way.when) if way.when is not None else 0
                 self._above[s, t] = -np.inf if way.above is None else way.above
                 self._below[s, t] = np.inf if way.below is None else way.below
+        self._prober = Prober(probing or machine.probing, problem, len(teams))
+        self._used: Flags = np.isin(np.arange(len(problem.options)), self._options)
         self._states: Ints = np.full(len(teams), self._first)
         self._keys: Keys = row_keys(np.random.SeedSequence(0), len(teams))
         self._decided: Keys = np.zeros(len(teams), dtype=np.uint64)
@@ -68,6 +72,7 @@ class MachineDecider(OptionDecider):
         """Put `rows` (N,) into the first state, with new keys of random numbers."""
         self._states[rows], self._decided[rows] = self._first, 0
         self._keys[rows] = row_keys(np.random.SeedSequence([seed, 1]), len(rows))
+        self._prober.reset(rows, seed)
 
     def _choose(self, observations: Observations) -> Ints:
         """Return the options (R,) of the states after this decision's transitions."""
@@ -81,4 +86,5 @@ class MachineDecider(OptionDecider):
             first = open_ways.argmax(axis=1)
             self._states = np.where(open_ways.any(axis=1), self._to[states, first], states)
             self._decided += np.uint64(1)
-        return self._options[self._states]
+        outputs = np.eye(len(self.problem.options))[self._options[self._states]]
+        return self._prober.held(self._prober.choose(outputs, self._used), observations)

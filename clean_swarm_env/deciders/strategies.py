@@ -15,6 +15,7 @@ from selector.documents.fields import JOINT
 from selector.knowledge import check_same
 from selector.strategies.choosing import shares
 from selector.strategies.policy_file import Network, TrainedPolicy
+from selector.strategies.probing import Prober, Probing
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec
 from selector.strategies.streams import row_keys
@@ -77,12 +78,13 @@ class PolicyDecider(Decider):
     """A trained network: the likeliest option of each goal, a movement vector, or both.
 
     Options are found by name: one that the network does not know is not taken. A network that knows no option of a goal
-    that is decided does not fit.
+    that is decided does not fit. Some robots may try another option, as its file or `probing` says.
     """
 
-    def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints) -> None:
+    def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints, probing: Probing | None = None) -> None:
         super().__init__(problem, teams)
         spec, self._rows = policy.spec, len(teams)
+        self._prober = Prober(probing or spec.probing, problem, len(teams))
         check_same("policy", spec.definitions, problem.definitions)
         self._spec, self._network = spec, Network(policy)
         # goal, outputs, option -> output or -1, periods of a hold
@@ -108,6 +110,7 @@ class PolicyDecider(Decider):
     def reset(self, rows: Ints, seed: int) -> None:
         """Let rows (N,) choose anew."""
         self._keeping[:, rows] = 0
+        self._prober.reset(rows, seed)
 
     def opinions(self) -> Floats:
         """Return the probabilities (R, O) of the network."""
@@ -143,9 +146,10 @@ class PolicyDecider(Decider):
         for k, (_, outputs, numbers, hold) in enumerate(self._heads):
             own = np.where(numbers < 0, LEAST, heads["options"][:, outputs][:, numbers])
             self._outputs += own
-            chosen = numbers[own.argmax(axis=1)]
+            chosen = numbers[self._prober.choose(own, own > LEAST)]
             free = self._keeping[k] == 0
             self._kept[k] = np.where(free, chosen, self._kept[k])
             self._keeping[k] = np.where(free, hold, self._keeping[k]) - 1
             taken += numbers == self._kept[k][:, None]
-        return Decided(taken.argmax(axis=1), heads.get("vector", np.zeros((self._rows, 2))))
+        options = self._prober.held(taken.argmax(axis=1), observations)
+        return Decided(options, heads.get("vector", np.zeros((self._rows, 2))))

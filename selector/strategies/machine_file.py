@@ -14,6 +14,7 @@ from selector.documents.arrays import check_known
 from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, JointName, Name, Number, Share
 from selector.documents.find import load_file
+from selector.strategies.probing import Probing
 from selector.strategies.problem import Problem
 from selforg.registry import unknown
 
@@ -68,6 +69,8 @@ class StateMachine(Closed):
     """State of every robot before its first decision."""
     states: Annotated[dict[Name, MachineState], Field(min_length=1, max_length=MOST_STATES)]
     """The states."""
+    probing: Probing = Probing()
+    """Which robots try another of its options; none unless given."""
     training: dict[str, Any] = Field(default_factory=dict)
     """How it was designed: command, configuration, seed, figures."""
 
@@ -78,6 +81,8 @@ class StateMachine(Closed):
             for name, state in self.states.items()
             for k, way in enumerate(state.transitions)
         }
+        if self.probing.sampled:
+            raise impossible("probing.sampled", "false: a machine gives no probabilities of options", "true")
         for key, name in {"start": self.start, **ways}.items():
             if name not in self.states:
                 raise impossible(key, f"one of the states {', '.join(self.states)}", name)

@@ -28,6 +28,7 @@ from selector.documents.plain import plain
 from selector.documents.reading import read_bytes, read_json
 from selector.documents.writing import write_whole
 from selector.knowledge import Definition
+from selector.strategies.probing import Probing
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel
 from selforg.elementary import hyperbolic_tangent
@@ -70,6 +71,8 @@ class PolicySpec(Closed):
     """Added to the variance."""
     clip: Positive = 10.0
     """Largest absolute value of an input of the network."""
+    probing: Probing = Probing()
+    """Which robots try another option than the likeliest; none unless given."""
     weights_sha256: str = ""
     """Digest of the file of the weights; filled in when the policy is written."""
     training: dict[str, Any] = Field(default_factory=dict)

@@ -4,9 +4,8 @@ A robot's newest gradient replaces its older one: a team stores at most one for 
 gradients: docs/decisions/0225-facts-are-gradients.md.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Final, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -28,12 +27,10 @@ from selforg.mechanisms.spreading import Carried, Spreader
 from selforg.parameters import AtLeastZero, Finite, UpToOne
 from selforg.space import squared_length
 
-FAINTEST: Final = 0.3
-"""Diffusion below which a fact is gone, as a pheromone is [m]."""
-SHARED_FACTS: Final = BufferSettings(aggregation={"DEFAULT": "newparent"}, min_diffusion=FAINTEST)
-"""Settings of the buffer of facts, in which the newest of each robot counts."""
+SHARED_FACTS: Final = BufferSettings(aggregation={"DEFAULT": "newparent"}, min_diffusion=0.3)
+"""Settings of the buffer of facts: the newest of each robot counts, and is gone below the diffusion of a pheromone."""
 LARGEST: Final = 1e9
-NEWEST, LARGEST_KNOWN = ("newest", "largest")
+"""Largest amount of a number that is told."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +46,7 @@ class FactRule:
 
     """
 
-    keep: str = NEWEST
+    keep: str = "newest"
     diffusion: AtLeastZero = 1.0
     evaporation_factor: UpToOne = 1.0
     evaporation_period: AtLeastZero = 0.0
@@ -59,9 +56,13 @@ class FactRule:
 
     def __post_init__(self) -> None:
         """Check what no single field says."""
-        if self.keep not in (NEWEST, LARGEST_KNOWN):
-            raise ValueError(f"keep: expected {NEWEST} or {LARGEST_KNOWN}, got {self.keep!r}")
-        for name, least in (("diffusion", FAINTEST), ("view_distance", 0.0), ("scale", 1.0 / LARGEST)):
+        if self.keep not in ("newest", "largest"):
+            raise ValueError(f"keep: expected newest or largest, got {self.keep!r}")
+        for name, least in (
+            ("diffusion", SHARED_FACTS.min_diffusion),
+            ("view_distance", 0.0),
+            ("scale", 1.0 / LARGEST),
+        ):
             if not getattr(self, name) >= least:
                 raise ValueError(f"{name}: expected at least {least:g}, got {getattr(self, name):g}")
 
@@ -125,7 +126,7 @@ class SharedFact(Source):
         messages, tags = Spreader(buffer, carried).blank(rows)
         record = Hearing(
             channel=buffer.channel_code(name),
-            largest=int(rule.keep == LARGEST_KNOWN),
+            largest=int(rule.keep == "largest"),
             view_distance=rule.view_distance,
             knows=np.ones(rows, dtype=np.bool_) if knows is None else knows,
             values=np.zeros(rows),
@@ -185,8 +186,9 @@ class SharedFact(Source):
         who = "noticed itself" if robot == row - self._first[row] else f"heard from robot {robot}"
         says = " ".join(self.rule.means.split()) or f"that {self.name} is {value:g}"
         sentence = f"has {who}, {age:.0f} s ago, {says}"
-        heard = {"fact": self.name, "value": value, "robot": robot, "age_s": age, "sentence": sentence}
-        return heard if age >= 0.0 else {}
+        return (
+            {"fact": self.name, "value": value, "robot": robot, "age_s": age, "sentence": sentence} if age >= 0 else {}
+        )
 
 
 @lean_kernel
@@ -292,9 +294,7 @@ class HeardValue(FactSensor):
 class HeardAge(FactSensor):
     """Time since it was told [s], `unheard` [s] where none was heard."""
 
-    example: ClassVar[Mapping[str, Any]] = {"unheard": 3600.0}
-
-    def __init__(self, fact: SharedFact, unheard: AtLeastZero) -> None:
+    def __init__(self, fact: SharedFact, unheard: AtLeastZero = 3600.0) -> None:
         super().__init__(fact, unheard)
 
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -75,6 +75,9 @@ class PpoConfig(Closed):
     """Weight of a reward one decision period later [-]."""
     entropy: NonNegative = 0.01
     """Weight of the entropy, which keeps all options in use [-]."""
+    plays: Literal["sampled", "likeliest"] = "sampled"
+    """How the policy takes options after training: with their probabilities, as it does while it learns, or always the
+    likeliest."""
     hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=4096)], ...], Field(max_length=10)] = (64, 64)
     """Widths of the hidden layers, of policy and value function alike; an observation has some tens of components."""
 

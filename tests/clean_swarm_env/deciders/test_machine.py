@@ -10,8 +10,10 @@ from clean_swarm_env.deciders.machines import MachineDecider
 from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
+from selector.documents.errors import DocumentError
 from selector.documents.yaml_values import yaml_value
 from selector.strategies.machine_file import StateMachine, load_machine
+from selector.strategies.probing import Probing
 from selector.strategies.problem import Problem
 from tests.pages import blocks
 from train.running.trials import TrialSettings, run_trials
@@ -22,6 +24,9 @@ ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGra
 
 def machine(**states):
     return StateMachine.model_validate({"goal": "Goal", "start": next(iter(states)), "states": states})
+
+
+STEADY = machine(on={"option": "a", "transitions": [{"to": "off", "when": "near", "above": 0.5}]}, off={"option": "b"})
 
 
 def test_a_machine_of_one_state_is_a_fixed_option(tmp_path):
@@ -90,6 +95,42 @@ def test_probabilities_are_kept_and_rows_draw_the_same_in_any_batch():
     np.testing.assert_array_equal(course(60, 10), alone)
     assert alone[100:].mean() == pytest.approx(0.2 / 0.6, abs=0.03)  # the share of the time in the second state
     assert len(np.unique(alone, axis=1).T) == 50
+
+
+BEGIN = {"robots": 2, "option": "c", "until": "far"}
+
+
+@pytest.mark.parametrize(
+    ("probing", "words"),
+    [
+        (BEGIN | {"robots": 4}, "probing: robots: expected at most 3, the robots of the team, got 4"),
+        (BEGIN | {"option": "d"}, "probing: unknown option 'd' (known: a, b, c)"),
+        (BEGIN | {"until": "heard_news"}, "probing: unknown component 'heard_news' (known: near, far)"),
+    ],
+)
+def test_probing_that_does_not_fit_is_one_line(probing, words):
+    with pytest.raises(DocumentError) as error:
+        MachineDecider(STEADY, PROBLEM, np.zeros(3), Probing(**probing)).reset(np.arange(3), 1)
+    assert str(error.value).startswith(words)
+
+
+def test_some_begin_otherwise_until_they_have_heard_and_others_try_now_and_then():
+    steady = MachineDecider(STEADY.model_copy(update={"probing": Probing(**BEGIN)}), PROBLEM, np.zeros(6))
+    steady.reset(np.arange(3), 1)
+    steady.reset(np.arange(3, 6), 2)
+    seen = np.zeros((6, 2), dtype=np.float32)
+    assert steady.decide(seen).options.tolist() == [2, 2, 0, 2, 2, 0]
+    seen[[0, 3, 4], 1] = 1.0
+    assert steady.decide(seen).options.tolist() == [0, 2, 0, 0, 0, 0]
+
+    def course(rows, first):
+        decider = MachineDecider(STEADY, PROBLEM, np.zeros(rows), Probing(probability=0.2))
+        decider.reset(np.arange(first, rows), 5)
+        return np.array([decider.decide(np.zeros((rows, 2), dtype=np.float32)).options for _ in range(300)])[:, first:]
+
+    alone = course(50, 0)
+    np.testing.assert_array_equal(course(60, 10), alone)
+    assert [np.mean(alone == option) for option in range(3)] == pytest.approx([0.8, 0.2, 0.0], abs=0.02)
 
 
 def test_chance_that_holds_draws_every_option_alike_and_anew_every_eight_decisions():

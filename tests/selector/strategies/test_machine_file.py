@@ -58,6 +58,13 @@ def test_mistakes_are_one_line(tmp_path, key, way, line):
     [
         ({"start": "nowhere"}, "start: expected one of the states calm, alarmed, got nowhere"),
         ({"states": {}}, "states: "),
+        ({"probing": {"probability": 1.5}}, "probing.probability: expected less than or equal to 1, got 1.5"),
+        ({"probing": {"robots": 2}}, "probing.robots: expected robots, option and until together, got 1 of them"),
+        ({"probing": {"robots": -1}}, "probing.robots: expected "),
+        (
+            {"probing": {"sampled": True}},
+            "probing.sampled: expected false: a machine gives no probabilities of options",
+        ),
     ],
 )
 def test_a_start_and_a_state_are_needed(tmp_path, changes, line):

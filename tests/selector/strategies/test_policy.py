@@ -8,6 +8,7 @@ from clean_swarm_env.deciders.strategies import PolicyDecider
 from selector.documents.errors import DocumentError
 from selector.knowledge import Definition
 from selector.strategies.policy_file import Network, TrainedPolicy, load_policy, save_policy
+from selector.strategies.probing import Probing
 from selector.strategies.problem import Problem
 from tests.selector.refusing import refusal
 from tests.selector.strategies.policies import exported, untrained
@@ -80,6 +81,20 @@ def test_other_orders_of_names_give_the_same_decisions(tmp_path):
     np.testing.assert_allclose(other.opinions()[:, ::-1], straight.opinions())
 
 
+def test_a_policy_samples_options_as_it_gives_them_where_its_file_or_the_caller_says_so(tmp_path):
+    exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, probing=Probing(sampled=True))
+    rows = 4000
+    context = np.repeat(np.random.default_rng(6).normal(size=(1, 7)), rows, axis=0)
+    read, many = load_policy(tmp_path), np.zeros(rows, dtype=np.int64)
+    free, best = PolicyDecider(read, PROBLEM, many), PolicyDecider(read, PROBLEM, many, Probing())
+    free.reset(np.arange(rows), 3)
+    shares = np.bincount(free.decide(context).options, minlength=3) / rows
+    likely = free.opinions()[0]
+    assert likely.max() < 0.95
+    np.testing.assert_allclose(shares, likely, atol=0.03)
+    assert set(best.decide(context).options) == {int(likely.argmax())}
+
+
 def test_what_is_written_is_read_again(tmp_path):
     policy = exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, training={"seed": 3, "command": "clean-swarm train ppo"})
     read = load_policy(tmp_path)
@@ -131,6 +146,7 @@ def damage(directory):
         (lambda d: edit(d, version=3), "version: expected 2, got 3"),
         (lambda d: edit(d, mean=[0.0]), "mean: expected 7 numbers, one an observation, got 1"),
         (lambda d: edit(d, luck=7), "luck: unknown key"),
+        (lambda d: edit(d, probing={"probability": -0.1}), "probing.probability: expected"),
         (lambda d: edit(d, activation="sine"), "activation: expected 'tanh' or 'relu', got 'sine'"),
         (lambda d: edit(d, hidden=[5, 9]), r"hidden\.1\.weight: expected \(9, 5\) of float32, got \(4, 5\)"),
         (lambda d: edit(d, version=1), "version: expected 2, got 1"),

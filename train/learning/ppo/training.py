@@ -30,6 +30,7 @@ from clean_swarm_env.sb3 import RobotVecEnv
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import JOINT
 from selector.strategies.policy_file import TrainedPolicy, save_policy
+from selector.strategies.probing import Probing
 from selforg.arrays import Flags
 from selforg.registry import unknown
 from train.learning.config import CreditConfig
@@ -100,6 +101,7 @@ class PpoTraining(Training):
             self.envs.options,
             definitions={goal: self.curriculum.definitions[goal] for goal in self.envs.options},
             holds=self.settings.holds,
+            probing=Probing(sampled=self.settings.plays == "sampled"),
             terms=terms if usual else (),
             observation={} if usual else observation.model_dump(mode="json"),
             training=training,

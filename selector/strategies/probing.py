@@ -1,0 +1,93 @@
+"""Probing: robots that try another option than the one that a machine or a policy thinks best, so that all learn."""
+
+from typing import Annotated, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field, model_validator
+
+from selector.documents.errors import DocumentError, impossible
+from selector.documents.fields import Closed, Flag, JointName, Name, Share
+from selector.strategies.choosing import drawn, shares
+from selector.strategies.problem import Problem
+from selector.strategies.streams import Keys, row_keys, uniforms
+from selforg.arrays import Flags, Floats, Ints
+from selforg.registry import unknown
+
+
+class Probing(Closed):
+    """Which robots try another option, and when."""
+
+    probability: Share = 0.0
+    """Probability in each decision that a robot takes another option than it would, each equally likely [-]."""
+    robots: Annotated[int, Field(strict=True, ge=0, le=100_000)] = 0
+    """How many robots of a team, its first ones, hold `option` until they have heard."""
+    option: JointName | None = None
+    """The option that they hold."""
+    until: Name | None = None
+    """Component of the observation; they hold the option while it is at most 0.5."""
+    sampled: Flag = False
+    """Whether a policy takes each option with the probability that it gives it, in place of the likeliest."""
+
+    @model_validator(mode="after")
+    def _together(self) -> Self:
+        given = [bool(self.robots), self.option is not None, self.until is not None]
+        if any(given) and not all(given):
+            raise impossible("robots", "robots, option and until together", f"{sum(given)} of them")
+        return self
+
+
+class Prober:
+    """Lets some of R rows try other options, by random numbers of their own.
+
+    Args:
+        probing: who tries what.
+        problem: has the option and the component that `probing` names.
+        rows: R.
+
+    Raises:
+        DocumentError: the problem has none of that name.
+
+    """
+
+    def __init__(self, probing: Probing, problem: Problem, rows: int) -> None:
+        self._probing, self._first = probing, np.zeros(rows, dtype=np.bool_)
+        self._keys: Keys = row_keys(np.random.SeedSequence(0), rows)
+        self._decided: Keys = np.zeros(rows, dtype=np.uint64)
+        named = ("option", probing.option, problem.options), ("component", probing.until, problem.features)
+        for what, name, names in named:
+            if name is not None and name not in names:
+                raise DocumentError(f"probing: {unknown(what, name, names)}")
+        self._places = [names.index(name) for _, name, names in named if name is not None]
+
+    def reset(self, rows: Ints, seed: int) -> None:
+        """Give `rows` (N,), those of a team, new keys; DocumentError if it has fewer robots than begin otherwise."""
+        if self._probing.robots > len(rows):
+            raise DocumentError(
+                f"probing: robots: expected at most {len(rows)}, the robots of the team, got {self._probing.robots}"
+            )
+        self._keys[rows], self._decided[rows] = row_keys(np.random.SeedSequence([seed, 2]), len(rows)), 0
+        self._first[rows] = np.arange(len(rows)) < self._probing.robots
+
+    def choose(self, outputs: Floats, known: Flags) -> Ints:
+        """Return a column (R,) of `outputs` (R, O), logarithms of probabilities, of which those `known` may be tried.
+
+        It is that of the largest output, unless the robot tries another one. known: (R, O) or (O,).
+        """
+        best: Ints = outputs.argmax(axis=1)
+        if not (self._probing.probability or self._probing.sampled):
+            return best
+        likely = np.eye(outputs.shape[1])[best]
+        others = known & (likely == 0.0)
+        tried = self._probing.probability * others.any(axis=1, keepdims=True)
+        chances = (1.0 - tried) * (shares(outputs) if self._probing.sampled else likely)
+        chances += tried * others / np.maximum(others.sum(axis=1, keepdims=True), 1)
+        self._decided += np.uint64(1)
+        return drawn(chances, uniforms(self._keys, self._decided, 1)[:, 0])
+
+    def held(self, options: Ints, observations: npt.NDArray[np.floating]) -> Ints:
+        """Return `options` (R,), or the option with which some begin until they see in `observations` (R, F) to end."""
+        if not self._probing.robots:
+            return options
+        option, until = self._places
+        return np.where(self._first & (observations[:, until] <= 0.5), option, options)
