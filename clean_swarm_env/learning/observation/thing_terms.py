@@ -91,7 +91,7 @@ class HeardTerm(Term):
         if not self._facts:
             expected = "robots that tell facts, by their document or their task"
             raise DocumentError(f"observation: terms: {self.name}: expected {expected}, got none in {worlds.task.name}")
-        self.components = tuple(f"{self.name}_{fact.name}{part}" for fact in self._facts for part in ("", "_age"))
+        self.components = tuple(f"{part}_{fact.name}" for fact in self._facts for part in (self.name, "age_of"))
 
     def write(self, rows: Ints, out: Floats) -> None:
         now = self.observed.worlds.now

@@ -13,7 +13,7 @@ from tests.pages import blocks
 
 CROWD = {"base": "bumpers", "world": {"width": 5.0, "height": 5.0}, "robots": {"count": 8},
          "task": {"stations": {"recycling": [1.0, 1.0], "dump": [4.0, 4.0]}}}  # fmt: skip
-STOPPED = ("heard_stopped_by_collision", "heard_stopped_by_collision_age")
+STOPPED = ("heard_stopped_by_collision", "age_of_stopped_by_collision")
 
 
 @pytest.fixture
