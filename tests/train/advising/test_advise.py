@@ -171,17 +171,15 @@ def test_a_full_disk_and_a_changed_number_cost_no_kept_mission(tmp_path, monkeyp
 
 
 @pytest.mark.extra
-def test_an_interrupted_training_ends_the_others_and_says_how_to_go_on(tmp_path, monkeypatch, capsys):
+def test_an_interrupted_training_says_how_to_go_on(tmp_path, monkeypatch, capsys):
     pytest.importorskip("torch")
     from train.advising import learning
     from train.learning import seeds
 
-    process = Mock(stderr=Mock(read=Mock(side_effect=KeyboardInterrupt)))
-    monkeypatch.setattr(seeds.subprocess, "Popen", Mock(return_value=process))
+    monkeypatch.setattr(seeds, "run_training", Mock(side_effect=KeyboardInterrupt))
     monkeypatch.setattr(learning, "training_of", Mock(return_value=Mock(model_dump=Mock(return_value={}))))
     request = Request("yard", words=("clean-swarm", "advise", "yard", "--learn"), output=tmp_path)
     assert learning.train_selector(Mock(folder=tmp_path, directories=(), request=request), 1.0, Console()) == 130
-    assert process.terminate.called
     words = "clean-swarm advise yard --learn --resume"
     assert capsys.readouterr().err == f"interrupted: advice and trainings are kept; to go on:\n  {words}\n"
 

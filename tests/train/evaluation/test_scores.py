@@ -37,7 +37,7 @@ EXPERIMENT = {
     "conditions": [
         {"name": "by score"},
         {"name": "forced", "scores": {"AvoidCollision": {GRADIENT: 9.0}}},
-        {"name": "bandit", "strategy": {"name": "UCB1", "parameters": {"exploration": 0.05, "prior": 0.0}}},
+        {"name": "bandit", "strategy": "UCB1:exploration=0.05,prior=0"},
     ],
     "scenarios": 8,
 }
