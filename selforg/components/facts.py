@@ -18,6 +18,7 @@ from selforg.components.memory import Remembered
 from selforg.components.sensors import SENSORS, SensorComponent
 from selforg.components.sources import CLOCK_TOLERANCE, Source
 from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.gradient import check_fields
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.evaporation import still_there
@@ -58,6 +59,7 @@ class FactRule:
         """Check what no single field says."""
         if self.keep not in ("newest", "largest"):
             raise ValueError(f"keep: expected newest or largest, got {self.keep!r}")
+        check_fields(0, self.diffusion, 0.0, self.evaporation_factor, self.evaporation_period, 0.0)
         for name, least in (
             ("diffusion", SHARED_FACTS.min_diffusion),
             ("view_distance", 0.0),

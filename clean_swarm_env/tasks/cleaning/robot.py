@@ -132,9 +132,10 @@ def robot_network(
     by_goal = {coordinator.goal: coordinator for coordinator in coordinators}
     robot = load_network(path, by_goal, parameters, config.build())
     model = robot.model
-    if model.sensors[: len(OWN_SENSORS)] != OWN_SENSORS:
-        expected, given = (", ".join(s.name for s in sensors) for sensors in (OWN_SENSORS, model.sensors))
-        raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {given}")
+    given = [f"a told {one.name}" if one.name in robot.sensors else one.name for one in model.sensors]
+    if model.sensors[: len(OWN_SENSORS)] != OWN_SENSORS or robot.sensors.keys() & {one.name for one in OWN_SENSORS}:
+        expected = ", ".join(sensor.name for sensor in OWN_SENSORS)
+        raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {', '.join(given)}")
     known = {sensor.name for coordinator in coordinators for sensor in coordinator.sensors} | robot.sensors.keys()
     for sensor in model.sensors[len(OWN_SENSORS) :]:
         if sensor.name not in known:
