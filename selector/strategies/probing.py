@@ -89,5 +89,4 @@ class Prober:
         """Return `options` (R,), or the option with which some begin until they see in `observations` (R, F) to end."""
         if not self._probing.robots:
             return options
-        option, until = self._places
-        return np.where(self._first & (observations[:, until] <= 0.5), option, options)
+        return np.where(self._first & (observations[:, self._places[1]] <= 0.5), self._places[0], options)

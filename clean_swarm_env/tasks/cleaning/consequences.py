@@ -103,8 +103,7 @@ class Consequences:
     def noticed(self) -> dict[str, Flags]:
         """Return once a second which robots (R,) have noticed something in it, by the names in NOTICED."""
         c = self._packed.record
-        found = int(c.found[0])
-        return {name: c.noticed[k] for k, name in enumerate(NOTICED) if found >> k & 1} if found else {}
+        return {name: c.noticed[k] for k, name in enumerate(NOTICED) if c.found[0] >> k & 1} if c.found[0] else {}
 
     def reset(self, rows: Ints) -> None:
         """Reset `rows` (K,)."""

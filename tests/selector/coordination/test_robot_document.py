@@ -135,6 +135,10 @@ def test_conditions_that_exclude_each_other_may_be_optional_or_count_a_little(co
         (changed("parameters", "idle", to=1.0), "parameters.idle: nothing in the configuration uses $idle"),
         (facts(door={"keep": "oldest"}), "facts.door: keep: expected newest or largest, got 'oldest'"),
         (facts(door={"diffusion": float("nan")}), "facts.door: diffusion: expected a finite number, got nan"),
+        (
+            facts(door={"evaporation_period": 1e-9}),
+            "facts.door: gradient: evaporation_period must be 0 or at least 1e-06 s, got 1e-09",
+        ),
         (facts(door={"colour": 1.0}), "facts.door: colour: unknown key 'colour' (known: diffusion, evaporation_factor"),
         (
             facts(**{"two\nlines": {}}),

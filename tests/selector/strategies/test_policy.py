@@ -90,7 +90,6 @@ def test_a_policy_samples_options_as_it_gives_them_where_its_file_or_the_caller_
     free.reset(np.arange(rows), 3)
     shares = np.bincount(free.decide(context).options, minlength=3) / rows
     likely = free.opinions()[0]
-    assert likely.max() < 0.95
     np.testing.assert_allclose(shares, likely, atol=0.03)
     assert set(best.decide(context).options) == {int(likely.argmax())}
 

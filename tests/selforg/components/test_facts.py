@@ -14,12 +14,12 @@ ALL = np.arange(3)
 NOBODY = (0.0, -1)
 
 
-def fact(rule=None, delivery=None, knows=None, generator=1):
+def fact(rule=None, delivery=None):
     """A fact of three robots at 0, 1 and 10 m."""
     poses = OwnPoses(Euclidean(2), 3)
     poses.update(np.array([[0.0, 0.0], [1.0, 0.0], [10.0, 0.0]]), np.zeros(3), 0.0)
-    given = Delivery(**delivery, generators=[np.random.default_rng(generator)] * 3) if delivery else None
-    return SharedFact(SoBuffer(SHARED_FACTS, poses.space, poses, given), "fact", FactRule(**(rule or {})), knows)
+    given = Delivery(**delivery, generators=[np.random.default_rng(1)] * 3) if delivery else None
+    return SharedFact(SoBuffer(SHARED_FACTS, poses.space, poses, given), "fact", FactRule(**(rule or {})))
 
 
 def heard(one, now):
@@ -50,14 +50,6 @@ def test_the_newest_or_the_largest_is_heard_as_far_and_as_long_as_gradients_are(
     assert heard(one, 2.5) == expected
 
 
-def test_robots_whose_document_does_not_know_it_neither_tell_nor_hear_it():
-    one = fact(knows=np.array([True, False, True]))
-    one.tell(0.0, np.array([1]))
-    assert heard(one, 0.2) == [NOBODY] * 3
-    one.tell(0.2, np.array([0]))
-    assert heard(one, 0.4) == [(1.0, 0), NOBODY, (1.0, 0)]
-
-
 def test_ten_times_the_traffic_stores_no_more_and_a_cleared_buffer_is_forgotten():
     one = fact()
     for tick in range(100):
@@ -68,34 +60,9 @@ def test_ten_times_the_traffic_stores_no_more_and_a_cleared_buffer_is_forgotten(
     assert heard(one, 2.0) == [NOBODY] * 3
 
 
-def test_an_explanation_says_who_told_how_long_ago():
-    one = fact({"means": "that\ncollisions stop"})
-    one.note(0.2)
-    assert one.report(0) == {}
-    one.tell(0.2, np.array([2]))
-    one.note(4.2)
-    words = [one.report(row)["sentence"] for row in (0, 2)]
-    assert words[0] == "has heard from robot 2, 4 s ago, that collisions stop"
-    assert words[1] == "has noticed itself, 4 s ago, that collisions stop"
-
-
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1.1e9])
 def test_what_is_no_finite_number_is_refused_in_one_line_and_told_to_nobody(value):
     one = fact()
     with pytest.raises(ValueError, match=r"^fact fact: expected finite numbers up to 1e\+09, got [-a-z0-9.e+]+$"):
         one.tell(0.0, ALL, [1.0, value, 1.0])
     assert heard(one, 0.2) == [NOBODY] * 3
-
-
-@pytest.mark.parametrize(
-    ("rule", "message"),
-    [
-        ({"keep": "oldest"}, "keep: expected newest or largest, got 'oldest'"),
-        ({"diffusion": 0.2}, "diffusion: expected at least 0.3, got 0.2"),
-        ({"view_distance": np.nan}, "view_distance: expected at least 0, got nan"),
-        ({"scale": 0.0}, "scale: expected at least 1e-09, got 0"),
-    ],
-)
-def test_a_rule_that_cannot_be_kept_is_refused(rule, message):
-    with pytest.raises(ValueError, match=f"^{message}$"):
-        FactRule(**rule)
