@@ -37,16 +37,14 @@ def canary(tmp_path, monkeypatch):
     monkeypatch.delitem(sys.modules, "bird", raising=False)
     Path("bird.py").write_text(CANARY)
     Path("own.yaml").write_text(
-        yaml.safe_dump(
-            {"name": "own", "mission": "table1", "conditions": [{"name": "a", "strategy": {"name": "bird:Own"}}]}
-        )
+        yaml.safe_dump({"name": "own", "mission": "table1", "conditions": [{"name": "a", "strategy": "bird:Own"}]})
     )
     yield Path("sang").exists
     sys.modules.pop("bird", None)
 
 
 def test_a_file_names_no_code_in_a_program(canary):
-    with pytest.raises(DocumentError, match=rf"own.yaml: conditions.0.strategy.name: {REFUSED}"):
+    with pytest.raises(DocumentError, match=rf"own.yaml: conditions.0.strategy: strategy 'bird:Own': name: {REFUSED}"):
         load_experiment("own.yaml")
     assert not canary()
     with reading_files(trust=True):
