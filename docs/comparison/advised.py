@@ -26,6 +26,8 @@ from selector.documents.fields import JOINT
 from selector.knowledge import Option
 from train.advising.evaluation import AdviceEvaluation
 from train.advising.opening import OpenedMission, document_of, open_mission, variants_of
+from train.advising.report import WORTH_LEARNING
+from train.analysis.flips import ALPHA
 from train.evaluation import pipeline
 from train.request import Request
 from train.running.trial_task import TrialTask
@@ -112,13 +114,20 @@ def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) 
     return found
 
 
+def unjudged(said: dict[str, Any]) -> bool:
+    """Return whether an advice met a gain, and did not call a selector worth it since it had not tried all options."""
+    hindsight = said["hindsight"]
+    gains = hindsight is not None and hindsight["ratio"] <= 1.0 - WORTH_LEARNING and hindsight["p"] < ALPHA
+    return bool(said["better"] or gains) and not said["worth_it"]
+
+
 def tables(kept: dict[str, Any]) -> dict[str, str]:
     """Return the tables: advice beside the best of all pairs, and whether a selector was said to be worth it."""
     found = {
         "found": [
             "| mission | pairs | starts | best of all | experts | within 1.05 | worst | above the experts | CPU-min |"
         ],
-        "worth": ["| mission | runs | worth it | not | starts of the last round | CPU-min |"],
+        "worth": ["| mission | runs | worth it | not | not known | starts of the last round | CPU-min |"],
     }
     for lines in found.values():
         lines.append("|---" * (lines[0].count("|") - 1) + "|")
@@ -137,9 +146,11 @@ def tables(kept: dict[str, Any]) -> dict[str, str]:
                 f"| {near} of {len(told)} | {costs.max() / best:.2f} | {above} | {minutes} |"
             )
         if told:
-            worth, starts = sum(one["worth_it"] for one in told), [one["starts"] for one in told]
+            starts, unknown = [one["starts"] for one in told], sum(map(unjudged, told))
+            worth = sum(one["worth_it"] for one in told)
             span = f"{min(starts)} to {max(starts)}" if min(starts) < max(starts) else f"{starts[0]}"
-            found["worth"].append(f"| {mission} | {len(told)} | {worth} | {len(told) - worth} | {span} | {minutes} |")
+            others = f"{len(told) - worth - unknown} | {unknown}"
+            found["worth"].append(f"| {mission} | {len(told)} | {worth} | {others} | {span} | {minutes} |")
     return {name: "\n".join(lines) for name, lines in found.items()}
 
 
