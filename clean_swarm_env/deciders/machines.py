@@ -9,6 +9,7 @@ import numpy as np
 
 from clean_swarm_env.deciders.decider import OptionDecider
 from clean_swarm_env.learning.observation.observer import Observations
+from selector.documents.errors import DocumentError
 from selector.strategies.machine_file import StateMachine
 from selector.strategies.probing import Prober, Probing
 from selector.strategies.problem import Problem
@@ -62,7 +63,10 @@ class MachineDecider(OptionDecider):
                 self._column[s, t] = problem.features.index(way.when) if way.when is not None else 0
                 self._above[s, t] = -np.inf if way.above is None else way.above
                 self._below[s, t] = np.inf if way.below is None else way.below
-        self._prober = Prober(probing or machine.probing, problem, len(teams))
+        given = probing or machine.probing
+        if given.sampled:
+            raise DocumentError("probing.sampled: expected false: a machine gives no probabilities of options")
+        self._prober = Prober(given, problem, len(teams))
         self._used: Flags = np.isin(np.arange(len(problem.options)), self._options)
         self._states: Ints = np.full(len(teams), self._first)
         self._keys: Keys = row_keys(np.random.SeedSequence(0), len(teams))

@@ -75,10 +75,10 @@ LEAST = float(np.finfo(np.float32).min)
 
 
 class PolicyDecider(Decider):
-    """A trained network: the likeliest option of each goal, a movement vector, or both.
+    """A trained network: an option of each goal, a movement vector, or both.
 
     Options are found by name: one that the network does not know is not taken. A network that knows no option of a goal
-    that is decided does not fit. Some robots may try another option, as its file or `probing` says.
+    that is decided does not fit. It is the likeliest, unless its file or `probing` lets robots try others.
     """
 
     def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints, probing: Probing | None = None) -> None:

@@ -123,7 +123,6 @@ class Batch(ManyWorlds):
         record, explained = settings.get("record"), settings.get("explained", False)
         explained = explained or (record is not None and record.minds)
         self.worlds = Worlds(self.mission, models, worlds, directories=directories, explained=explained)
-        self.recorder = MissionRecorder(self.worlds, record) if record is not None else None
         self.rows, self.robots, self.count = self.worlds.rows, self.worlds.robots, worlds
         self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
@@ -137,6 +136,8 @@ class Batch(ManyWorlds):
         seen = config_from(ObservationConfig, settings.get("observation"), "observation")
         seen = seen.of(usual_terms(self.mission), driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)
+        # after the observer, which may make robots tell facts
+        self.recorder = MissionRecorder(self.worlds, record) if record is not None else None
         make_arrays(self, R=self.rows, F=self.observer.width)
         self.worked[:] = self.working
         self.finished: tuple[Finished, ...] = ()
@@ -177,7 +178,7 @@ class Batch(ManyWorlds):
                 self.series.reset(world, known[world])
             self._start_episode(world, begun[world])
             self.progress.elapsed[world] = 0
-        self._begun = True
+        self._begun = self._begun or len(worlds) == self.count or None not in self.doing
         self.observer.observe(self.observations, worlds)
         if self.watch is not None:
             self.watch()

@@ -213,6 +213,8 @@ def batches_of(
     known = {"family" if isinstance(episodes.source, FamilyConfig) else "mission": episodes.source}
     tori = tuple(sizes) or ((episodes.size,) if episodes.size else episodes.tori)
     counts = [len(range(k, whole_number(worlds, "worlds", 1), len(tori))) for k in range(len(tori))]
+    if together and len(used := [size for size, count in zip(tori, counts, strict=True) if count]) > 1:
+        raise ValueError(f"size: expected one torus for worlds that are recorded or have a source, got {used}")
     return [
         Batch(worlds=len(range(k, count, min(threads, count))), **{**settings, **known, "size": size})
         for size, count in zip(tori, counts, strict=True)

@@ -33,6 +33,7 @@ from train.learning.session import check_installed
 from train.learning.yardstick import mean_excess, validation_in
 from train.request import Request
 from train.running.commands import FINISHED
+from train.running.engine import WorkerLost
 from train.running.finished_runs import JOURNAL, runs_of
 
 TRAINING, TRAININGS, JUDGED = "training.yaml", "training-{}", "judged"
@@ -68,7 +69,7 @@ def train_selector(evaluation: AdviceEvaluation, minutes: float, console: Consol
     try:
         seeds = trained(training, folders)
         done = {seed: found for seed in seeds if (found := validation_in(folders[seed])) is not None}
-    except KeyboardInterrupt as end:
+    except (KeyboardInterrupt, WorkerLost) as end:
         return evaluation.request.ended(end, folder, ": advice and trainings are kept")
     return _judge(advice, min(sorted(done), key=lambda seed: mean_excess(done[seed].learned)), console)
 

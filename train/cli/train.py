@@ -123,6 +123,7 @@ def _train_seeds(seeds: Sequence[int], request: "Request", directory: Path) -> N
     from train.reports.curves import write_curves
     from train.reports.results import results_in
     from train.running.commands import FINISHED, progress
+    from train.running.engine import WorkerLost
 
     root, console = request.output or Path("results") / directory, Console(highlight=False, emoji=False)
     folders = {seed: root / f"seed-{seed}" for seed in seeds}
@@ -135,8 +136,10 @@ def _train_seeds(seeds: Sequence[int], request: "Request", directory: Path) -> N
             for seed in trained(replace(request, machine=replace(request.machine, workers=workers)), folders):
                 console.print(f"trained: {folders[seed]}", soft_wrap=True)
                 update(advance=1)
-    except KeyboardInterrupt as end:
+    except (KeyboardInterrupt, WorkerLost) as end:
         raise typer.Exit(request.ended(end, root, ": trainings are kept")) from end
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
     results = [results_in(folder) for folder in folders.values()]
     console.print(summary_of(results), soft_wrap=True)
     write_curves(results, root)

@@ -64,7 +64,7 @@ def trained(request: Request, folders: Mapping[int, Path]) -> Iterator[int]:
     alone = Machine(forced=request.machine.forced, threads=request.machine.threads)
     again = replace(request, resume=True, machine=alone, words=(*request.words, "--seeds", ""))
     tasks = [
-        SeedTask(replace(again, seed=seed, output=folder, words=(*again.words, "--seed", str(seed))))
+        SeedTask(replace(again, seed=seed, output=folder, words=(*again.words, f"--seed={seed}", f"--output={folder}")))
         for seed, folder in folders.items()
     ]
     with request.engine.rounds() as done:

@@ -146,6 +146,9 @@ def test_wrong_use_is_an_error_that_says_what_was_expected(call, error, message)
 
 def test_without_beginning_anew_a_mask_says_which_worlds_begin():
     envs = RobotVectorEnv(2, mission=mission(time_limit=2.0), autoreset_mode="Disabled")
+    envs.reset(seed=1, options={"reset_mask": np.arange(10) >= 5})
+    with pytest.raises(RuntimeError, match="step: call reset first"):
+        envs.step(np.zeros(10, dtype=np.int64))  # one world has not begun
     first, _ = envs.reset(seed=1)
     still = np.zeros(10, dtype=np.int64)
     envs.step(still)

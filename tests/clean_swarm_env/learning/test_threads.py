@@ -53,6 +53,8 @@ def test_more_threads_than_worlds_are_no_mistake_and_none_is():
 def test_worlds_with_a_source_and_recorded_ones_stay_together(tmp_path):
     assert len(batches_of(SHORT, 2, 2, record=RecordSettings(tmp_path))) == 1
     assert len(batches_of(SHORT, 2, 2, source=lambda world: None)) == 1
+    with pytest.raises(ValueError, match=r"^size: expected one torus for worlds that are recorded or have a source"):
+        batches_of("unseen", 4, record=RecordSettings(tmp_path))
 
 
 def test_a_family_has_blocks_of_each_torus():

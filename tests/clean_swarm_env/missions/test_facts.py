@@ -6,6 +6,9 @@ import pytest
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.recording.reader import recordings_in
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.tasks.cleaning.consequences import NOTICED
 from clean_swarm_env.world.explaining import explain_robot
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import begun
@@ -52,6 +55,14 @@ def test_robots_of_another_document_neither_tell_nor_hear(own):
     assert set(fact.tellers[4:]) == {-1}
     with pytest.raises(DocumentError, match=r"^robots of teller: fact stopped_by_collision: expected the same as in"):
         Batch({**CROWD, "robots": groups, "network": {"robot": "other"}}, directories=[own])
+
+
+def test_recordings_have_what_a_term_makes_robots_hear(tmp_path):
+    seen, record = decider_named("fsm:told-bumpers").observation(()), RecordSettings(tmp_path, minds=True)
+    _, batch = run(CROWD, 2, observation=seen, record=record)
+    batch.close()
+    (recording,) = recordings_in(tmp_path)
+    assert {f"heard/{name}/age" for name in NOTICED} <= set(recording)
 
 
 def test_what_the_machine_sees_follows_from_collisions_and_costs_nothing_where_nobody_looks():

@@ -24,6 +24,7 @@ from train.advising.report import RANDOM, Advice, Ratio
 from train.advising.rounds import CPU
 from train.live.chosen import chosen
 from train.request import Request
+from train.running.engine import WorkerLost
 from train.running.finished_runs import runs_of
 from train.running.trial_task import TrialTask
 
@@ -171,17 +172,21 @@ def test_a_full_disk_and_a_changed_number_cost_no_kept_mission(tmp_path, monkeyp
 
 
 @pytest.mark.extra
-def test_an_interrupted_training_says_how_to_go_on(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(
+    ("end", "code", "said"),
+    [(KeyboardInterrupt, 130, "interrupted"), (WorkerLost(Mock(keys=[("1", "a")])), 1, "3 times")],
+)
+def test_a_training_that_is_ended_says_how_to_go_on(tmp_path, monkeypatch, capsys, end, code, said):
     pytest.importorskip("torch")
     from train.advising import learning
     from train.learning import seeds
 
-    monkeypatch.setattr(seeds, "run_training", Mock(side_effect=KeyboardInterrupt))
+    monkeypatch.setattr(seeds, "run_training", Mock(side_effect=end))
     monkeypatch.setattr(learning, "training_of", Mock(return_value=Mock(model_dump=Mock(return_value={}))))
     request = Request("yard", words=("clean-swarm", "advise", "yard", "--learn"), output=tmp_path)
-    assert learning.train_selector(Mock(folder=tmp_path, directories=(), request=request), 1.0, Console()) == 130
+    assert learning.train_selector(Mock(folder=tmp_path, directories=(), request=request), 1.0, Console()) == code
     words = "clean-swarm advise yard --learn --resume"
-    assert capsys.readouterr().err == f"interrupted: advice and trainings are kept; to go on:\n  {words}\n"
+    assert capsys.readouterr().err.endswith(f"{said}: advice and trainings are kept; to go on:\n  {words}\n")
 
 
 def test_a_task_of_one_option_has_nothing_to_choose(tmp_path):
