@@ -6,6 +6,8 @@ show as two rows of single options. Of exploration only decisions count whose be
 
 from collections import Counter, defaultdict
 
+import numpy as np
+
 from clean_swarm_env.config.families import scenario_name
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.batch import Batch
@@ -40,7 +42,7 @@ def _count(manifest: Manifest, family: str, number: int, found: dict[tuple[str, 
     task = TrialTask(given.name, manifest.seed, (scenario,), manifest.claimed, member, goal)
     batch, decided, decider = task.team(source=lambda _: next(waiting, None))
     seen = batch.reset()
-    decider.reset(slice(None), scenario.seed)  # type: ignore[arg-type]
+    decider.reset(np.arange(batch.rows), scenario.seed)
     while not batch.finished:
         case, actions = _case(batch), decided.decide(decider, seen)
         seen = batch.step(actions).observations
