@@ -9,7 +9,7 @@ import numpy as np
 
 from clean_swarm_env.deciders.decider import OptionDecider
 from clean_swarm_env.learning.observation.observer import Observations
-from selector.documents.errors import DocumentError
+from selector.documents.errors import validated
 from selector.strategies.machine_file import StateMachine
 from selector.strategies.probing import Prober, Probing
 from selector.strategies.problem import Problem
@@ -49,6 +49,9 @@ class MachineDecider(OptionDecider):
 
     def __init__(self, machine: StateMachine, problem: Problem, teams: Ints, probing: Probing | None = None) -> None:
         super().__init__(problem, teams)
+        if probing is not None:
+            content = machine.model_dump() | {"probing": probing.model_dump()}
+            machine = validated(StateMachine, content, "machine", own=True)
         machine.check_fits(problem, "machine")
         names, states = list(machine.states), list(machine.states.values())
         self._first = names.index(machine.start)
@@ -63,10 +66,7 @@ class MachineDecider(OptionDecider):
                 self._column[s, t] = problem.features.index(way.when) if way.when is not None else 0
                 self._above[s, t] = -np.inf if way.above is None else way.above
                 self._below[s, t] = np.inf if way.below is None else way.below
-        given = probing or machine.probing
-        if given.sampled:
-            raise DocumentError("probing.sampled: expected false: a machine gives no probabilities of options")
-        self._prober = Prober(given, problem, len(teams))
+        self._prober = Prober(machine.probing, problem, len(teams))
         self._used: Flags = np.isin(np.arange(len(problem.options)), self._options)
         self._states: Ints = np.full(len(teams), self._first)
         self._keys: Keys = row_keys(np.random.SeedSequence(0), len(teams))
@@ -90,5 +90,4 @@ class MachineDecider(OptionDecider):
             first = open_ways.argmax(axis=1)
             self._states = np.where(open_ways.any(axis=1), self._to[states, first], states)
             self._decided += np.uint64(1)
-        outputs = np.eye(len(self.problem.options))[self._options[self._states]]
-        return self._prober.held(self._prober.choose(outputs, self._used), observations)
+        return self._prober.held(self._prober.choose(self._options[self._states], self._used), observations)

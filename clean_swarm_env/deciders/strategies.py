@@ -146,7 +146,7 @@ class PolicyDecider(Decider):
         for k, (_, outputs, numbers, hold) in enumerate(self._heads):
             own = np.where(numbers < 0, LEAST, heads["options"][:, outputs][:, numbers])
             self._outputs += own
-            chosen = numbers[self._prober.choose(own, own > LEAST)]
+            chosen = numbers[self._prober.choose(own.argmax(axis=1), own > LEAST, own)]
             free = self._keeping[k] == 0
             self._kept[k] = np.where(free, chosen, self._kept[k])
             self._keeping[k] = np.where(free, hold, self._keeping[k]) - 1

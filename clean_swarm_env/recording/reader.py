@@ -154,7 +154,9 @@ class RecordedParts(Iterator[RecordedStretch]):
 def frames_from(parts: RecordedParts) -> Iterator[dict[str, NDArray[Any]]]:
     """Yield the frames of parts as they come: channel -> values of one moment."""
     for part in parts:
-        yield from map(part.at, range(part.frames))
+        values = dict(part)  # each channel is decoded once
+        for frame in range(part.frames):
+            yield {name: given[frame] for name, given in values.items()}
 
 
 class RecordedMission(RecordedStretch):

@@ -69,18 +69,18 @@ class Prober:
         self._keys[rows], self._decided[rows] = row_keys(np.random.SeedSequence([seed, 2]), len(rows)), 0
         self._first[rows] = np.arange(len(rows)) < self._probing.robots
 
-    def choose(self, outputs: Floats, known: Flags) -> Ints:
-        """Return a column (R,) of `outputs` (R, O), logarithms of probabilities, of which those `known` may be tried.
+    def choose(self, best: Ints, known: Flags, outputs: Floats | None = None) -> Ints:
+        """Return the column `best` (R,) of O, or in its place one that the robot tries, of those `known`.
 
-        It is that of the largest output, unless the robot tries another one. known: (R, O) or (O,).
+        known: (R, O) or (O,). `outputs` (R, O) are the logarithms of probabilities, by which robots sample.
         """
-        best: Ints = outputs.argmax(axis=1)
-        if not (self._probing.probability or self._probing.sampled):
+        sampled = outputs if self._probing.sampled else None
+        if sampled is None and not self._probing.probability:
             return best
-        likely = np.eye(outputs.shape[1])[best]
+        likely = np.eye(known.shape[-1])[best]
         others = known & (likely == 0.0)
         tried = self._probing.probability * others.any(axis=1, keepdims=True)
-        chances = (1.0 - tried) * (shares(outputs) if self._probing.sampled else likely)
+        chances = (1.0 - tried) * (likely if sampled is None else shares(sampled))
         chances += tried * others / np.maximum(others.sum(axis=1, keepdims=True), 1)
         self._decided += np.uint64(1)
         return drawn(chances, uniforms(self._keys, self._decided, 1)[:, 0])

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import TextColumn
 
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.warm_up import compile_once, run_through
 from selector.documents.errors import within
 from selector.documents.fields import MOST_LETTERS
 from selector.strategies.problem import Problem
@@ -68,7 +69,7 @@ def run_training(
     directory = request.output or Path("results") / stem
     with request.results(directory, {"identity": identity, **before}) as folder:
         try:
-            Batch()  # compiles, before the bar and the workers
+            compile_once(lambda: run_through(Batch()))  # before the bar and the workers
             counted, total = TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions
             bar = progress("decisions", total, log=folder.path, counted=counted, quiet=console.quiet)
             with bar as update, request.engine.rounds() as done:
