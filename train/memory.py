@@ -33,8 +33,9 @@ class StoreRequest:
 
     def memory(self, knowledge: Knowledge, context: str, source: str) -> "Memory | None":
         """Return the memory of a run; None without a store."""
-        given = source if self.learn else ""
-        return Memory(opened(self.path, create=self.learn), knowledge, context, given) if self.path else None
+        if not self.path:
+            return None
+        return Memory(opened(self.path, create=self.learn), knowledge, context, source if self.learn else "")
 
 
 NO_STORE = StoreRequest()

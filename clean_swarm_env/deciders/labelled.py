@@ -4,6 +4,8 @@ from typing import Final
 
 from selector.documents.trust import FILED_KINDS
 
+BY_MODEL: Final = "models"
+"""Kind of a decider that follows one for each model of robots."""
 FILED: Final = FILED_KINDS[1:]
 """Kinds of deciders that name a file."""
 

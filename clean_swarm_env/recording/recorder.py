@@ -279,9 +279,9 @@ LONGEST_VECTOR = 1e6
 def _first_sentence(content: RunningConfiguration) -> str:
     """Return the first sentence about a configuration; of one that asks for vectors of no possible length, this."""
     least = max((getattr(sensor, "longer_than", 0.0) for sensor in content.spec.sensors.values()), default=0.0)
-    first = " ".join(content.spec.description.split()).split(". ")[0].split(": ")[0].rstrip(".") + "."
-    nothing = f"Does nothing: it would act on vectors longer than {least:g} m, and none is."
-    return nothing if least > LONGEST_VECTOR else first
+    if least > LONGEST_VECTOR:
+        return f"Does nothing: it would act on vectors longer than {least:g} m, and none is."
+    return " ".join(content.spec.description.split()).split(". ")[0].split(": ")[0].rstrip(".") + "."
 
 
 def record_mission(run: MissionRun, settings: RecordSettings, about: Mapping[str, Any]) -> MissionResult:

@@ -91,8 +91,9 @@ def explain_robot(worlds: Worlds, row: int, step: int | None = None) -> RobotSte
     if step < 0:
         raise ValueError("explain: expected a world that has run a control period, got one at its beginning")
     facts = worlds.minds.facts.values()
-    for fact in facts if step == worlds.ticks[world] - 1 else ():  # else they were put back
-        fact.note(worlds.now - worlds.period)
+    if step == worlds.ticks[world] - 1:  # else they were put back
+        for fact in facts:
+            fact.note(worlds.now - worlds.period)
     robot, time = row % worlds.robots, round(step * worlds.period, 9)
     if robot >= worlds.team.joined[world]:
         mission = worlds.missions[world]

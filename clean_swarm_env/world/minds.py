@@ -132,7 +132,8 @@ class Minds:
                 buffer = self.buffers["facts"] = SoBuffer(
                     SHARED_FACTS, self.poses.space, self.poses, self.reception.delivery()
                 )
-                self._delayed += [buffer] if buffer.delivery.delay > 0.0 else []
+                if buffer.delivery.delay > 0.0:
+                    self._delayed.append(buffer)
             if name not in self.facts:
                 self.facts[name] = SharedFact(self.buffers["facts"], name, rule, knows)
 

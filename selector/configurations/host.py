@@ -80,11 +80,9 @@ def trial_host(configuration: AnySpec, facts: Iterable[str] | None = None) -> Ho
     poses = OwnPoses(Euclidean(2), 1)
     buffers = {name: SoBuffer(BufferSettings(), poses.space, poses) for name in configuration.buffers}
     calls: dict[str, Call] = dict.fromkeys(configuration.referred("call"), lambda now, rows: None)
-    buffer, names = (
-        SoBuffer(SHARED_FACTS, poses.space, poses),
-        configuration.referred("fact") if facts is None else facts,
-    )
-    known = {name: SharedFact(buffer, name, FactRule()) for name in names}
+    shared = SoBuffer(SHARED_FACTS, poses.space, poses)
+    names = configuration.referred("fact") if facts is None else facts
+    known = {name: SharedFact(shared, name, FactRule()) for name in names}
     return Host(poses, buffers, None, [np.random.default_rng(0)], host_memory([configuration], 1), calls, known)
 
 

@@ -197,12 +197,11 @@ def merged_networks(networks: Mapping[str, RobotNetwork]) -> RobotNetwork:
     during: dict[str, tuple[str, ...]] = {}
     shared: dict[str, dict[str, Any]] = {"fact": {}, "sensor": {}}
     for name, network in networks.items():
-        given = [("fact", *one) for one in network.facts.items()] + [
-            ("sensor", *one) for one in network.sensors.items()
-        ]
-        for what, own, one in given:
-            if shared[what].setdefault(own, one) != one:
-                raise DocumentError(f"robots of {name}: {what} {own}: expected {_SAME}")
+        given: dict[str, Mapping[str, Any]] = {"fact": network.facts, "sensor": network.sensors}
+        for what, named in given.items():
+            for own, one in named.items():
+                if shared[what].setdefault(own, one) != one:
+                    raise DocumentError(f"robots of {name}: {what} {own}: expected {_SAME}")
         for holder, held in network.inner.items():
             if inner.setdefault(holder, held).spec != held.spec:
                 raise DocumentError(f"robots of {name}: behaviour {holder}: expected {_SAME}")

@@ -185,12 +185,12 @@ class SharedFact(Source):
     def report(self, row: int) -> dict[str, Any]:
         """Return what a row has heard, as `note` wrote it, and the end of a sentence about it; empty for nothing."""
         value, robot, age = float(self.values[row]), int(self.robots[row]), float(self.ages[row])
+        if age < 0.0:
+            return {}
         who = "noticed itself" if robot == row - self._first[row] else f"heard from robot {robot}"
         says = " ".join(self.rule.means.split()) or f"that {self.name} is {value:g}"
         sentence = f"has {who}, {age:.0f} s ago, {says}"
-        return (
-            {"fact": self.name, "value": value, "robot": robot, "age_s": age, "sentence": sentence} if age >= 0 else {}
-        )
+        return {"fact": self.name, "value": value, "robot": robot, "age_s": age, "sentence": sentence}
 
 
 @lean_kernel

@@ -141,11 +141,9 @@ class Advising(Evaluation):
     @cache  # noqa: B019  (an evaluation lives as long as its process)
     def kind(self, name: str) -> str:
         """Return the kind of a scenario; all are of one unless kinds are asked for."""
-        return (
-            task_class(self.mission).kind_of(self.family.scenario_named(self.request.seed, name).mission)
-            if self.kinds
-            else ""
-        )
+        if not self.kinds:
+            return ""
+        return task_class(self.mission).kind_of(self.family.scenario_named(self.request.seed, name).mission)
 
     def tasks(self, done: Done) -> list[TrialTask]:
         """Return the missions that the search needs next; once it is over, those of the last round."""

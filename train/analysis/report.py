@@ -208,4 +208,6 @@ def summary_of(report: ExperimentReport) -> dict[str, Any]:
 
 
 def _meet(first: Interval | None, second: Interval | None) -> bool | None:
-    return None if first is None or second is None else first[0] <= second[1] and second[0] <= first[1]
+    if first is None or second is None:
+        return None
+    return first[0] <= second[1] and second[0] <= first[1]

@@ -106,8 +106,9 @@ class Runs:
     @cached_property
     def unfinished(self) -> dict[str, Floats]:
         """Label -> whether missions (S, K, V) were not completed, 1 or 0; nothing where items keep coming."""
-        known = {} if items_keep_coming(self.missions[0]) else self.table("completed")
-        return {label: 1.0 - own for label, own in known.items()}
+        if items_keep_coming(self.missions[0]):
+            return {}
+        return {label: 1.0 - own for label, own in self.table("completed").items()}
 
     @property
     def censored(self) -> dict[str, Floats]:

@@ -36,8 +36,11 @@ def summarise(values: Floats) -> Summary:
 
 def by_scenario(values: Floats, scenarios: Sequence[str]) -> Floats:
     """Return the means of known `values` (K,) over the worlds of each scenario."""
-    names, known = np.array([FURTHER_WORLD.sub(r"\1", name) for name in scenarios]), np.isfinite(values)
-    return np.array([values[known & (names == name)].mean() for name in dict.fromkeys(names[known].tolist())])
+    found: dict[str, list[float]] = {}
+    for name, value in zip(scenarios, values.tolist(), strict=True):
+        if np.isfinite(value):
+            found.setdefault(FURTHER_WORLD.sub(r"\1", name), []).append(value)
+    return np.array([np.mean(own) for own in found.values()])
 
 
 def share_cell(share: float | None) -> str:

@@ -199,8 +199,9 @@ class Ranking:
         needed, what = test.needed(effect, self.tail), " a tenth" if effect == TOLD else ""
         if needed is None:
             return "; more trainings are needed, not more scenarios"
-        enough = f", enough to tell{what}" if what else ""
-        return enough if needed <= self.scenarios else f"; about {about_number(needed)} would tell{what}"
+        if needed <= self.scenarios:
+            return f", enough to tell{what}" if what else ""
+        return f"; about {about_number(needed)} would tell{what}"
 
 
 def unfinished_sentence(left: Mapping[str, Floats], ranking: Ranking, word: str = "left unfinished") -> str:

@@ -5,8 +5,8 @@ import sys
 import time
 from types import FrameType
 
-ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
-"""Signals that end a command as Ctrl-C does; not every system has all."""
+from train.running import ENDING
+
 WINDING_UP = 10.0
 """Seconds for which a command that is ending ignores further signals, so that nothing is left behind."""
 AGAIN = 0.05

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.task_names import named_file, task_stories
-from clean_swarm_env.deciders.labelled import FILED, label_and_members
+from clean_swarm_env.deciders.labelled import BY_MODEL, FILED, label_and_members
 from selector.documents.find import KINDS, SHIPPED, files_of, find_file, is_path, plugin_names
 from selector.documents.plain import DocumentError, plain
 from selector.documents.plain import DocumentError as ConfigurationError
@@ -125,7 +125,7 @@ def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None
 def _check_member(member: str, where: str, directories: Sequence[Path], *, ours: bool) -> None:
     """Raise the error of a strategy that there is not; of options only if all are `ours`."""
     kind, _, name = member.partition(":")
-    if kind == "models":
+    if kind == BY_MODEL:
         for own in filter(None, (pair.partition("=")[2] for pair in name.split(";"))):
             _check_member(own, where, directories, ours=ours)
     elif kind == FILED_KINDS[0] and ours:

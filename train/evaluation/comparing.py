@@ -161,9 +161,10 @@ class Comparing(Evaluation):
         missions = [variant.largest for variant in self.document.variants.values()]
         conditions, request = self.comparison.conditions, self.request
         told = [*self.noticed, *remarks_on(conditions, self.batch, request.goal, request.directories, missions)]
-        ours = [file for kind in KIND_WORDS if (file := files_of(kind).get(request.name))]
-        if ours and (file := named_file(request.name, request.directories, kinds=COMPARED)) not in ours:
-            told.append(f"{request.name}: {file}, which hides ours of the same name")
+        if request.directories:
+            ours = {files_of(kind).get(request.name) for kind in KIND_WORDS} - {None}
+            if ours and (own := named_file(request.name, request.directories, kinds=COMPARED)) not in ours:
+                told.append(f"{request.name}: {own}, which hides ours of the same name")
         return [remark for remark in told if not (self.request.store.path and remark.endswith(UNTAUGHT))]
 
     def tasks(self, done: Done) -> list[TrialTask]:

@@ -81,8 +81,9 @@ def _run_missing(evaluation: Evaluation, results: Results, total: int) -> None:
     settings, tasks = evaluation.request.record, evaluation.tasks(results.runs)
     if tasks and not compiled_before():
         compile_first(tasks[0])
-    root = results.folder.path.resolve()  # workers may have another
-    settings = settings and replace(settings, directory=root / settings.directory)
+    if settings is not None:
+        directory = results.folder.path.resolve() / settings.directory  # workers may have another
+        settings = replace(settings, directory=directory)
     in_turn = evaluation if isinstance(evaluation, Comparing) and evaluation.learns_in_turn else None
     left = _count(tasks)
     done, most = max(total - left, 0), 0.0

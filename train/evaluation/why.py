@@ -81,8 +81,9 @@ def sentence(facts: Facts, task: type[Task[Any, Any]]) -> str:
         return "does nothing: it has failed" if facts.state == "failed" else "is not there"
     if facts.stands > 0.0:
         return f"stands after a collision, for {facts.stands:.1f} s more"
-    name, way = facts.target or ("", -1.0)
-    to = name + (f", {way:.1f} m" if way >= 0.0 else "")
+    to = ""
+    if facts.target is not None:
+        to = facts.target[0] + (f", {facts.target[1]:.1f} m" if facts.target[1] >= 0.0 else "")
     (wx, wy), (x, y) = facts.wish, facts.command
     held_up = AVOIDANCE in facts.running and hypot(x, y) < SLOW  # avoiding holds it where it is
     if facts.causes and (held_up or hypot(x - wx, y - wy) > SLOW):

@@ -18,7 +18,7 @@ import numpy as np
 from clean_swarm_env.deciders.decider import DeciderMaker, columns_of
 from clean_swarm_env.deciders.strategies import StrategyDecider
 from clean_swarm_env.learning.joined import Joined
-from selector.documents.arrays import Arrays, load_arrays, save_arrays
+from selector.documents.arrays import Arrays, check_same_names, load_arrays, save_arrays
 from selector.documents.errors import shown, validated, within
 from selector.knowledge import learned_from
 from selector.strategies.learned_file import save_strategy
@@ -106,6 +106,9 @@ class BanditTraining(Training):
         arrays, content = load_arrays(self.checkpoint_file)
         where = shown(self.checkpoint_file)
         validated(Checkpoint, content, where)
+        check_same_names(
+            where, "arrays", STATES, tuple(sorted({*STATES, *(name.partition(".")[0] for name in arrays)}))
+        )
         parts = {
             part: {name[len(part) + 1 :]: array for name, array in arrays.items() if name.startswith(part)}
             for part in STATES

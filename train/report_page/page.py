@@ -82,9 +82,10 @@ def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
         for held in results
         for record in held.records
     ]
-    names = dict.fromkeys(record.condition for record in records)
-    costs = {name: np.mean([one.result.cost_s for one in records if one.condition == name]) for name in names}
-    conditions = sorted(names, key=lambda name: float(costs[name]))
+    costs: dict[str, list[float]] = {}
+    for record in records:
+        costs.setdefault(record.condition, []).append(record.result.cost_s)
+    conditions = sorted(costs, key=lambda condition: float(np.mean(costs[condition])))
     scenarios = sorted({record.scenario for record in records}, key=natural_order)
     for held in results:
         yield f"<h2>{escape(str(held.path))}</h2>" if len(results) > 1 else ""

@@ -119,5 +119,6 @@ def _line(record: RunRecord) -> str:
 
 def _cell(value: object) -> object:
     """Return a cell: of several numbers the first, and a quotation mark before a text that looks like a formula."""
-    formula = isinstance(value, str) and value.startswith(("=", "+", "-", "@"))
-    return value[0] if isinstance(value, tuple) else f"'{value}" if formula else value
+    if isinstance(value, tuple):
+        return value[0]
+    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) else value

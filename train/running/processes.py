@@ -20,12 +20,13 @@ from typing import Any
 
 from clean_swarm_env.siblings import call
 from selector.documents.trust import Permission, current_permission, permitting
+from train.running import ENDING
 from train.running.engine import MOST_DEATHS, Round, WorkerLost, in_turn
 from train.running.pulse import listening, tell
 from train.running.runs import RunKey, Work
 
-_HELD = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM") if hasattr(signal, name)]
-"""Signals that end a command, the last one if one of the others had to wait."""
+_HELD = [getattr(signal, name) for name in (*ENDING, "SIGALRM") if hasattr(signal, name)]
+"""Signals that end a command; SIGALRM does if another one had to wait."""
 
 
 @dataclass
