@@ -62,6 +62,8 @@ class Manifest(Closed):
     """Label -> families on which it is judged; all unless given."""
     better: tuple[Name, ...] = ()
     """Families on which the claimed strategy has to be shown to cost less than the fixed options."""
+    at_most: dict[Name, float] = Field(default_factory=dict)
+    """Family -> the largest ratio to the best configured pair with which a learner is accepted."""
     families: Annotated[dict[Name, Compared], Field(min_length=1)]
     """Families."""
 
@@ -76,11 +78,16 @@ class Manifest(Closed):
         named = [*self.strategies, *self.trained]
         found = [label for label in named if family in self.only.get(label, (family,))]
         told = bool(compared.told or compared.told_by)
-        return [*found, *[TOLD] * told, RANDOM, *[OFF] * (compared.off is not None)]
+        chance = family in self.only.get(RANDOM, (family,))
+        return [*found, *[TOLD] * told, *[RANDOM] * chance, *[OFF] * (compared.off is not None)]
 
     def run_on(self, family: str) -> list[str]:
         """Return the labels of all that do missions on a family."""
         return [*(f"{FIXED}:{options}" for options in self.families[family].fixed), *self.judged_on(family)]
+
+    def runs_of(self, label: str) -> list[str]:
+        """Return the labels under which the missions of a label are kept."""
+        return [label]
 
     @property
     def comparisons(self) -> list[tuple[str, str, str]]:

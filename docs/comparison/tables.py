@@ -3,7 +3,10 @@
 Shapes: K scenarios, B resamples.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,6 +27,42 @@ HEAVY = ", heavy"
 """What stands behind an interval that heavy tails make too narrow."""
 
 
+@dataclass(frozen=True)
+class FamilyFigures:
+    """The missions of all strategies on one family, and of its best options.
+
+    Attributes:
+        best: which of the fixed options are the best.
+        excesses: label -> excess (S, K, 1) [s]; a learner has S trainings.
+        left: label -> 1 where a mission was not completed, else 0 (S, K, 1); nothing where garbage keeps coming.
+
+    """
+
+    best: BestFixed
+    excesses: dict[str, Floats]
+    left: dict[str, Floats]
+
+    @classmethod
+    def of(cls, manifest: Manifest, family: str, missions: Mapping[tuple[str, str], Judged]) -> FamilyFigures:
+        """Return those of all labels whose missions are there; at least the fixed options have them."""
+        fixed = [f"{FIXED}:{options}" for options in manifest.families[family].fixed]
+        asked = {label: manifest.runs_of(label) for label in (*fixed, *manifest.judged_on(family))}
+        judged = {
+            label: [missions[family, run] for run in runs]
+            for label, runs in asked.items()
+            if all((family, run) in missions for run in runs)
+        }
+        excesses = {label: np.array([own.excess_s for own in runs])[:, :, None] for label, runs in judged.items()}
+        best = BestFixed.of(excesses, fixed)
+        left = {
+            label: np.concatenate([_flags(own) for own in runs])
+            for label, runs in judged.items()
+            if runs[0].unfinished is not None
+        }
+        kept = {BEST: best.judged(left)} if left else {}
+        return cls(best, excesses | {BEST: best.judged(excesses)}, left | kept)
+
+
 class Tables:
     """The tables of a comparison.
 
@@ -38,16 +77,10 @@ class Tables:
 
     def __init__(self, manifest: Manifest, missions: Mapping[tuple[str, str], Judged]) -> None:
         self._manifest = manifest
-        self._excesses, self._left = dict[str, dict[str, Floats]](), dict[str, dict[str, Floats]]()
-        self._best = dict[str, BestFixed]()
-        for family, compared in manifest.families.items():
-            judged = {label: missions[family, label] for label in manifest.run_on(family)}
-            excesses = {label: np.array(own.excess_s)[None, :, None] for label, own in judged.items()}
-            best = BestFixed.of(excesses, [f"{FIXED}:{options}" for options in compared.fixed])
-            left = {label: _flags(own) for label, own in judged.items() if own.unfinished is not None}
-            excesses[BEST] = best.judged(excesses)
-            self._best[family], self._excesses[family] = best, excesses
-            self._left[family] = left | ({BEST: best.judged(left)} if left else {})
+        figures = {family: FamilyFigures.of(manifest, family, missions) for family in manifest.families}
+        self._best = {family: own.best for family, own in figures.items()}
+        self._excesses = {family: own.excesses for family, own in figures.items()}
+        self._left = {family: own.left for family, own in figures.items()}
         asked = manifest.comparisons
         self.claims: dict[tuple[str, str, str], Claim] = dict(
             zip(asked, claims_of(asked, self._excesses, self._left), strict=True)

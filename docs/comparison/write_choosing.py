@@ -12,7 +12,7 @@ from pathlib import Path
 from clean_swarm_env.config.types import ConfigurationError
 from docs.comparison.frequencies import frequencies_table
 from docs.comparison.manifest import Manifest
-from docs.comparison.missions import do_missions, read_missions
+from docs.comparison.missions import Judged, do_missions, read_missions
 from docs.comparison.tables import Tables
 from docs.figures.stored import ROOT, record
 from selector.documents.errors import validated
@@ -22,21 +22,13 @@ OWN = Path(__file__).resolve().with_name("choosing.yaml")
 DOCS = ROOT / "docs"
 COMMAND = "python -m docs.comparison.write_choosing"
 JUDGE = "--judge"
+Missions = dict[tuple[str, str], Judged]
+"""Family and label -> missions."""
 
 
 def main(arguments: list[str]) -> int:
     """Make the tables; return 1 if something does not hold."""
-    named = [Path(word) for word in arguments if word != JUDGE]
-    given = named[0] if named else OWN
-    manifest = validated(Manifest, read_mapping(given), str(given))
-    file = given.with_suffix(".jsonl") if manifest.page else ROOT / "results" / manifest.name / "missions.jsonl"
-    if JUDGE not in arguments:
-        do_missions(manifest, file)
-    missions = read_missions(file, manifest)
-    asked = [(family, label) for family in manifest.families for label in manifest.run_on(family)]
-    for family, label in asked:
-        if (family, label) not in missions:
-            raise ConfigurationError(f"{file}: expected missions of {label} on {family}, got none")
+    given, manifest, file, missions = asked_missions(arguments, OWN)
     tables = Tables(manifest, missions)
     if manifest.page:
         inputs = [*inputs_of(given, manifest.families), file.resolve().relative_to(ROOT).as_posix()]
@@ -49,6 +41,22 @@ def main(arguments: list[str]) -> int:
     for line in tables.broken():
         print(line)
     return 1 if tables.broken() else 0
+
+
+def asked_missions(arguments: list[str], usual: Path) -> tuple[Path, Manifest, Path, Missions]:
+    """Return file and manifest that are named, or the usual ones, and file and missions, of which none is missing."""
+    named = [Path(word) for word in arguments if word != JUDGE]
+    given = named[0] if named else usual
+    manifest = validated(Manifest, read_mapping(given), str(given))
+    file = given.with_suffix(".jsonl") if manifest.page else ROOT / "results" / manifest.name / "missions.jsonl"
+    if JUDGE not in arguments:
+        do_missions(manifest, file)
+    missions = read_missions(file, manifest)
+    asked = [(family, label) for family in manifest.families for label in manifest.run_on(family)]
+    for family, label in asked:
+        if (family, label) not in missions:
+            raise ConfigurationError(f"{file}: expected missions of {label} on {family}, got none")
+    return given, manifest, file, missions
 
 
 def put_tables(name: str, tables: Mapping[str, str], command: str, inputs: Sequence[str]) -> None:
