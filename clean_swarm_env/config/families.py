@@ -16,12 +16,13 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.events import Join
+from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.known import knowing
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
-from clean_swarm_env.config.tasks import TaskSettings, find_task, items_of
+from clean_swarm_env.config.tasks import TaskSettings, find_task, items_of, with_changes
 from clean_swarm_env.config.types import ArrivalRate, Items, Length, Point, Robots, Scenarios
-from selector.documents.errors import DocumentError, check_unique, impossible, validated
+from selector.documents.errors import DocumentError, check_unique, impossible, validated, within
 from selector.documents.fields import Closed, Label, Name, Positive, Share
 from selector.documents.plain import short
 
@@ -64,6 +65,12 @@ def check_span(key: str, span: tuple[float, float]) -> None:
     """Raise the error of a span at the dotted `key` whose least number is larger than its largest."""
     if span[0] > span[1]:
         raise impossible(key, "the least before the largest", f"[{span[0]:g}, {span[1]:g}]")
+
+
+def drawn_numbers(mission: MissionConfig) -> dict[str, float]:
+    """Return the numbers of a mission that a family draws by keys of its own."""
+    items = items_of(mission)
+    return {"robots": mission.robots.count, "items": items.count, "respawn": items.respawn}
 
 
 class ChangesConfig(Closed):
@@ -124,6 +131,8 @@ class FamilyConfig(Closed):
     """Particulars of its scenarios, in one sentence."""
     mission: MissionConfig = Field(default_factory=MissionConfig)
     """The mission; a scenario changes the drawn keys. Its events happen in every scenario."""
+    alternatives: Annotated[tuple[dict[str, Any], ...], Field(max_length=100)] = ()
+    """Changes of the mission, one of which each scenario has, all equally likely; the mission as it is if empty."""
     sizes: Annotated[tuple[tuple[Length, Length], ...], Field(max_length=1000)] = ()
     """Widths and heights of tori, one of which is drawn; if empty, the torus of the mission [m]."""
     robots: tuple[Robots, Robots] = (5, 5)
@@ -159,8 +168,7 @@ class FamilyConfig(Closed):
     def _possible(self) -> Self:
         if self.station_places is not None and self.stations == "given":
             raise impossible("station_places", "stations: random", "stations: given")
-        items = items_of(self.mission)
-        own = {"robots": self.mission.robots.count, "items": items.count, "respawn": items.respawn}
+        own = drawn_numbers(self.mission)
         self.__dict__.update({name: (one, one) for name, one in own.items() if name not in self.model_fields_set})
         self._sum_groups()
         for name in ("robots", "items", "respawn", "spots", "station_places"):
@@ -225,7 +233,37 @@ class FamilyConfig(Closed):
     @property
     def largest(self) -> MissionConfig:
         """The mission with the most robots, on the first torus and without events; items have room in it as in all."""
-        return self._largest_on(self.tori[0])
+        own = self._with_alternative(0) if self.alternatives else self
+        return own._largest_on(own.tori[0])
+
+    @property
+    def missions(self) -> list[MissionConfig]:
+        """The mission with each of the alternatives; only itself without any."""
+        return [self._with_alternative(k).mission for k in range(len(self.alternatives))] or [self.mission]
+
+    def _with_alternative(self, number: int) -> Self:
+        """Return the family that has one of the alternatives in all its scenarios."""
+        whole = with_changes(self.mission.model_dump(), self.alternatives[number])
+        mission = validated(MissionConfig, whole, f"alternatives.{number}", own=True)
+        return self.model_copy(update={"mission": mission, "alternatives": ()})
+
+    def _check_alternatives(self) -> None:
+        """Raise the error of the first alternative that is impossible, or has another frame than those on its torus."""
+        frames, drawn = dict[tuple[float, float], MissionConfig](), drawn_numbers(self.mission)
+        for number in range(len(self.alternatives)):
+            own = self._with_alternative(number)
+            for key, value in drawn_numbers(own.mission).items():
+                if value != drawn[key]:
+                    expected = f"{drawn[key]:g} as in the mission, because the family draws it"
+                    raise impossible(f"alternatives.{number}.{key}", expected, value)
+            if self.sizes and own.mission.size.tolist() != self.mission.size.tolist():
+                expected = "the size of the mission beside `sizes`"
+                raise impossible(f"alternatives.{number}.world", expected, own.mission.size.tolist())
+            with within(f"alternatives.{number}"):
+                own._check_scenarios()
+                for size in own.tori:
+                    largest = own._largest_on(size)
+                    check_frame(largest, frames.setdefault(size, largest))
 
     def _under(self, disturbance: Disturbance) -> Self:
         """Return the family under a disturbance; its scenarios have the same starts."""
@@ -257,6 +295,9 @@ class FamilyConfig(Closed):
 
         A family without a possible scenario is refused, too.
         """
+        if self.alternatives:
+            self._check_alternatives()
+            return
         if self.mission.events and max(self.changes.number[1], self.changes.phases) > 0:
             expected = "none where events are drawn (changes.number, changes.phases)"
             raise impossible("mission.events", expected, len(self.mission.events))
@@ -277,9 +318,12 @@ class FamilyConfig(Closed):
     @property
     def tori(self) -> tuple[tuple[float, float], ...]:
         """Width and height of every torus that scenarios may have [m], each once."""
-        return tuple(dict.fromkeys(self.sizes or ((self.mission.world.width, self.mission.world.height),)))
+        sizes = self.sizes or [(mission.world.width, mission.world.height) for mission in self.missions]
+        return tuple(dict.fromkeys(sizes))
 
     def _mission(self, rng: np.random.Generator) -> MissionConfig:
+        if self.alternatives:
+            return self._with_alternative(int(rng.integers(len(self.alternatives))))._mission(rng)
         sizes = self.sizes or self.tori
         size = sizes[int(rng.integers(len(sizes)))]
         counts = [int(rng.integers(least, most + 1)) for least, most in self._spans]

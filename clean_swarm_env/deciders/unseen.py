@@ -74,7 +74,7 @@ def unseen(
     families = [load_family(name, directories) for name in names if name in files_of("families", directories)]
     if not families:
         return []
-    known = _features([family.mission for family in families])
+    known = _features([mission for family in families for mission in family.missions])
     known |= {"lost messages"} if any("deliver" in family.changes.kinds for family in families) else set()
     robots = [float(count) for family in families for count in family.robots]
     areas = [width * height for family in families for width, height in family.tori]

@@ -86,6 +86,6 @@ class Curriculum:
 
 def _sizes(family: FamilyConfig) -> list[Size]:
     """Return the tori of a family in the order of the scenarios that have them."""
-    scenarios = (family.scenario(VALIDATION_SEED, k, "train") for k in range(TORI_TRIED if family.sizes else 1))
+    scenarios = (family.scenario(VALIDATION_SEED, k, "train") for k in range(TORI_TRIED if len(family.tori) > 1 else 1))
     worlds = [scenario.mission.world for scenario in scenarios]
     return list(dict.fromkeys((world.width, world.height) for world in worlds))
