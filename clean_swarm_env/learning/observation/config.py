@@ -22,7 +22,7 @@ from clean_swarm_env.learning.observation import thing_terms as thing_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.task import task_class
 from selector.documents.errors import DocumentError, check_unique, validated
-from selector.documents.fields import Closed, Number, Positive
+from selector.documents.fields import Closed, Name, Number, Positive
 from selector.documents.imported import NameOrImport, registered
 from selforg.registry import unknown
 
@@ -55,6 +55,9 @@ class ObservationConfig(Closed):
     terms: Annotated[tuple[Annotated[TermConfig, BeforeValidator(_by_name)], ...], Field(min_length=1)] | None = None
     """The terms; a bare name is the term of that name with weight 1. Unless given they are those of the task and the
     mission."""
+    remembers: tuple[Name, ...] = ()
+    """Terms of which each robot sees, too, the largest value so far in its mission: the components `most_...`, 0 at
+    first, behind all others."""
     neighbour_ranges: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0, 1.5, 2.5)
     """Centre distances within which robots are counted [m], growing; within the last one robots are neighbours."""
     station_range: Positive = 2.0
@@ -68,6 +71,9 @@ class ObservationConfig(Closed):
     def _possible(self) -> Self:
         terms = self.terms or ()
         check_unique("terms", [term.name for term in terms])
+        for name in self.remembers if self.terms is not None else ():
+            if name not in {term.name for term in terms}:
+                raise ValueError(f"remembers: {unknown('term', name, [term.name for term in terms])}")
         ranges = self.neighbour_ranges
         if any(near >= far for near, far in pairwise(ranges)):
             raise ValueError(f"neighbour_ranges: expected growing distances, got {list(ranges)}")

@@ -22,7 +22,7 @@ from clean_swarm_env.learning.observation.term import (
 )
 from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
 from clean_swarm_env.world.worlds import Worlds
-from selforg.arrays import READ, SCRATCH, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import long_kernel
 from selforg.compiler.records import Handle
 from selforg.declared import make_arrays
@@ -45,7 +45,9 @@ class Observer:
     _weights: Annotated[Observations, "F", READ]
     _rows: Annotated[Ints, "R", SCRATCH]
     _seen: Annotated[Floats, "R F", SCRATCH]
+    _most: Annotated[Floats, "R M", KEPT]  # largest values so far of the M components that are remembered
     _all: Annotated[Ints, "W", READ]
+    _remembered: Annotated[Ints, "M", READ]  # which components these are
     _first: Annotated[Ints, "TERMS", READ]  # first component of each of AROUND_TERMS, -1: not chosen
 
     def __init__(self, worlds: Worlds, progress: MissionProgress, config: ObservationConfig | None = None) -> None:
@@ -55,12 +57,15 @@ class Observer:
         self._held = [coordinator.held for coordinator in worlds.coordinators]
         observed = Observed(worlds, progress, self._around)
         terms = self.config.build(observed)
-        self.names = tuple(name for term in terms for name in term.components)
-        self.width = len(self.names)
+        names = [name for term in terms for name in term.components]
         sizes = [len(term.components) for term in terms]
-        self._weights = np.repeat([np.float32(term.weight) for term in self.config.terms or ()], sizes)
+        weights = np.repeat([np.float32(term.weight) for term in self.config.terms or ()], sizes)
+        remembered = np.repeat([term.name in self.config.remembers for term in terms], sizes)
+        self._remembered = np.flatnonzero(remembered)
+        self.names = (*names, *(f"most_{names[k]}" for k in self._remembered))
+        self.width, self._weights = len(self.names), np.append(weights, weights[self._remembered])
         self.bounds = np.abs(self._weights)
-        make_arrays(self, R=worlds.rows, F=self.width)
+        make_arrays(self, R=worlds.rows, F=self.width, M=len(self._remembered))
         self._all = np.arange(worlds.worlds)
         places = [slice(last - size, last) for size, last in zip(sizes, accumulate(sizes), strict=True)]
         chosen = dict(zip((term.name for term in terms), places, strict=True))
@@ -85,6 +90,17 @@ class Observer:
         for term, components in self._own:
             term.write(rows, self._seen.T[components])
         write_observations(around.handle, worlds, self._first, self._seen, self._weights, observations)
+        if len(self._remembered):
+            self._remember(worlds, rows, observations)
+
+    def _remember(self, worlds: Ints, rows: Ints, observations: Observations) -> None:
+        """Write the largest values so far of `rows` (P,) of `worlds` (C,), which begin anew with the mission."""
+        begins = np.zeros(self._worlds.worlds, dtype=np.bool_)
+        begins[worlds] = self._worlds.ticks[worlds] == 0
+        self._most[begins[self._worlds.world.of_row]] = 0.0
+        self._most[rows] = np.maximum(self._most[rows], self._seen[np.ix_(rows, self._remembered)])
+        first = self.width - len(self._remembered)
+        observations[rows, first:] = self._most[rows].astype(np.float32) * self._weights[first:]
 
 
 def around_robots(worlds: Worlds, progress: MissionProgress, config: ObservationConfig) -> Around:

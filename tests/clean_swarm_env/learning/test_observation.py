@@ -12,6 +12,7 @@ from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.tasks import Cleaning, Task
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.learning.around import PHASES
+from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
 
 RANGES = (1.0, 1.5, 2.5)
@@ -214,3 +215,31 @@ def test_without_items_nobody_sees_one():
         seen += [step.observations.copy(), step.final_observations.copy()]
         assert not batch.worlds.task.phase().any()
     assert not np.array(seen)[:, :, batch.observer.names.index("garbage_seen")].any()
+
+
+def test_what_is_remembered_is_the_largest_value_so_far_of_each_mission_alone_or_beside_others():
+    seen = {"terms": ["situation", {"name": "crowd", "weight": -2.0}], "remembers": ["crowd"]}
+    batch, alone = (Batch("table1", count, observation=seen, time_limit=30.0) for count in (2, 1))
+    names = batch.observer.names
+    assert names[-3:] == tuple(f"most_{name}" for name in names[4:7])
+    assert batch.observer.bounds.tolist() == [1.0] * 4 + [2.0] * 6
+    least, begins = np.zeros((batch.rows, 3)), np.array([True, True])
+    batch.reset([5, 6])
+    alone.reset([6])
+    for period in range(45):
+        least[np.repeat(begins, batch.robots)] = 0.0
+        least = np.minimum(least, batch.observations[:, 4:7])
+        np.testing.assert_array_equal(batch.observations[:, 7:], least)
+        np.testing.assert_array_equal(batch.observations[batch.robots :], alone.observations)
+        if period == 20:
+            state = batch.get_state()
+        actions = np.zeros(batch.rows, dtype=np.int64)
+        begins = (step := batch.step(actions)).terminated | step.truncated
+        alone.step(actions[: alone.rows])
+    last = batch.observations.copy()
+    batch.set_state(state)
+    for _ in range(25):
+        batch.step(np.zeros(batch.rows, dtype=np.int64))
+    np.testing.assert_array_equal(batch.observations, last)
+    with pytest.raises(DocumentError, match="remembers: unknown term 'facts'"):
+        Batch("table1", observation=seen | {"remembers": ["facts"]})
