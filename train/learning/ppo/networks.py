@@ -24,9 +24,11 @@ UNABLE = -1e9
 class RobotPolicy(ActorCriticPolicy):
     """An actor and a critic of robots whose actions are an option of each goal.
 
-    The last components of what they see say which options can be taken: the actor uses them behind its hidden layers.
+    The actor sees the first `own` components of what they see, the critic all. The last ones say which options can be
+    taken: the actor uses them behind its hidden layers.
 
     Args:
+        own: F, components of a robot's observation.
         counts: (G,) number of options of each goal.
         start: number of an option, counted over all goals -> its output at the beginning.
         args, settings: see the base class.
@@ -36,11 +38,12 @@ class RobotPolicy(ActorCriticPolicy):
     def __init__(
         self,
         *args: Any,  # noqa: ANN401  (of the base class)
+        own: int,
         counts: tuple[int, ...],
         start: Mapping[int, float] = MappingProxyType({}),
         **settings: Any,  # noqa: ANN401
     ) -> None:
-        self._counts, self._start = counts, start
+        self._own, self._counts, self._start = own, counts, start
         super().__init__(*args, **settings)
 
     def _build(self, lr_schedule: Any) -> None:  # noqa: ANN401
@@ -53,24 +56,24 @@ class RobotPolicy(ActorCriticPolicy):
     def _build_mlp_extractor(self) -> None:
         super()._build_mlp_extractor()
         layers = (self.net_arch, self.activation_fn, self.device)
-        self.mlp_extractor = ActorLayers(sum(self._counts), self.features_dim, *layers)
+        self.mlp_extractor = ActorLayers(self._own, sum(self._counts), self.features_dim, *layers)
 
 
 class ActorLayers(MlpExtractor):
-    """Hidden layers of an actor and of a critic, which gets all features.
+    """Hidden layers of an actor, which gets the first `own` features, and of a critic, which gets all.
 
     The last `options` features, which say what can be taken, are behind the last hidden values of the actor.
     """
 
-    def __init__(self, options: int, features: int, *layers: Any) -> None:  # noqa: ANN401
+    def __init__(self, own: int, options: int, features: int, *layers: Any) -> None:  # noqa: ANN401
         super().__init__(features, *layers)
-        self._masks = features - options
-        actor = MlpExtractor(self._masks, *layers)
+        self._own, self._masks = own, features - options
+        actor = MlpExtractor(own, *layers)
         self.policy_net, self.latent_dim_pi = actor.policy_net, actor.latent_dim_pi + options
 
     def forward_actor(self, features: torch.Tensor) -> torch.Tensor:
         """Return the last hidden values of the actor, and what can be taken."""
-        hidden = super().forward_actor(features[:, : self._masks])
+        hidden = super().forward_actor(features[:, : self._own])
         return torch.hstack((hidden, features[:, self._masks :]))
 
 
@@ -120,18 +123,18 @@ def exported(
 ) -> TrainedPolicy:
     """Return the network of `model` as a policy; `about` is the rest of its specification.
 
-    The policy sees the components `observations`, which `normal` gives.
+    The policy sees the components `observations`, the first of those that `normal` gives.
     """
     statistics = normal.obs_rms
     assert isinstance(statistics, RunningMeanStd)
-    state = {name: np.array(tensor.detach().numpy(), dtype=np.float32) for name, tensor in _layers(model)}
+    state = {name: np.array(tensor.detach().numpy(), dtype=np.float32) for name, tensor in actor_layers(model)}
     spec = PolicySpec(
         goals=goals,
         observations=observations,
         hidden=tuple(array.shape[0] for name, array in state.items() if name.startswith("hidden.") and array.ndim == 1),
         activation="tanh",
-        mean=tuple(float(value) for value in statistics.mean),
-        variance=tuple(float(value) for value in statistics.var),
+        mean=tuple(float(value) for value in statistics.mean[: len(observations)]),
+        variance=tuple(float(value) for value in statistics.var[: len(observations)]),
         epsilon=float(normal.epsilon),
         clip=float(normal.clip_obs),
         **about,
@@ -139,7 +142,7 @@ def exported(
     return TrainedPolicy(spec, state)
 
 
-def _layers(model: PPO) -> list[tuple[str, Any]]:
+def actor_layers(model: PPO) -> list[tuple[str, Any]]:
     """Return the arrays of the layers of the policy, with their names in a policy file."""
     state, path = model.policy.state_dict(), "mlp_extractor.policy_net."
     weights = [name for name in state if name.startswith(path) and name.endswith("weight")]

@@ -18,7 +18,7 @@ import torch
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
-from stable_baselines3.common.vec_env import VecNormalize
+from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from clean_swarm_env.deciders.decided_goal import named_goal
 from clean_swarm_env.deciders.decider import DeciderMaker
@@ -67,7 +67,7 @@ class PpoTraining(Training):
         assert self.config.ppo is not None
         self.settings = settings = self.config.ppo
         self.robots = RobotVecEnv(batches=self.curriculum.batches, threads=self.job.threads)
-        self.normal = VecNormalize(self.robots, gamma=settings.discount)
+        self.normal = VecNormalize(self.seen_by_critic(), gamma=settings.discount)
         self._seen = self.normal.obs_rms = MomentsOfRobots(self._working, self.normal.observation_space.shape or ())
         self._paid = self.normal.ret_rms = MomentsOfRobots(lambda: self.model.rollout_buffer.deciding)
         goals = [named_goal(tuple(self.robots.options), name) for name in self.decides]
@@ -88,6 +88,10 @@ class PpoTraining(Training):
         """The goals whose options are learned, each by outputs of its own."""
         usual = self.config.goal or named_goal(tuple(self.curriculum.batches[0].options), None)
         return usual.split(JOINT)
+
+    def seen_by_critic(self) -> VecEnv:
+        """Return the robots; a subclass may let more follow their observations, which the critic alone sees."""
+        return self.robots
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
@@ -179,6 +183,7 @@ class PpoTraining(Training):
             gamma=settings.discount,
             ent_coef=settings.entropy,
             policy_kwargs={
+                "own": self.curriculum.batches[0].observer.width,
                 "net_arch": {"pi": layers, "vf": layers},
                 "counts": self.envs.counts,
                 "start": start,
