@@ -16,7 +16,7 @@ from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.named import FIXED, MACHINE, POLICY
 from docs.comparison.headroom import scenario_kinds
-from docs.comparison.manifest import OFF, TOLD, Compared, Manifest
+from docs.comparison.manifest import OFF, TOLD, Manifest, Taught, Trained
 from docs.comparison.running import run, written
 from docs.figures.stored import ROOT
 from selector.documents.find import load_file
@@ -46,7 +46,7 @@ class Judged:
     cpu_s: float
     """CPU time of the missions [s]."""
     training_cpu_s: float = 0.0
-    """CPU time of the training that was done for it [s]."""
+    """CPU time of its own training, without that from which it starts [s]."""
 
 
 def read_missions(file: Path, manifest: Manifest) -> dict[tuple[str, str], Judged]:
@@ -68,21 +68,28 @@ def read_missions(file: Path, manifest: Manifest) -> dict[tuple[str, str], Judge
 
 
 def do_missions(manifest: Manifest, file: Path) -> None:
-    """Do the missions that the file lacks, those of trainings last."""
+    """Do the missions that the file lacks: at last those of the first training of each learner, of the second, ..."""
     found = read_missions(file, manifest)
     asked = [(family, label) for family in manifest.families for label in manifest.run_on(family)]
-    for family, label in sorted(asked, key=lambda each: each[1] in manifest.trained):
+    for family, label in sorted(asked, key=lambda each: _turn(manifest, each[1])):
         if (family, label) not in found:
             found[family, label] = _judged(manifest, family, label)
             lines = [json.dumps(asdict(found[each])) for each in asked if each in found]
             write_whole(file, ("\n".join(lines) + "\n").encode())
 
 
+def _turn(manifest: Manifest, label: str) -> int:
+    """Return when the missions of a label are done: which training of its learner it is, from 1; 0 for others."""
+    if label not in manifest.trainings:
+        return 0
+    learner, seed = manifest.trainings[label]
+    return 1 + manifest.trained[learner].seeds.index(seed)
+
+
 def _judged(manifest: Manifest, family: str, label: str) -> Judged:
     """Do the missions of a strategy on a family, in one process."""
-    compared, training_s = manifest.families[family], 0.0
-    if label in manifest.trained:
-        training_s = _train(manifest, label)
+    compared, own_training = manifest.families[family], manifest.trainings.get(label)
+    training_s = 0.0 if own_training is None else trained(manifest, *own_training)
     given, began = family_of(family, compared), time.process_time()
     drawn = [given.scenario_named(manifest.seed, scenario_name("test", k)) for k in range(compared.scenarios)]
     members = _members(manifest, family, label, drawn)
@@ -102,13 +109,13 @@ def _judged(manifest: Manifest, family: str, label: str) -> Judged:
 
 def _identity(manifest: Manifest, label: str, members: list[str]) -> str:
     """Return what was judged, without paths of this machine."""
-    if label in manifest.trained:
-        own = manifest.trained[label]
-        return f"training {own.training}, seed {own.seed}"
+    if label in manifest.trainings:
+        learner, seed = manifest.trainings[label]
+        return f"training {manifest.trained[learner].training}, seed {seed}"
     return TOLD if members[0].startswith(MACHINE) and label == TOLD else " ".join(sorted(set(members)))
 
 
-def family_of(name: str, compared: Compared) -> FamilyConfig:
+def family_of(name: str, compared: Taught) -> FamilyConfig:
     """Return a family, with the season in its observations where a team is told it."""
     file = str(Path(__file__).with_name("families") / compared.file) if compared.file else name
     return load_family(file).with_knowledge(None, (), (SEASON,) if compared.told_by else ())
@@ -121,7 +128,7 @@ def _members(manifest: Manifest, family: str, label: str, scenarios: list[Scenar
         return [f"{FIXED}:{compared.told[kind]}" for kind in scenario_kinds(scenarios)]
     known = {
         **manifest.strategies,
-        **{name: f"{POLICY}:{output_of(manifest, name) / 'policy'}" for name in manifest.trained},
+        **{run: f"{POLICY}:{output_of(manifest, *own) / 'policy'}" for run, own in manifest.trainings.items()},
         OFF: f"{FIXED}:{compared.off}",
     }
     if label == TOLD:
@@ -137,17 +144,34 @@ def _told_machine(manifest: Manifest, family: str, told: Mapping[str, str]) -> P
     return written(ROOT / "results" / manifest.name / f"told-{family}.yaml", machine)
 
 
-def output_of(manifest: Manifest, label: str) -> Path:
+def output_of(manifest: Manifest, learner: str, seed: int) -> Path:
     """Return the directory of a training."""
-    return ROOT / "results" / manifest.name / f"{label}-{manifest.trained[label].seed}"
+    return ROOT / "results" / manifest.name / f"{learner}-{seed}"
 
 
-def _train(manifest: Manifest, label: str) -> float:
-    """Do a training unless it is done; return its CPU time [s]."""
-    output, asked = output_of(manifest, label), manifest.trained[label]
-    if (output / "policy").exists():
-        return 0.0
-    learner = load_file("training", asked.training, TrainingConfig).learner
-    place = output.relative_to(ROOT)  # policies name their command
-    words = ("--config", asked.training, "--seed", asked.seed, "--output", place, "--resume")
-    return round(run("train", learner, *words), 1)
+def trained(manifest: Manifest, learner: str, seed: int) -> float:
+    """Do a training unless it is done, and first that from which it starts; return its own CPU time [s]."""
+    output, asked = output_of(manifest, learner, seed), manifest.trained[learner]
+    used = output.with_suffix(".cpu_s")
+    if not used.exists():
+        if asked.start is not None:
+            trained(manifest, asked.start, seed)
+        write_whole(used, f"{_train(manifest, asked, seed, output):.1f}\n".encode())
+    return float(used.read_text(encoding="utf-8"))
+
+
+def _train(manifest: Manifest, asked: Trained, seed: int, output: Path) -> float:
+    """Do a training, or go on with it; return its CPU time [s]."""
+    config = load_file("training", asked.training, TrainingConfig)
+    if asked.imitation is None and asked.start is None and asked.critic == "own":
+        place = output.relative_to(ROOT)  # policies name their command
+        return run("train", config.learner, "--config", asked.training, "--seed", seed, "--output", place, "--resume")
+    from docs.comparison import imitation, learners  # import torch
+
+    began = time.process_time()
+    if asked.imitation is not None:
+        imitation.imitate(manifest, asked.imitation, config, seed, output)
+    else:
+        start = output_of(manifest, asked.start, seed) / "policy" if asked.start else None
+        learners.learn(asked.training, seed, output, start=start, critic=asked.critic)
+    return time.process_time() - began

@@ -155,8 +155,8 @@ class Tables:
         rows = []
         for family, label, against in self.claims:
             left = self._left[family]
-            if left and (ended := (left[label] + left[against] == 0.0).ravel()).sum() < ended.size:
-                own, other = (self._excesses[family][name].ravel()[ended] for name in (label, against))
+            if left and (ended := by_scenario(left[label] + left[against]) == 0.0).sum() < ended.size:
+                own, other = (by_scenario(self._excesses[family][name])[ended] for name in (label, against))
                 found = Ratio.of(own, other)
                 cells = [f"`{family}`", f"{label} / {against}", f"{ended.sum()} of {ended.size}"]
                 rows.append([*cells, f"{found.ratio:.3f} {interval_cell(found.ci95)}"])
@@ -168,7 +168,7 @@ class Tables:
         if claim is None:
             return EMPTY_CELL
         mark = "**" * (self.told(family, label, against) != 0.0)
-        own, other = (self._excesses[family][name].ravel() for name in (label, against))
+        own, other = (by_scenario(self._excesses[family][name]) for name in (label, against))
         heavy = HEAVY * heavy_tailed(own / own.mean() - other / other.mean())
         return f"{mark}{claim.ratio:.3f}{mark} {interval_cell(claim.ci95)}{heavy}"
 
@@ -177,7 +177,7 @@ class Tables:
         own = self._excesses[family]
         if label not in own:
             return EMPTY_CELL
-        share, ends = share_of_way(*(own[name].ravel() for name in (BEST, label, TOLD)))
+        share, ends = share_of_way(*(by_scenario(own[name]) for name in (BEST, label, TOLD)))
         return f"{100.0 * share:.0f} % [{100.0 * ends[0]:.0f}, {100.0 * ends[1]:.0f}]"
 
 
@@ -190,6 +190,11 @@ def share_of_way(best: Floats, own: Floats, told: Floats, resamples: int = RESAM
     return float(closed.mean() / whole.mean()), (low, high)
 
 
+def by_scenario(values: Floats) -> Floats:
+    """Return the means (K,) over trainings and worlds of values (S, K, 1)."""
+    return values.mean(axis=(0, 2))
+
+
 def _flags(judged: Judged) -> Floats:
     """Return 1 for each mission (1, K, 1) that was not completed, else 0."""
     return np.isin(np.arange(len(judged.excess_s)), judged.unfinished or []).astype(float)[None, :, None]
@@ -199,4 +204,5 @@ def _unfinished_cell(left: Floats | None) -> str:
     """Return how many missions were not completed, and the upper bound of their share."""
     if left is None:
         return EMPTY_CELL
-    return f"{left.sum():.0f}, up to {share_interval(float(left.mean()), left.size)[1]:.0%}".replace("%", " %")
+    most = share_interval(float(left.mean()), left.shape[1])[1]
+    return f"{left.sum():.0f}, up to {most:.0%}".replace("%", " %")

@@ -100,7 +100,7 @@ MANIFEST = {
     "goal": "AvoidCollision",
     "seed": 3,
     "strategies": {"recent-finds": "fsm:recent-finds", "told-bumpers": "fsm:told-bumpers"},
-    "trained": {"ppo": {"training": "one", "seed": 1}},
+    "trained": {"ppo": {"training": "one", "seeds": (1,)}},
     "only": {"told-bumpers": ("random",)},
     "at_most": {"random": 0.75},
     "families": {name: {"scenarios": 20, "fixed": ("ORCA",)} for name in ("random", "table1-starts")},
