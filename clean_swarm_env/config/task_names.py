@@ -29,6 +29,8 @@ OF_EXPERIMENTS: Final = {"conditions", *OF_ROBUSTNESS}
 """Keys by which the file of an experiment is told from that of a mission or a family."""
 OWN_TASK: Final = "; a task of your own: --import MODULE or FILE.py"
 """What follows the error of an unknown name."""
+ID_PREFIX: Final = "CleanSwarm-"
+"""Beginning of the ids of families."""
 
 
 def task_stories() -> dict[str, str]:
@@ -62,12 +64,23 @@ def task_names() -> tuple[str, ...]:
     return tuple(task_stories())
 
 
+def family_ids(directories: Sequence[Path] = ()) -> dict[str, str]:
+    """Return id -> name of all families: `rooms-1` has `CleanSwarm-Rooms-v1`; one without a number has `-v1`, too."""
+    ids = {}
+    for name in files_of("families", directories):
+        words, _, number = name.rpartition("-")
+        first, version = (words, number) if number.isdigit() else (name, "1")
+        ids[f"{ID_PREFIX}{first.title().replace('-', '')}-v{version}"] = name
+    return ids
+
+
 def named_file(
     name_or_path: str, directories: Sequence[Path] = (), where: str = "", kinds: Sequence[str] = tuple(KIND_WORDS)
 ) -> Path | None:
     """Return the file of a name, of the first of some `kinds` that has it; None where only a task has the name.
 
-    A file in one of the `directories` stands before those of ours, of whatever kind.
+    A file in one of the `directories` stands before those of ours, of whatever kind. The id of a family serves as its
+    name: `family_ids`.
 
     Raises:
         DocumentError: nothing has the name; `where` starts the line, which lists the known names.
@@ -80,6 +93,11 @@ def named_file(
         return None
     if is_path("missions", name_or_path):
         return find_file("families" if "families" in kinds else "missions", name_or_path, directories, where)
+    if name_or_path.startswith(ID_PREFIX) and "families" in kinds:
+        ids = family_ids(directories)
+        if name_or_path not in ids:
+            raise DocumentError(where + unknown("id of a family", name_or_path, tuple(ids)))
+        name_or_path = ids[name_or_path]
     files = {kind: files_of(kind, directories) for kind in kinds}
     if found := [own[name_or_path] for own in files.values() if name_or_path in own]:
         theirs = (file for root in directories for file in found if file.is_relative_to(root))

@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from clean_swarm_env import clean_swarm_v0, registration  # noqa: F401  (registers)
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
+from clean_swarm_env.config.task_names import family_ids
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
@@ -211,7 +212,7 @@ def test_attributes_methods_masks_and_pictures_of_environments():
 
 def test_make_vec_takes_what_make_takes_and_every_id_has_both():
     settings = {"mission": SHORT, "render_mode": "rgb_array", "knowledge": "avoidance", "reward": {"dumped": 2.0}}
-    for name in [name for name in gymnasium.registry if name.startswith("CleanSwarm")]:
+    for name in [name for name in gymnasium.registry if name.startswith("CleanSwarm") and name not in family_ids()]:
         assert gymnasium.registry[name].entry_point
         assert gymnasium.make(name, **settings).observation_space.shape
         assert gymnasium.make_vec(name, num_envs=2, **settings).num_envs == 2
@@ -219,6 +220,17 @@ def test_make_vec_takes_what_make_takes_and_every_id_has_both():
     assert gymnasium.make("CleanSwarmOneForAll-v0").action_space.n == 3
     assert pettingzoo.make("parallel", "CleanSwarm-v0", mission=SHORT).mission is SHORT
     assert pettingzoo.make("aec", "CleanSwarm-v0").possible_agents[0] == "robot_0"
+
+
+def test_families_are_made_by_their_ids():
+    settings = {"size": (14.0, 10.0)}
+    team = gymnasium.make("CleanSwarm-Rooms-v1", **settings).unwrapped
+    teams = gymnasium.make_vec("CleanSwarm-Rooms-v1", num_envs=2, **settings)
+    agents = pettingzoo.make("parallel", "CleanSwarm-Rooms-v1", **settings)
+    assert [each.batch.mission.name for each in (team, teams, agents)] == ["rooms-1"] * 3
+    assert pettingzoo.make("aec", "CleanSwarm-Losses-v1").possible_agents[0] == "robot_0"
+    with pytest.raises(ValueError, match="size: expected one of those of family 'rooms-1'"):
+        clean_swarm_v0.parallel_env("CleanSwarm-Rooms-v1")
 
 
 def plain(told):

@@ -7,9 +7,9 @@ import pytest
 
 from clean_swarm_env.config.families import SPLITS, FamilyConfig, place_of, seed_of
 from clean_swarm_env.config.frames import check_frame, grouped
-from clean_swarm_env.config.load import load_experiment, load_family, load_mission
+from clean_swarm_env.config.load import load_compared, load_experiment, load_family, load_mission
 from clean_swarm_env.config.starts import for_start, nearest_distance
-from clean_swarm_env.config.task_names import task_names
+from clean_swarm_env.config.task_names import family_ids, task_names
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
@@ -229,6 +229,29 @@ def test_alternatives_keep_what_the_family_is_given(tmp_path):
     assert {mission.terms for mission in changed.missions} == {("finds", "crowd")}
     assert {tuple(mission.size) for mission in changed.missions} == set(changed.tori)
     assert changed.largest.world.walls == changed.missions[0].world.walls
+
+
+def test_families_have_ids():
+    """An id serves wherever the name does."""
+    assert list(family_ids().values()) == FAMILIES
+    assert family_ids()["CleanSwarm-StoppingOrNot-v1"] == "stopping-or-not-1"
+    for name, own in {"rooms-1": "CleanSwarm-Rooms-v1", "clustered": "CleanSwarm-Clustered-v1"}.items():
+        assert load_family(own) == load_family(name)
+        assert load_compared(own) == load_family(name)
+
+
+def test_an_own_family_has_an_id(tmp_path):
+    (tmp_path / "families").mkdir()
+    (tmp_path / "families" / "my-yard-3.yaml").write_text("name: my-yard-3\ndescription: Own.\n")
+    assert load_family("CleanSwarm-MyYard-v3", [tmp_path]).name == "my-yard-3"
+
+
+def test_an_unknown_id_lists_the_known_ones():
+    with pytest.raises(ConfigurationError) as error:
+        load_family("CleanSwarm-Rooms-v7")
+    assert "unknown id of a family 'CleanSwarm-Rooms-v7'" in str(error.value)
+    assert "CleanSwarm-Rooms-v1" in str(error.value)
+    assert "\n" not in str(error.value)
 
 
 def test_worlds_of_a_scenario_differ_in_their_seed_only():
