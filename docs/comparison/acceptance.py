@@ -23,10 +23,9 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.deciders.named import FIXED
-from docs.comparison.claims import claims_of
 from docs.comparison.manifest import BEST, Manifest
 from docs.comparison.missions import Judged
-from docs.comparison.tables import FamilyFigures
+from docs.comparison.tables import FamilyFigures, Tables
 from docs.comparison.write_choosing import asked_missions, inputs_of, put_tables
 from docs.figures.stored import ROOT
 from selforg.arrays import Floats
@@ -50,13 +49,18 @@ class Acceptance:
 
     Args:
         label: the strategy.
-        figures: family -> missions, those of the strategy among them.
+        figures: family -> missions.
         at_most: family -> largest ratio; other families have none.
+
+    Attributes:
+        whole: whether it did missions on all families; others are shown, and neither accepted nor refused.
 
     """
 
     def __init__(self, label: str, figures: Mapping[str, FamilyFigures], at_most: Mapping[str, float]) -> None:
-        self._label, self._figures, self._at_most = label, figures, at_most
+        self._label, self._at_most = label, at_most
+        self._figures = {family: one for family, one in figures.items() if label in one.excesses}
+        self.whole = len(self._figures) == len(figures)
 
     @cached_property
     def ratios(self) -> dict[str, Bounded]:
@@ -121,87 +125,65 @@ def _cell(bounded: Bounded) -> str:
     return f"{bounded[0]:.3f} {interval_cell(bounded[1:])}"
 
 
-class Acceptances:
-    """All strategies of a comparison beside the best configured pairs of its families, which are held.
+def acceptances(manifest: Manifest, figures: Mapping[str, FamilyFigures]) -> dict[str, Acceptance]:
+    """Return label -> what is known of a strategy, or of all trainings of a learner."""
+    labels = dict.fromkeys(label for one in figures.values() for label in one.excesses)
+    return {
+        label: Acceptance(label, figures, manifest.at_most)
+        for label in labels
+        if label != BEST and not label.startswith(FIXED)
+    }
 
-    Args:
-        manifest: the comparison.
-        missions: family and label -> missions, at least those of the fixed options.
 
-    Attributes:
-        judged: label -> what is known of a strategy that did missions on all families.
-
-    """
-
-    def __init__(self, manifest: Manifest, missions: Mapping[tuple[str, str], Judged]) -> None:
-        self._at_most = manifest.at_most
-        self._figures = {family: FamilyFigures.of(manifest, family, missions) for family in manifest.families}
-        known = [label for one in self._figures.values() for label in one.excesses if not label.startswith(FIXED)]
-        whole = [label for label in dict.fromkeys(known) if known.count(label) == len(self._figures) and label != BEST]
-        self.judged = {label: Acceptance(label, self._figures, self._at_most) for label in whole}
-        self._partly = [label for label in dict.fromkeys(known) if label not in (*whole, BEST)]
-
-    def tables(self, reported: Iterable[str]) -> dict[str, str]:
-        """Return name -> table; those that are reported stand beside the rules."""
-        return {"accepted": self._accepted(), "ratios": self._ratios(), "beside": self._beside(reported)}
-
-    def _accepted(self) -> str:
-        """Return what decides, a row for each strategy."""
-        heads = ["strategy", "seeds", "geometric mean", "families told dearer", "missions more unfinished"]
-        heads += [f"`{family}`, at most {most}" for family, most in self._at_most.items()]
-        rows = [
-            [
-                f"`{label}`",
-                str(one.seeds),
-                _cell(one.ratios[OVERALL]),
-                str(len(one.dear)),
-                "{:+.1f}, p {:.2g}".format(*one.unfinished),
-                *(f"{one.ratios[family][0]:.3f}" for family in self._at_most),
-                "no" if one.refusals else "yes",
-            ]
-            for label, one in self.judged.items()
+def acceptance_tables(manifest: Manifest, tables: Tables) -> dict[str, str]:
+    """Return name -> table: what decides, and ratios to the best pairs and to the rules."""
+    figures = tables.figures
+    judged, families = acceptances(manifest, figures), list(figures)
+    heads = ["strategy", "seeds", "geometric mean", "families told dearer", "missions more unfinished"]
+    heads += [f"`{family}`, at most {most}" for family, most in manifest.at_most.items()]
+    decided = [
+        [
+            f"`{label}`",
+            str(one.seeds),
+            _cell(one.ratios[OVERALL]),
+            str(len(one.dear)),
+            "{:+.1f}, p {:.2g}".format(*one.unfinished),
+            *(f"{one.ratios[family][0]:.3f}" for family in manifest.at_most),
+            "no" if one.refusals else "yes",
         ]
-        return markdown_table([*heads, "accepted"], rows)
-
-    def _ratios(self) -> str:
-        """Return the ratios to the best configured pairs, a row for each strategy."""
-        pairs = [one.best.label.replace(f"{FIXED}:", "").replace("+", ", ") for one in self._figures.values()]
-        ratios = {label: one.ratios for label, one in self.judged.items()}
-        for label in self._partly:
-            own = {family: one for family, one in self._figures.items() if label in one.excesses}
-            ratios[label] = Acceptance(label, own, {}).ratios
-        rows = [
-            [f"`{label}`", *(_cell(own[family]) if family in own else EMPTY_CELL for family in self._figures)]
-            for label, own in ratios.items()
-        ]
-        heads = ["ratio to the best pair", *(f"`{family}`" for family in self._figures)]
-        return markdown_table(heads, [["best pair", *pairs], *rows])
-
-    def _beside(self, reported: Iterable[str]) -> str:
-        """Return ratios to the rules, bold where the two are told apart after Holm's correction for the whole table."""
-        excesses = {family: one.excesses for family, one in self._figures.items()}
-        left = {family: one.left for family, one in self._figures.items()}
-        pairs = [(label, rule) for label in reported for rule in RULES]
-        asked = [(family, *pair) for family in excesses for pair in pairs if excesses[family].keys() >= set(pair)]
-        cells = dict[tuple[str, str, str], str]()
-        for claim in claims_of(asked, excesses, left):
-            mark = "**" * (claim.holm is not None and claim.holm < ALPHA)
-            cell = f"{mark}{claim.ratio:.3f}{mark} {interval_cell(claim.ci95)}"
-            cells[claim.family, claim.strategy, claim.against] = cell
-        rows = [[f"`{family}`", *(cells.get((family, *pair), EMPTY_CELL) for pair in pairs)] for family in excesses]
-        return markdown_table(["family", *(f"`{label}` / `{rule}`" for label, rule in pairs)], rows)
+        for label, one in judged.items()
+        if one.whole
+    ]
+    pairs = [one.best.label.replace(f"{FIXED}:", "").replace("+", ", ") for one in figures.values()]
+    ratios = [
+        [f"`{label}`", *(_cell(one.ratios[family]) if family in one.ratios else EMPTY_CELL for family in families)]
+        for label, one in judged.items()
+    ]
+    compared = dict.fromkeys((label, rule) for _, label, rule in tables.claims)
+    beside = [[f"`{family}`", *(tables.cell(family, *pair) for pair in compared)] for family in families]
+    quoted = [f"`{family}`" for family in families]
+    return {
+        "accepted": markdown_table([*heads, "accepted"], decided),
+        "ratios": markdown_table(["ratio to the best pair", *quoted], [["best pair", *pairs], *ratios]),
+        "beside": markdown_table(["family", *(f"`{label}` / `{rule}`" for label, rule in compared)], beside),
+    }
 
 
-def main(arguments: list[str]) -> int:
+def beside_rules(manifest: Manifest, missions: Mapping[tuple[str, str], Judged], labels: Iterable[str]) -> Tables:
+    """Return the missions of a comparison in which `labels` are compared with the rules."""
+    pairs = [(label, rule) for label in labels for rule in RULES]
+    return Tables(manifest, missions, [(family, *pair) for family in manifest.families for pair in pairs])
+
+
+def main(arguments: list[str]) -> None:
     """Write the tables of the page, and print the verdicts of the learners."""
     given, manifest, file, missions = asked_missions(arguments, OWN)
-    found = Acceptances(manifest, missions)
+    tables = beside_rules(manifest, missions, manifest.trained)
     inputs = [*inputs_of(given, manifest.families), file.resolve().relative_to(ROOT).as_posix()]
-    put_tables(manifest.name, found.tables(manifest.trained), COMMAND, inputs)
-    for label in manifest.trained:
-        print(found.judged[label].verdict)
-    return 0
+    put_tables(manifest.name, acceptance_tables(manifest, tables), COMMAND, inputs)
+    judged = acceptances(manifest, tables.figures)
+    print("\n".join(judged[label].verdict for label in manifest.trained))
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main(sys.argv[1:])

@@ -4,11 +4,13 @@ A line of the file is one strategy on all test scenarios of a family. Lines that
 """
 
 import json
+import sys
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from itertools import chain
 from pathlib import Path
+from types import MappingProxyType
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, scenario_name
 from clean_swarm_env.config.load import load_family
@@ -49,7 +51,11 @@ class Judged:
     """CPU time of its own training, without that from which it starts [s]."""
 
 
-def read_missions(file: Path, manifest: Manifest) -> dict[tuple[str, str], Judged]:
+Missions = dict[tuple[str, str], Judged]
+"""Family and label -> missions."""
+
+
+def read_missions(file: Path, manifest: Manifest) -> Missions:
     """Return family and label -> missions of a file; nothing if there is none.
 
     Raises:
@@ -67,15 +73,22 @@ def read_missions(file: Path, manifest: Manifest) -> dict[tuple[str, str], Judge
     return found
 
 
-def do_missions(manifest: Manifest, file: Path) -> None:
-    """Do the missions that the file lacks: at last those of the first training of each learner, of the second, ..."""
-    found = read_missions(file, manifest)
+def do_missions(
+    manifest: Manifest, file: Path, known: Mapping[tuple[str, str], Judged] = MappingProxyType({})
+) -> Missions:
+    """Do the missions that the file lacks and that are not `known`; return all.
+
+    At last come those of the first training of each learner, of the second, ...
+    """
+    found = {**known, **read_missions(file, manifest)}
     asked = [(family, label) for family in manifest.families for label in manifest.run_on(family)]
     for family, label in sorted(asked, key=lambda each: _turn(manifest, each[1])):
         if (family, label) not in found:
             found[family, label] = _judged(manifest, family, label)
             lines = [json.dumps(asdict(found[each])) for each in asked if each in found]
             write_whole(file, ("\n".join(lines) + "\n").encode())
+            print(f"{len(lines)} of {len(asked)}: {label} on {family}", file=sys.stderr)
+    return found
 
 
 def _turn(manifest: Manifest, label: str) -> int:

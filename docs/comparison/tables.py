@@ -5,13 +5,13 @@ Shapes: K scenarios, B resamples.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from clean_swarm_env.deciders.named import FIXED
-from docs.comparison.claims import Claim, claims_of
+from docs.comparison.claims import claims_of
 from docs.comparison.manifest import BEST, OFF, TOLD, Manifest
 from docs.comparison.missions import Judged
 from selforg.arrays import Floats
@@ -68,23 +68,30 @@ class Tables:
 
     Args:
         manifest: the comparison.
-        missions: family and label -> missions, of all that the manifest asks for.
+        missions: family and label -> missions, of all that is compared.
+        asked: family, label, and what it is compared with, of which those that have missions count; the comparisons of
+            the manifest unless given.
 
     Attributes:
+        figures: family -> missions of all strategies.
         claims: family, label, and what it is compared with -> the claim, corrected for all claims of the page.
 
     """
 
-    def __init__(self, manifest: Manifest, missions: Mapping[tuple[str, str], Judged]) -> None:
+    def __init__(
+        self,
+        manifest: Manifest,
+        missions: Mapping[tuple[str, str], Judged],
+        asked: Sequence[tuple[str, str, str]] | None = None,
+    ) -> None:
         self._manifest = manifest
-        figures = {family: FamilyFigures.of(manifest, family, missions) for family in manifest.families}
-        self._best = {family: own.best for family, own in figures.items()}
-        self._excesses = {family: own.excesses for family, own in figures.items()}
-        self._left = {family: own.left for family, own in figures.items()}
-        asked = manifest.comparisons
-        self.claims: dict[tuple[str, str, str], Claim] = dict(
-            zip(asked, claims_of(asked, self._excesses, self._left), strict=True)
-        )
+        self.figures = {family: FamilyFigures.of(manifest, family, missions) for family in manifest.families}
+        self._excesses = {family: own.excesses for family, own in self.figures.items()}
+        self._left = {family: own.left for family, own in self.figures.items()}
+        wanted = manifest.comparisons if asked is None else asked
+        compared = [one for one in wanted if self._excesses[one[0]].keys() >= {*one[1:]}]
+        claims = claims_of(compared, self._excesses, self._left)
+        self.claims = dict(zip(compared, claims, strict=True))
 
     def told(self, family: str, label: str, against: str = BEST) -> float:
         """Return 1 where the first is shown to cost more than the second, -1 where it costs less, else 0."""
@@ -110,17 +117,17 @@ class Tables:
         claimed, *others = self._manifest.strategies or self._manifest.trained
         rows = []
         for family, excesses in self._excesses.items():
-            options = self._best[family].label.replace(f"{FIXED}:", "").replace("+", ", ")
+            options = self.figures[family].best.label.replace(f"{FIXED}:", "").replace("+", ", ")
             cells = [f"`{family}`", str(excesses[BEST].size), options, f"{excesses[BEST].mean():.1f}"]
-            cells += [self._cell(family, label) for label in (claimed, *others)]
-            rows.append([*cells, *(self._cell(family, claimed, other) for other in others)])
+            cells += [self.cell(family, label) for label in (claimed, *others)]
+            rows.append([*cells, *(self.cell(family, claimed, other) for other in others)])
         heads = ["family", "scenarios", "best options", "their excess s"]
         heads += [f"`{label}` / best" for label in (claimed, *others)]
         return markdown_table([*heads, *(f"`{claimed}` / `{other}`" for other in others)], rows)
 
     def _chance(self) -> str:
         """Return chance and options that never avoid beside the best options."""
-        rows = [[f"`{f}`", *(self._cell(f, label) for label in (RANDOM, OFF))] for f in self._excesses]
+        rows = [[f"`{f}`", *(self.cell(f, label) for label in (RANDOM, OFF))] for f in self._excesses]
         return markdown_table(["family", f"`{RANDOM}` / best", f"{OFF} / best"], rows)
 
     def _told(self) -> str:
@@ -129,7 +136,7 @@ class Tables:
         rows = [
             [
                 f"`{family}`",
-                *(self._cell(family, label) for label in (TOLD, *trained)),
+                *(self.cell(family, label) for label in (TOLD, *trained)),
                 *(self._way(family, label) for label in ways),
             ]
             for family, excesses in self._excesses.items()
@@ -162,7 +169,7 @@ class Tables:
                 rows.append([*cells, f"{found.ratio:.3f} {interval_cell(found.ci95)}"])
         return markdown_table(["family", "ratio", "missions that both finish", "there"], rows)
 
-    def _cell(self, family: str, label: str, against: str = BEST) -> str:
+    def cell(self, family: str, label: str, against: str = BEST) -> str:
         """Return a ratio with its interval, bold where the two are told apart."""
         claim = self.claims.get((family, label, against))
         if claim is None:

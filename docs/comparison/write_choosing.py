@@ -12,7 +12,7 @@ from pathlib import Path
 from clean_swarm_env.config.types import ConfigurationError
 from docs.comparison.frequencies import frequencies_table
 from docs.comparison.manifest import Manifest
-from docs.comparison.missions import Judged, do_missions, read_missions
+from docs.comparison.missions import Missions, do_missions, read_missions
 from docs.comparison.tables import Tables
 from docs.figures.stored import ROOT, record
 from selector.documents.errors import validated
@@ -22,8 +22,6 @@ OWN = Path(__file__).resolve().with_name("choosing.yaml")
 DOCS = ROOT / "docs"
 COMMAND = "python -m docs.comparison.write_choosing"
 JUDGE = "--judge"
-Missions = dict[tuple[str, str], Judged]
-"""Family and label -> missions."""
 
 
 def main(arguments: list[str]) -> int:
