@@ -15,9 +15,8 @@ import numpy as np
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
-from selector.strategies.problem import Problem
+from selector.strategies.problem import Problem, unknown_component
 from selforg.arrays import Floats, Ints
-from selforg.registry import unknown
 
 
 class Decided(NamedTuple):
@@ -158,5 +157,5 @@ def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:
     """Return the indices of components of an observation; DocumentError for an unknown name."""
     for name in names:
         if name not in problem.features:
-            raise DocumentError(f"{what}: {unknown('component', name, problem.features)}")
+            raise DocumentError(f"{what}: {unknown_component(name, problem.features)}")
     return np.array([problem.features.index(name) for name in names], dtype=np.int64)

@@ -66,7 +66,7 @@ class MachineDecider(OptionDecider):
                 self._column[s, t] = problem.features.index(way.when) if way.when is not None else 0
                 self._above[s, t] = -np.inf if way.above is None else way.above
                 self._below[s, t] = np.inf if way.below is None else way.below
-        self._prober = Prober(machine.probing, problem, len(teams))
+        self._prober = Prober(machine.probing, problem, teams)
         self._used: Flags = np.isin(np.arange(len(problem.options)), self._options)
         self._states: Ints = np.full(len(teams), self._first)
         self._keys: Keys = row_keys(np.random.SeedSequence(0), len(teams))

@@ -28,7 +28,7 @@ from clean_swarm_env.deciders.decider import Decided, Decider, columns_of, mode_
 from clean_swarm_env.learning.actions import Mode, checked_vectors
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.arrays import check_known
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, within
 from selector.documents.fields import JOINT
 from selector.documents.trust import check_trust
 from selector.documents.writing import write_whole
@@ -112,10 +112,12 @@ class ModelDecider(Decider):
         self._columns = columns_of(problem, known.observations or problem.features, str(path))
         gives = {"option": f"{sum(map(len, own))} options", "velocity": "a vector"}
         gives["both"] = f"{gives['option']} and a vector"
+        self._expected = f"{path}: expected a model that gives {gives[mode]}, got"
         self._model = loaded(path, len(self._columns), gives[mode], self._decided)
 
     def _decide(self, observations: Observations) -> Decided:
-        return self._decided(self._model(observations[:, self._columns]), len(observations))
+        with within(self._expected):
+            return self._decided(self._model(observations[:, self._columns]), len(observations))
 
     def _decided(self, given: NDArray[Any], rows: int) -> Decided:
         """Return what an answer says; ValueError says what does not fit."""
@@ -125,8 +127,10 @@ class ModelDecider(Decider):
         vectors, both = np.zeros((rows, 2)), self._mode == "both"
         counts = [len(places) for places in self._places]
         if given.ndim == 2 and given.dtype.kind == "f":
-            if given.shape[1] != sum(counts) + 2 * both:
-                raise ValueError(f"{given.shape[1]} numbers")
+            if given.shape[1] != sum(counts) + 2 * both or not np.isfinite(given).all():
+                raise ValueError(
+                    f"{given.shape[1]} numbers, of which {np.isfinite(given).all(axis=0).sum()} are finite"
+                )
             given = preferred(given, counts)
         if both:
             given, vectors = given[:, :-2], given[:, -2:].astype(np.float64)

@@ -84,7 +84,7 @@ class PolicyDecider(Decider):
     def __init__(self, policy: TrainedPolicy, problem: Problem, teams: Ints, probing: Probing | None = None) -> None:
         super().__init__(problem, teams)
         spec, self._rows = policy.spec, len(teams)
-        self._prober = Prober(probing or spec.probing, problem, len(teams))
+        self._prober = Prober(probing or spec.probing, problem, teams)
         check_same("policy", spec.definitions, problem.definitions)
         self._spec, self._network = spec, Network(policy)
         # goal, outputs, option -> output or -1, periods of a hold
@@ -116,10 +116,11 @@ class PolicyDecider(Decider):
         """Return the probabilities (R, O) of the network."""
         return shares(self._outputs)
 
-    def moves(self, seen: Mapping[str, float]) -> dict[str, dict[str, Any]]:
-        """Return for each goal the likeliest option of a robot that sees something, its probability, and the inputs.
+    def moves(self, seen: Mapping[str, float], held: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+        """Return for each goal the option of a robot that sees something, its probability, and the inputs.
 
-        `moved`: by how much each input made it likelier than the input's mean does.
+        It is the likeliest one, or that which it has `sampled`, of those that it holds, by goal. `moved`: by how much
+        each input made it likelier than the input's mean does.
         """
         spec, told = self._spec, {}
         inputs = {name: seen[name] for name in spec.observations}
@@ -129,10 +130,14 @@ class PolicyDecider(Decider):
         for goal, outputs, numbers, _ in self._heads:
             known = np.unique(numbers[numbers >= 0])
             likely = shares(heads[:, outputs][:, known])
-            chosen = int(likely[0].argmax())
+            names = [spec.goals[goal][number] for number in known]
+            taken = JOINT.join(held[one] for one in goal.split(JOINT))
+            sampled = spec.probing.sampled and taken in names
+            chosen = names.index(taken) if sampled else int(likely[0].argmax())
             moved = (likely[0, chosen] - likely[1:, chosen]).tolist()
             told[goal] = {
-                "option": spec.goals[goal][known[chosen]],
+                "option": names[chosen],
+                "sampled": sampled,
                 "probability": float(likely[0, chosen]),
                 "inputs": inputs,
                 "moved": dict(zip(spec.observations, moved, strict=True)),

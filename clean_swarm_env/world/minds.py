@@ -19,6 +19,7 @@ from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
+from selector.documents.errors import DocumentError
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.components.facts import SHARED_FACTS, FactRule, SharedFact
@@ -103,13 +104,18 @@ class Minds:
         planner = planner_named(robot.model, mission.network.planner)
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
-        self.memory: RobotMemory = host_memory([*configurations, *robot.all_specs()], self.rows)
+        specs = [*configurations, *robot.all_specs()]
+        self.memory: RobotMemory = host_memory(specs, self.rows)
         named = [model.document or mission.network.robot for model in mission.robots.models]
         order = list(dict.fromkeys([mission.network.robot, *named]))
         of_model = np.array([order.index(name) for name in named], dtype=np.int64)
         documents = np.tile(of_model[mission.models], self.rows // mission.rows)
         lacking = [left_out.facts for left_out in robot.left_out] or [()]
+        told = {*task.notices, *(name for spec in specs for name in spec.referred("fact", "behaviours"))}
         for name, rule in robot.facts.items():
+            if name not in told:
+                why = f"no action tells it and no robot notices it: {unknown('fact', name, sorted(told))}"
+                raise DocumentError(f"robots of {mission.network.robot}: facts: {why}")
             self.share({name: rule}, np.array([name not in lacks for lacks in lacking])[documents])
         host = Host(
             self.poses,

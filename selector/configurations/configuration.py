@@ -77,9 +77,10 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour]):
         """Whether all that the behaviours do is done beside what others command, so that they need no turn."""
         return all(action.type in BESIDE for behaviour in self.behaviours.values() for action in behaviour.action)
 
-    def referred(self, what: str) -> tuple[str, ...]:
-        """Return the names of the host's functions ("call") or facts ("fact") to which components refer."""
-        references = (reference for _, spec in self._components() for reference in spec.references())
+    def referred(self, what: str, part: str = "") -> tuple[str, ...]:
+        """Return the names of the host's functions ("call") or facts ("fact") to which components of a part refer."""
+        specs = (spec for key, spec in self._components() if key.startswith(part))
+        references = (reference for spec in specs for reference in spec.references())
         return tuple(name for _, reference, name in references if reference.what == what)
 
     @property

@@ -15,8 +15,7 @@ from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, JointName, Name, Number, Share
 from selector.documents.find import load_file
 from selector.strategies.probing import Probing
-from selector.strategies.problem import Problem
-from selforg.registry import unknown
+from selector.strategies.problem import Problem, unknown_component
 
 MOST_STATES = 16
 """Most states, and most transitions of a state."""
@@ -100,7 +99,7 @@ class StateMachine(Closed):
         check_known(where, "options", problem.options, tuple(state.option for state in self.states.values()))
         for way in self.ways:
             if way.when is not None and way.when not in problem.features:
-                raise DocumentError(f"{where}: {unknown('component', way.when, problem.features)}")
+                raise DocumentError(f"{where}: {unknown_component(way.when, problem.features)}")
 
 
 def load_machine(name: str, directories: Sequence[Path] = ()) -> StateMachine:

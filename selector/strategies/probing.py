@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, Flag, JointName, Name, Share
 from selector.strategies.choosing import drawn, shares
-from selector.strategies.problem import Problem
+from selector.strategies.problem import Problem, unknown_component
 from selector.strategies.streams import Keys, row_keys, uniforms
 from selforg.arrays import Flags, Floats, Ints
 from selforg.registry import unknown
@@ -43,29 +43,31 @@ class Prober:
     Args:
         probing: who tries what.
         problem: has the option and the component that `probing` names.
-        rows: R.
+        teams: (R,) number of the team of each row.
 
     Raises:
-        DocumentError: the problem has none of that name.
+        DocumentError: the problem has none of that name, or a team has fewer robots than begin otherwise.
 
     """
 
-    def __init__(self, probing: Probing, problem: Problem, rows: int) -> None:
+    def __init__(self, probing: Probing, problem: Problem, teams: Ints) -> None:
+        rows, least = len(teams), int(np.unique(teams, return_counts=True)[1].min(initial=len(teams)))
         self._probing, self._first = probing, np.zeros(rows, dtype=np.bool_)
         self._keys: Keys = row_keys(np.random.SeedSequence(0), rows)
         self._decided: Keys = np.zeros(rows, dtype=np.uint64)
-        named = ("option", probing.option, problem.options), ("component", probing.until, problem.features)
-        for what, name, names in named:
-            if name is not None and name not in names:
-                raise DocumentError(f"probing: {unknown(what, name, names)}")
-        self._places = [names.index(name) for _, name, names in named if name is not None]
+        if probing.robots > least:
+            raise DocumentError(
+                f"probing: robots: expected at most {least}, the robots of the team, got {probing.robots}"
+            )
+        if probing.option is not None and probing.option not in problem.options:
+            raise DocumentError(f"probing: {unknown('option', probing.option, problem.options)}")
+        if probing.until is not None and probing.until not in problem.features:
+            raise DocumentError(f"probing: {unknown_component(probing.until, problem.features)}")
+        named = (probing.option, problem.options), (probing.until, problem.features)
+        self._places = [names.index(name) for name, names in named if name is not None]
 
     def reset(self, rows: Ints, seed: int) -> None:
-        """Give `rows` (N,), those of a team, new keys; DocumentError if it has fewer robots than begin otherwise."""
-        if self._probing.robots > len(rows):
-            raise DocumentError(
-                f"probing: robots: expected at most {len(rows)}, the robots of the team, got {self._probing.robots}"
-            )
+        """Give `rows` (N,), those of a team, new keys."""
         self._keys[rows], self._decided[rows] = row_keys(np.random.SeedSequence([seed, 2]), len(rows)), 0
         self._first[rows] = np.arange(len(rows)) < self._probing.robots
 

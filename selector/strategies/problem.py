@@ -1,5 +1,6 @@
 """The input of a decision strategy: its problem, the decisions to make, and the rewards of earlier decisions."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy.typing as npt
 
 from selector.knowledge import Definitions, Knowledge, believed
 from selforg.arrays import Flags, Floats, Ints
+from selforg.registry import unknown
 
 
 @dataclass(frozen=True)
@@ -131,3 +133,14 @@ def whole_numbers(name: str, values: npt.ArrayLike, shape: tuple[int, ...], what
         raise ValueError(f"{name}: expected {what} 0..{count - 1}, got {numbers.min()}..{numbers.max()}")
     numbers.flags.writeable = False
     return numbers
+
+
+def unknown_component(name: str, known: Sequence[str]) -> str:
+    """Return the message for an unknown component of the observation; those of a fact need robots that declare it.
+
+    >>> unknown_component("heard_news", ["near"])
+    "unknown component 'heard_news' (known: near); it is there where the robots' document declares the fact"
+
+    """
+    hint = "; it is there where the robots' document declares the fact"
+    return unknown("component", name, known) + hint * name.startswith(("heard_", "age_of_"))

@@ -85,6 +85,19 @@ def test_a_damaged_model_decides_or_is_refused_in_one_line(ending, write, tmp_pa
     attack(target, int(os.environ.get("DAMAGES", "30")))
 
 
+@pytest.mark.extra
+def test_a_model_whose_numbers_are_not_finite_is_one_line(tmp_path):
+    path = tmp_path / "m.onnx"
+    write_onnx(path)
+    decider = ModelDecider(path, "option", Problem("G", ("a", "b"), np.ones(2), ("near", "far")), np.zeros(3))
+    seen = np.zeros((3, 2), dtype=np.float32)
+    seen[1] = np.nan
+    with pytest.raises(
+        DocumentError, match=r"m\.onnx: expected a model that gives 2 options, got: 2 numbers, of which 0 "
+    ):
+        decider.decide(seen)
+
+
 @contextmanager
 def full_disk(most: int):
     """Limit files to `most` bytes, as a full disk does."""

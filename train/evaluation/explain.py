@@ -71,7 +71,8 @@ def explained(
     facts = facts_of(worlds, step, now, round(unseen * period, 9))
     told: dict[str, Any] = {"sentence": sentence(facts, type(worlds.task)), "facts": asdict(facts), "policy": {}}
     if isinstance(decider, PolicyDecider) and task.named.mode != "velocity":
-        told["policy"] = decider.moves(dict(zip(recording.head["inputs"], now["input"][robot].tolist(), strict=True)))
+        inputs = zip(recording.head["inputs"], now["input"][robot].tolist(), strict=True)
+        told["policy"] = decider.moves(dict(inputs), step.options)
     if ahead:
         batch, decided, decider, last = next(one for one in steps_of(task) if one[0].worlds.ticks[0] == frame + 1)
         what_if = WhatIf(batch, decided, task.settings.observation, task.directories)
@@ -189,7 +190,7 @@ def _moved(goal: str, move: dict[str, Any]) -> str:
     """Return which input moved the choice of a policy most."""
     name = max(move["moved"], key=lambda one: abs(move["moved"][one]))
     without = move["probability"] - move["moved"][name]
-    likely = f"{goal}: {move['option']} has {move['probability']:.0%}"
+    likely = f"{goal}: {move['option']} {'was sampled, at' if move['sampled'] else 'has'} {move['probability']:.0%}"
     return f"{likely}; {name} = {move['inputs'][name]:.2f} moved it most, at its mean {without:.0%}"
 
 

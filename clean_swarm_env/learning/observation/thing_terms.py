@@ -88,9 +88,11 @@ class HeardTerm(Term):
         worlds = observed.worlds
         worlds.minds.share(worlds.task.notices)
         self._facts, self._oldest = tuple(worlds.minds.facts.values()), max(oldest, worlds.period)
+        if oldest <= 0.0:
+            raise DocumentError(f"observation: terms: heard: oldest: expected more than 0 s, got {oldest:g}")
         if not self._facts:
-            expected = "robots that tell facts, by their document or their task"
-            raise DocumentError(f"observation: terms: {self.name}: expected {expected}, got none in {worlds.task.name}")
+            told = f"robots that tell facts, by their document or their task, got none in {worlds.task.name}"
+            raise DocumentError(f"observation: terms: heard: expected {told}")
         self.components = tuple(f"{part}_{fact.name}" for fact in self._facts for part in (self.name, "age_of"))
 
     def write(self, rows: Ints, out: Floats) -> None:

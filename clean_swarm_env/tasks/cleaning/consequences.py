@@ -169,9 +169,9 @@ def notice(row: int, entered: int, works: bool, f: FloorRecord, c: Consequence) 
     counted[2] = counted[2] + 1 if works and looks and c.standing[row] == 0 else 0
     counted[3] = (counted[3] + 1) % c.second
     for k in range(3):
-        c.noticed[k, row] = counted[3] == 0 and counted[k] >= (c.long if k == 2 else 1)
+        c.noticed[k, row] = works and counted[3] == 0 and counted[k] >= (c.long if k == 2 else 1)
         c.found[0] |= int(c.noticed[k, row]) << k
-        counted[k] = 0 if c.noticed[k, row] else counted[k]
+        counted[k] = counted[k] if works and not c.noticed[k, row] else 0
 
 
 @lean_kernel

@@ -105,12 +105,15 @@ BEGIN = {"robots": 2, "option": "c", "until": "far"}
     [
         (BEGIN | {"robots": 4}, "probing: robots: expected at most 3, the robots of the team, got 4"),
         (BEGIN | {"option": "d"}, "probing: unknown option 'd' (known: a, b, c)"),
-        (BEGIN | {"until": "heard_news"}, "probing: unknown component 'heard_news' (known: near, far)"),
+        (
+            BEGIN | {"until": "heard_news"},
+            "probing: unknown component 'heard_news' (known: near, far); it is there where",
+        ),
     ],
 )
 def test_probing_that_does_not_fit_is_one_line(probing, words):
     with pytest.raises(DocumentError) as error:
-        MachineDecider(STEADY, PROBLEM, np.zeros(3), Probing(**probing)).reset(np.arange(3), 1)
+        MachineDecider(STEADY, PROBLEM, np.array([0, 0, 0, 1, 1, 1, 1]), Probing(**probing))
     assert str(error.value).startswith(words)
 
 

@@ -57,6 +57,29 @@ def test_robots_of_another_document_neither_tell_nor_hear(own):
         Batch({**CROWD, "robots": groups, "network": {"robot": "other"}}, directories=[own])
 
 
+def test_a_fact_that_nobody_tells_is_one_line(own):
+    (own / "robots" / "wrong.yaml").write_text("base: cleaning\nfacts: {stoped_by_collision: {}}\n")
+    line = r"^robots of wrong: facts: no action tells it .*'stoped_by_collision' .*mean 'stopped_by_collision'\?\)$"
+    with pytest.raises(DocumentError, match=line):
+        Batch({**CROWD, "network": {"robot": "wrong"}}, directories=[own])
+
+
+def test_who_fails_tells_nothing_of_the_collision_before():
+    worlds = run(CROWD, 0, observation={"terms": ["heard"]})[0]
+    consequences, hit = worlds.task.consequences, np.zeros(8, dtype=np.int64)
+    hit[:2], told = 1, []
+    for tick in range(10):
+        working = np.arange(8) != 0 if tick else np.ones(8, dtype=np.bool_)
+        consequences.apply(hit * (tick == 0), working, working, worlds.task.site.packed)
+        told += [np.flatnonzero(rows).tolist() for rows in consequences.noticed().values()]
+    assert told == [[1]]
+
+
+def test_an_oldest_of_no_time_is_refused():
+    with pytest.raises(DocumentError, match=r"^observation: terms: heard: oldest: expected more than 0 s, got 0$"):
+        Batch(CROWD, observation={"terms": [{"name": "heard", "oldest": 0}]})
+
+
 def test_recordings_have_what_a_term_makes_robots_hear(tmp_path):
     seen, record = decider_named("fsm:told-bumpers").observation(()), RecordSettings(tmp_path, minds=True)
     _, batch = run(CROWD, 2, observation=seen, record=record)

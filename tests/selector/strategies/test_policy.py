@@ -92,6 +92,15 @@ def test_a_policy_samples_options_as_it_gives_them_where_its_file_or_the_caller_
     likely = free.opinions()[0]
     np.testing.assert_allclose(shares, likely, atol=0.03)
     assert set(best.decide(context).options) == {int(likely.argmax())}
+    rarest, seen = int(likely.argmin()), dict(zip(OBSERVATIONS, context[0].tolist(), strict=True))
+    told = free.moves(seen, {"Goal": OPTIONS[rarest]})["Goal"]
+    assert (told["option"], told["sampled"], round(told["probability"], 6)) == (
+        OPTIONS[rarest],
+        True,
+        round(likely[rarest], 6),
+    )
+    told = free.moves(seen, {"Goal": "what it began with"})["Goal"]
+    assert (told["option"], told["sampled"]) == (OPTIONS[int(likely.argmax())], False)
 
 
 def test_what_is_written_is_read_again(tmp_path):
