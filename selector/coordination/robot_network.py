@@ -64,13 +64,9 @@ class HoldingBehaviourSpec(BehaviourSpec):
         return model.behaviour(plain)
 
 
-def _kind_of_sensor(given: Any) -> str:  # noqa: ANN401  (whatever YAML holds)
-    return "kind" if isinstance(given, str) else "sensor"
-
-
 InnerSensor = Annotated[
     Annotated[Literal["fact", "number"], Tag("kind")] | Annotated[SensorSpec, Tag("sensor")],
-    Discriminator(_kind_of_sensor),
+    Discriminator(lambda given: "kind" if isinstance(given, str) else "sensor"),
 ]
 """Kind of the sensor of that name, which something around the network feeds, or a sensor component."""
 

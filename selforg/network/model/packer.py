@@ -12,7 +12,7 @@ from selforg.arrays import Floats, Ints
 from selforg.compiler.records import Packed
 from selforg.network.model import packed
 from selforg.network.model.activators import BOOLEAN_RULE, EQUAL_RULE, THRESHOLD_RULE
-from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor, column_of
+from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor, column_of
 from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree, leaves
 from selforg.network.model.packed import PACKED_MODEL, PackedModel
 
@@ -105,13 +105,10 @@ class Packer:
                     self._preconditions.append(RootRow(b, node, tag))
                 self.roots[b].append(node)
             for effect in interface.effects:
-                self._warn_of_large(effect, where)
+                if abs(effect.change) > 1.0 and self.settings.algorithm == "default":
+                    what = f"effect {effect.change} on {effect.sensor!r} is larger than 1"
+                    warnings.warn(f"{where}: {what}: it can support what it hinders", stacklevel=4)
                 self._effects.append(EffectRow(b, column_of(self._columns, effect.sensor, where), tag, effect.change))
-
-    def _warn_of_large(self, effect: Effect, where: str) -> None:
-        if abs(effect.change) > 1.0 and self.settings.algorithm == "default":
-            what = f"effect {effect.change} on {effect.sensor!r} is larger than 1"
-            warnings.warn(f"{where}: {what}: it can support what it hinders", stacklevel=5)
 
     def _add_tree(self, condition: Tree | Optional, owner: int, tag: int, where: str) -> int:
         """Add the nodes of a condition tree and the wishes of its owner; return the root node."""
