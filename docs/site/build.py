@@ -28,7 +28,7 @@ GROUPS = {
         "paper", "original", "quirks", "golden", "reliability", "limits", "versions", "compared",
     ),
     "Results": (
-        "results", "goal_results", "choosing", "exploring", "families", "scores", "robustness", "ablation",
+        "results", "goal_results", "choosing", "exploring", "families", "robustness", "ablation",
         "benchmarks",
     ),
     "Reference": CATALOGUE,

@@ -9,7 +9,6 @@ import json
 import os
 import re
 import shlex
-import shutil
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -316,16 +315,14 @@ def test_quick_commands_run(start, folder, monkeypatch):
 
 def test_the_commands_on_knowledge_run_in_their_order(folder):
     blocks("docs/knowledge.md", "python")[0].run()
-    for name in ("user", "other"):  # the store of the commands, and the one that they merge
-        shutil.copy("knowledge.sqlite", f"{name}.sqlite")
-    for words in blocks("docs/knowledge.md", "sh")[0].commands():
+    for words in blocks("docs/knowledge.md", "sh")[1].commands():
         out = done(*words[1:])
-    assert re.match(r"user\.sqlite: forgot \d+ entries", out)
+    assert re.match(r"knowledge\.sqlite: forgot \d+ entries", out)
 
 
 STORY = ("README.md", "docs/commands.md", *(page for page in PAGES if page.startswith("docs/tutorials/")))
 """Pages that run one after the other in one directory; what ran there already does not run again."""
-FEWER = {"docs/scores.md": r"30|20|10"}
+FEWER = {"docs/knowledge.md": r"30|20|10"}
 """Pages that run in a directory of their own -> numbers of missions in whose place are 2."""
 IN_STORY = {"docs/commands.md": r"100|10"}
 """The same for pages of the story; the README and the tutorials run whole."""
@@ -371,7 +368,7 @@ def test_a_page_runs_whole(page, story):
 @pytest.mark.parametrize("page", FEWER)
 def test_a_page_runs_with_fewer_missions(page, tmp_path):
     run_page(page, tmp_path, set(), FEWER[page])
-    if page == "docs/scores.md":
+    if page == "docs/knowledge.md":
         choices = map(json.loads, (tmp_path / "first" / "choices.jsonl").read_text().splitlines())
         taken = [one["options"]["AvoidCollision"] for one in choices]
         assert taken == ["RepulsionFernandez-view2.0", "RepulsionGradient-view1.5"]

@@ -4,9 +4,8 @@ from itertools import combinations
 
 import pytest
 
-from docs.figures import draw_paper, draw_scores
+from docs.figures import draw_paper
 from docs.figures.draw_patterns import draw_patterns
-from tests.pages import text_of
 
 DIAGRAMS = {
     "patterns": draw_patterns,
@@ -29,8 +28,3 @@ def test_texts_of_the_diagrams_lie_inside_and_apart(name):
     assert all(f.x0 >= 0 and f.y0 >= 0 and f.x1 <= width and f.y1 <= height for _, f in frames)
     covered = [(a, b) for (a, f), (b, g) in combinations(frames, 2) if f.padded(-1.0).overlaps(g.padded(-1.0))]
     assert covered == []
-
-
-def test_the_figure_of_scores_runs_what_its_page_shows(tmp_path):
-    assert "AvoidCollision" in draw_scores.write_files(tmp_path).goals
-    assert f"clean-swarm {draw_scores.LEARN} --scenarios 30 --output first" in text_of("docs/scores.md")
