@@ -1,7 +1,7 @@
 """`make soak`: all long random tests side by side within half an hour, and a table of what they tried.
 
-`python -m tests.soak [--write] [NAME...]` runs those whose names begin so, or all. Each has a limit of time for two
-CPUs; fewer CPUs shorten it. `--write` puts the table into docs/reliability.md.
+`python -m tests.soak [NAME...]` runs those whose names begin so, or all. Each has a limit of time for two CPUs; fewer
+CPUs shorten it.
 """
 
 import os
@@ -13,7 +13,6 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 from clean_swarm_env.learning.warm_up import usable_cpus
-from docs.figures.stored import record
 from tests.attacks.targets import TARGETS
 from tests.paths import ROOT
 from tests.soaking import SECONDS
@@ -63,8 +62,7 @@ def outcome_of(soak: Soak, share: float) -> tuple[str, str]:
 
 def main(arguments: list[str]) -> int:
     """Run the soaks; return 1 if one failed."""
-    names = tuple(word for word in arguments if word != "--write")
-    chosen = [soak for soak in SOAKS if not names or soak.name.startswith(names)]
+    chosen = [soak for soak in SOAKS if not arguments or soak.name.startswith(tuple(arguments))]
     cpus, began, failed = usable_cpus(), time.monotonic(), False
     rows = ["| soak | asked | tried | survived | seconds |", "|---|---:|---:|---:|---:|"]
     with ThreadPoolExecutor(cpus) as pool:
@@ -72,10 +70,8 @@ def main(arguments: list[str]) -> int:
             print(row, fault, flush=True)
             rows.append(row)
             failed |= bool(fault)
-    table = "\n".join(rows)
-    print(f"\n{table}\n{(time.monotonic() - began) / 60:.1f} minutes on {cpus} CPUs")
-    if "--write" in arguments:
-        record("reliability/soak", table)
+    print(*["", *rows], sep="\n")
+    print(f"{(time.monotonic() - began) / 60:.1f} minutes on {cpus} CPUs")
     return int(failed)
 
 

@@ -25,7 +25,7 @@ GROUPS = {
     ),
     "Understand": (
         "ARCHITECTURE", "glossary", "robot", "selector", "selforg", "network", "walls", "models", "transport", "cost",
-        "paper", "original", "quirks", "golden", "reliability", "limits", "versions", "compared",
+        "paper", "original", "quirks", "golden", "limits", "versions", "compared",
     ),
     "Results": (
         "results", "goal_results", "choosing", "exploring", "families", "robustness", "ablation",

@@ -9,7 +9,8 @@ from docs.figures import update_architecture, write_keys
 from tests.paths import ROOT
 
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs", "benchmarks", "tests", "docs", "examples")
-PAGES = [path for path in sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]) if path.name != "CHANGELOG.md"]
+PLACES = ("*.md", "docs/**/*.md", "tests/*.md")
+PAGES = [path for place in PLACES for path in sorted(ROOT.glob(place)) if path.name != "CHANGELOG.md"]
 PATHS = re.compile(rf"(?<![\w./-])(?:{'|'.join(PACKAGES)})(?:/[\w.-]+)*/[\w-]+\.(?:py|yaml|md|json|png)\b")
 MODULES = re.compile(rf"(?<![\w./-])(?:{'|'.join(PACKAGES)})(?:\.\w+)+")
 SUFFIXES = {"py", "yaml", "md", "json", "png", "safetensors"}
