@@ -2,7 +2,7 @@
 
     python -m benchmarks.ablation [STARTS] [SEED]
 
-prints the tables and records them for docs/ablation.md. The network lacks one term at a time (its
+prints the tables that docs/paper.md sums up. The network lacks one term at a time (its
 weight is 0), or its planner. Robots pass through each other, or are solid. A mission that is not completed counts with
 the time limit. 20 starts take 11 minutes on one core.
 """
@@ -18,7 +18,6 @@ from clean_swarm_env.config.mission import MissionConfig, NetworkConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.world.mission import run_mission
-from docs.figures.stored import record
 from selforg.arrays import Floats
 from train.analysis.intervals import Ratio
 from train.analysis.statistics import summarise
@@ -107,13 +106,10 @@ def document(starts: int, seed: int) -> Iterator[str]:
 
 
 def main(arguments: list[str]) -> None:
-    """Print the results line by line and record them."""
+    """Print the results line by line."""
     starts, seed = (int(text) for text in (*arguments, *(str(STARTS), str(SEED))[len(arguments) :]))
-    lines = []
     for line in document(starts, seed):
         print(line, flush=True)
-        lines.append(line)
-    record("ablation/terms", "\n".join(lines).rstrip())
 
 
 if __name__ == "__main__":

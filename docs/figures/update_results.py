@@ -76,7 +76,7 @@ def interval(ratio: dict[str, Any]) -> str:
 
 def main() -> None:
     """Record all results."""
-    record("results/table1", f"```text\n{evaluate('--all')[0]}\n```")
+    record("results/table1", f"```text\n{evaluate()[0]}\n```")
     record("results/many", of_many(evaluate("--scenarios", str(SCENARIOS), "--seed", str(SEED))[1]))
     record("results/reference", of_reference(evaluate("table1-reference", "--starts", str(REFERENCE))[1]))
 

@@ -25,11 +25,10 @@ GROUPS = {
     ),
     "Understand": (
         "ARCHITECTURE", "glossary", "robot", "selector", "selforg", "network", "walls", "models", "transport", "cost",
-        "paper", "original", "quirks", "golden", "limits", "versions", "compared",
+        "paper", "quirks", "limits", "versions", "compared",
     ),
     "Results": (
-        "results", "goal_results", "choosing", "exploring", "families", "robustness", "ablation",
-        "benchmarks",
+        "results", "choosing", "exploring", "families", "robustness", "benchmarks",
     ),
     "Reference": CATALOGUE,
     "API": API,

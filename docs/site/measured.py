@@ -9,8 +9,8 @@ from pathlib import Path
 from docs.site.stage import ROOT
 
 PAGES = (
-    "goal_results", "choosing", "families", "exploring", "transport", "learning", "robustness", "models",
-    "walls", "results", "strategies", "environment", "original",
+    "results", "choosing", "families", "exploring", "transport", "learning", "robustness", "models",
+    "walls", "strategies", "environment",
 )  # fmt: skip
 """Pages of docs/ whose tables are read, in the order in which their rows are shown."""
 

@@ -39,7 +39,7 @@ def test_every_result_on_a_page_is_a_figure_that_is_up_to_date():
 
 def test_the_store_says_of_each_result_what_makes_it():
     results = load()
-    assert sum(len(result.figures) for result in results.values()) > 2000
+    assert sum(len(result.figures) for result in results.values()) > 500
     for result_id, result in results.items():
         assert result.figures, result_id
         assert bool(result.command) != bool(result.of), result_id
@@ -65,13 +65,8 @@ def test_storing_changes_nothing(copy):
     [
         # a digit of a page
         ("docs/choosing.md", "**0.603** [0.506, 0.717] | **0.571**", "**0.602** [0.506, 0.717] | **0.571**", "main"),
-        ("docs/goal_results.md", "6.36 [5.92, 6.8] | -6.36", "6.36 [5.93, 6.8] | -6.36", "goal_results"),
-        (
-            "docs/results.md",
-            "1                               526.80",
-            "1                               526.90",
-            "table1",
-        ),
+        ("docs/results.md", "6.36 [5.92, 6.8]", "6.36 [5.93, 6.8]", "tasks"),
+        ("docs/results.md", "468 [374, 563]", "469 [374, 563]", "table1"),
         ("docs/benchmarks.md", "| tick / floor, 1 x 5 | 1.74 |", "| tick / floor, 1 x 5 | 1.84 |", "measured"),
         ("docs/tutorials/learn.md", "| 49.9 s | 8.8 |", "| 49.9 s | 8.7 |", "drivers"),
         ("docs/models.md", "0.96 [0.88, 1.04]", "0.96 [0.88, 1.05]", "options"),

@@ -10,8 +10,6 @@ from docs.figures.draw_patterns import draw_patterns
 DIAGRAMS = {
     "patterns": draw_patterns,
     "architecture": draw_paper.draw_architecture,
-    "coordination": draw_paper.draw_coordination,
-    "selector": draw_paper.draw_selector,
 }
 
 

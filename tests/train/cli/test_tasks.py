@@ -6,16 +6,16 @@ import re
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.load import own_mission
 from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.recording.reader import RecordedMission, events_of
 from docs.figures.draw_goals import tasks_to_run
-from docs.figures.write_original import measured
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
 from tests.train.commands import apart, done, refused
 from train.analysis.task_report import measured_strategies
+from train.evaluation.comparing import Comparing
+from train.request import Request
 
 ORIGINAL = load_knowledge("original")
 WORDS = ("--strategy", "MaxScore", "--workers", 1, "--output", "r", "--all")
@@ -90,18 +90,19 @@ def test_a_baseline_is_beaten_by_sign_flips_only():
 
 
 def test_the_page_in_the_docs_is_about_the_tasks_as_they_are():
-    text = (ROOT / "docs" / "goal_results.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
     assert "14 of 14 tasks meet all their targets" in " ".join(text.split())
     for name in tasks_to_run():
-        task, ground = find_task(name), own_mission(name).world.ground
-        assert f"| {name} | {task.story} ({ground}) | {task.baseline} |" in text
-        for measure in task.measures:
+        assert f"| {name}, " in text
+        for measure in find_task(name).measures:
             assert re.search(rf"\| {re.escape(measure.name)}.*\| [≤≥] {measure.target:g} \|", text), measure.name
 
 
 def test_a_task_runs_by_another_expert_knowledge():
-    option, (first, *_) = measured("AgentCollisionAvoidance", "original", 1)
-    assert (option, first.strategy) == ("RepulsionGradient-view1.5", "MaxScore")  # of equal scores the first is taken
+    evaluation = Comparing(Request("AgentCollisionAvoidance", ("MaxScore",), scenarios=1, knowledge="original"))
+    held = evaluation.problem.options[int(evaluation.batch.choices.default[0])]
+    assert held == "RepulsionGradient-view1.5"  # of equal scores the first is taken
+    assert done("evaluate", "AgentCollisionAvoidance", "--knowledge", "original", *WORDS, "--scenarios", 1)
 
 
 def test_every_option_of_the_original_can_be_built_and_serves_a_goal_with_a_task():
