@@ -135,15 +135,15 @@ def test_a_result_that_is_recorded_again_or_kept_for_a_reason_is_up_to_date(copy
 
 
 def test_numbers_of_sentences_are_taken_from_the_page(copy):
-    changed(copy / "docs" / "learning.md", "looks ahead costs 46.1 s", "looks ahead costs 47.2 s")
+    changed(copy / "docs" / "results.md", "the team dumps 0.8 items", "the team dumps 0.80 items")
     assert len(numbers.faults(copy)) == 1
-    take("learning/ahead", root=copy)
+    take("results/training", root=copy)
     assert numbers.faults(copy) == []
-    changed(copy / "docs" / "learning.md", "looks ahead costs", "that looks ahead costs some")
+    changed(copy / "docs" / "results.md", "vectors the team dumps", "vectors the team dumped some")
     with pytest.raises(
-        ValueError, match="expected once in the prose, with any numbers, got 0 times: a team that looks"
+        ValueError, match="expected once in the prose, with any numbers, got 0 times: With random vectors"
     ):
-        take("learning/ahead", root=copy)
+        take("results/training", root=copy)
 
 
 def test_a_table_of_results_outside_of_all_blocks_is_found(copy):
