@@ -48,29 +48,6 @@ def sizes(results: Any) -> list[str]:
     return lines
 
 
-def ages(results: Any) -> list[str]:
-    """Return the table of patrols early and late in a mission."""
-    late = {size: figures for size, figures in results["late"].items() if " x " in size}
-    names = list(next(iter(late.values())))
-    lines = [f"| worlds x robots | {' | '.join(names)} |", "|---" * (len(names) + 1) + "|"]
-    for size, figures in late.items():
-        lines.append(f"| {size} | {' | '.join(f'{figures[name]:.4g}' for name in names)} |")
-    return lines
-
-
-def others(results: Any) -> list[str]:
-    """Return the table of border, memory and start, one line for each figure."""
-    parts = {
-        "PettingZoo, 5 agents, a decision a tick": results["border"]["5 agents"],
-        "memory": results["costs"]["memory"],
-        "start": results["costs"]["start"],
-    }
-    lines = ["| | |", "|---|---|"]
-    for part, figures in parts.items():
-        lines.append(f"| {part} | {'; '.join(f'{name} {figure:.4g}' for name, figure in figures.items())} |")
-    return lines
-
-
 def speed(results: Any) -> list[str]:
     """Return the table of simulated seconds."""
     stack = results["stack"]
@@ -160,7 +137,6 @@ def main() -> None:
     lines += [*required(results), "", "## The tick by size", "", *sizes(results), ""]
     lines += ["![tick and floor by robots](pictures/benchmark_growth.png)", ""]
     lines += ["![parts of a tick by size](pictures/benchmark_parts.png)", ""]
-    lines += ["## Patrol alone", "", *ages(results), "", "## Border, memory, start", "", *others(results)]
     if "peers" in results:
         lines += ["", "## Beside peers: world-ticks per CPU second", "", *peers(results)]
     record("benchmarks/measured", "\n".join(lines))
