@@ -2,7 +2,7 @@
 
 A task's name is the name of its own mission, unless a file has it, and of the random starts of that mission.
 Every mistake raises ConfigurationError: one line with file, key, expected and given. Files may ask for code and
-databases only with `trust` (docs/trust.md). Knowledge that a file names by its path is looked for beside it first.
+databases only with `trust` (docs/own_plugins.md). Knowledge that a file names by its path is looked for beside it.
 """
 
 import os

@@ -170,7 +170,7 @@ class EnvSettings(TypedDict, total=False):
     imports: Iterable[Named]
     """Plug-ins, modules or `path/to/file.py`: what they register, missions may then name (docs/own_plugins.md)."""
     trust: bool
-    """Whether the files of the mission or the family may ask for code and databases; by default not (docs/trust.md)."""
+    """Whether the files of the mission or the family may ask for code and databases; or not (docs/own_plugins.md)."""
     source: EpisodeSource | None
     """Function from a world to its next scenario, in place of episodes that follow from seeds. All scenarios have the
     frame of the mission or the family (`frames`). A world without a next scenario stays as it is until `reset`, and

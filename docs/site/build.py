@@ -21,7 +21,7 @@ GROUPS = {
     ),
     "Do": (
         "README", "commands", "keys", "play", "recordings", "environment", "tasks", "own_task", "own_plugins",
-        "learning", "strategies", "machines", "knowledge", "clusters", "trust",
+        "learning", "strategies", "machines", "knowledge", "clusters",
     ),
     "Understand": (
         "ARCHITECTURE", "glossary", "robot", "selector", "selforg", "network", "walls", "models", "transport", "cost",

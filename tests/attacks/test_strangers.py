@@ -1,4 +1,4 @@
-"""No command runs code because a file of a stranger asks for it; docs/trust.md promises that."""
+"""No command runs code because a file of a stranger asks for it; docs/own_plugins.md promises that."""
 
 import re
 import sys

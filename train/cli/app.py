@@ -156,7 +156,7 @@ def _common(
     _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
     __: Annotated[
         bool,
-        typer.Option(TRUST, help="Run code and open databases that files name (docs/trust.md); anywhere on the line."),
+        typer.Option(TRUST, help="Run code and open databases that files name (docs/own_plugins.md); anywhere."),
     ] = False,
     ___: Annotated[
         str | None,

@@ -26,7 +26,7 @@ FILE_WIDTH = 10_000
 """Width of what is printed into a file or a pipe [characters]: nothing is folded there."""
 MOST_SEED = 2**63 - 1
 MOST_SCENARIOS = 10_000
-MAY_NAME_CODE = "only with --trust may files name code, models that are code, or databases (docs/trust.md)"
+MAY_NAME_CODE = "only with --trust may files name code, models that are code, or databases (docs/own_plugins.md)"
 """What the help of options says whose files may name code."""
 
 Configs = Annotated[
