@@ -12,6 +12,7 @@ from pathlib import Path
 
 from docs.site.api import API, write_api
 from docs.site.catalogue import CATALOGUE, write_catalogue
+from docs.site.keys import page as page_of_keys
 from docs.site.stage import ROOT, SHOWN, Stage, site_path
 
 BUILD = ROOT / "build" / "site"
@@ -112,6 +113,7 @@ def main() -> int:
         index = f"```{{index}} {', '.join(f'! {word}' for word in words)}\n```\n\n" if words else ""
         before = RECORD if record else HOW_IT_CAME if own else index
         stage.page(path, before, menu() if path.name == "index.md" else "")
+    stage.write("keys.md", page_of_keys())
     write_api(stage)
     write_catalogue(stage)
     stage.clear()

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from docs.figures import update_architecture, write_keys
+from docs.figures import update_architecture
+from docs.site import keys
 from tests.paths import ROOT
 
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs", "benchmarks", "tests", "docs", "examples")
@@ -107,5 +108,8 @@ def test_the_records_of_the_architecture_are_those_of_the_code():
     assert update_architecture.updated(text) == text, "run: python -m docs.figures.update_architecture"
 
 
-def test_the_page_of_keys_is_that_of_the_code():
-    assert write_keys.FILE.read_text(encoding="utf-8") == write_keys.page(), "run: python -m docs.figures.write_keys"
+def test_the_page_of_keys_has_those_of_each_part_with_their_bounds():
+    page = keys.page()
+    assert "| `time_limit` | number above 0 to 1e+07 |" in page
+    assert {"## Missions", "## Families", "## Experiments with conditions"} <= set(page.splitlines())
+    assert "## Settings of the task ReachGoal" in page

@@ -1,4 +1,4 @@
-"""Writes docs/keys.md, the keys of missions, families and experiments: `python -m docs.figures.write_keys`.
+"""The page of all keys of missions, families and experiments, which only the site has: `python -m docs.site.keys`.
 
 What a key means is the text below its field in the code, and its values and default are those that the code checks.
 """
@@ -7,7 +7,6 @@ import ast
 import inspect
 import textwrap
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
@@ -20,15 +19,12 @@ from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.config.tasks import TaskSettings, find_task
 from selector.documents.fields import LARGEST_NUMBER
 
-FILE = Path(__file__).parents[1] / "keys.md"
 HEAD = """# Keys of missions, families and experiments
 
 All keys of the files that `clean-swarm evaluate`, `play` and `advise` read, with the values that they may have. Any key
 may be left out unless it is *needed*; an unknown key is an error. The `mission` of a family or an experiment is a name,
 keys of its own, or a name and what changes: `{base: three-rooms, time_limit: 6000.0}`. `clean-swarm list missions` and
 `clean-swarm list families` name those that ship.
-
-Written by `python -m docs.figures.write_keys`.
 """
 
 MORE = {
@@ -156,4 +152,4 @@ def default(held: dict[str, Any]) -> str:
 
 
 if __name__ == "__main__":
-    FILE.write_text(page(), encoding="utf-8")
+    print(page())
