@@ -182,7 +182,7 @@ DOCUMENTS = {
     "docs/own_task.md": ("missions/large-flock",),
     "docs/robustness.md": ("experiments/mine",),
     "docs/selector.md": ("mechanisms/Shy", "knowledge/mine", "mechanisms/Bend", "mechanisms/Sum"),
-    "docs/transport.md": ("families/pair", "families/docks"),
+    "docs/transport.md": ("families/pair",),
     "docs/walls.md": ("", "families/rooms"),
 }
 """Page -> what its blocks of YAML are that have no file above them; "" for a part of a document."""
