@@ -141,7 +141,7 @@ def chosen(name: str, number: int, seed: int, strategy: str | None, directories:
 def usual(mission: MissionConfig, directories: tuple[Path, ...]) -> tuple[str, str]:
     """Return the strategy that a mission is played with unless another one is named, and one with which it jams.
 
-    The latter is empty where none is known. Both were measured: docs/play.md.
+    The latter is empty where none is known. `clean-swarm evaluate` tells what both cost.
     """
     if knowledge_of(mission, directories).learned:  # as advice has it
         return STRATEGY, ""
