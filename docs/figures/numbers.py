@@ -1,8 +1,8 @@
 """Takes the results of README and pages from docs/figures.json: `python -m docs.figures.numbers`, which writes them.
 
     python -m docs.figures.numbers --check            # says what differs, writes nothing
-    python -m docs.figures.numbers --take exploring/rule [--command "clean-swarm evaluate ..." --inputs FILE...]
-    python -m docs.figures.numbers --keep exploring/rule --because "only a description changed"
+    python -m docs.figures.numbers --take robustness/crowd [--command "clean-swarm evaluate ..." --inputs FILE...]
+    python -m docs.figures.numbers --keep robustness/crowd --because "only a description changed"
 
 `--take` reads a block that somebody filled by hand, after its command has run again; `--command` and `--inputs` are
 for a new one. `--keep` says that changed inputs do not change a result. CONTRIBUTING.md says when to use which.

@@ -6,7 +6,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from docs.comparison.equal_strategies import COUNTS, JAMS, OWN, equal_table, share_told, told_apart
+from tests.train.analysis.equal_strategies import COUNTS, JAMS, OWN, equal_table, share_told, told_apart
 from train.analysis.flips import ALPHA, Flips, fewest, holm
 from train.analysis.intervals import Ratio, corrected_ps
 from train.analysis.verdict import Ranking, most_left

@@ -1,6 +1,6 @@
 """Simulates comparisons: how often equal strategies are told apart, and how often different ones are.
 
-    python -m docs.comparison.equal_strategies    # some minutes; prints the tables of docs/decisions/0212-sign-flips.md
+    python -m tests.train.analysis.equal_strategies    # some minutes; see docs/decisions/0212-sign-flips.md
 
 A cost is the scenario's part, which all strategies share, times the strategy's own; a mission that jams costs ten times
 the mean. Beside sign flips stands what told strategies apart before: Student's intervals of the ratio of means, widened
