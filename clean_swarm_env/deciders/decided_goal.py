@@ -124,12 +124,16 @@ class DecidedGoal:
         return np.stack(np.unravel_index(options, [len(part) for part in self.parts]), axis=1)
 
     def think(self, opinions: Floats) -> None:
-        """Record the opinions (R, O) of the options; of an option of one goal, the best of its combinations."""
+        """Record the opinions (R, O) of the options.
+
+        Of an option of one goal: the sum of its combinations where these are probabilities, else the best of them.
+        """
         assert self._recorder is not None
         table = opinions.reshape(-1, *(len(part) for part in self.parts))
+        together = np.sum if np.allclose(opinions.sum(axis=1), 1.0) else np.max
         for k, goal in enumerate(self.names):
             others = tuple(1 + other for other in range(len(self.names)) if other != k)
-            self._recorder.think(goal, table.max(axis=others))
+            self._recorder.think(goal, together(table, axis=others))
 
 
 def option_named(problem: Problem, name: str) -> str:

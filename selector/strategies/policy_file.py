@@ -136,6 +136,7 @@ def described(policy: TrainedPolicy) -> dict[str, Any]:
     parts = [part for name in layers for part in (policy.weights[f"{name}.weight"].T, policy.weights[f"{name}.bias"])]
     return {
         "goals": spec.goals,
+        "holds": spec.holds,
         "observations": spec.observations,
         "mean": spec.mean,
         "deviation": np.sqrt(np.array(spec.variance) + spec.epsilon).tolist(),

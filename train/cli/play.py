@@ -37,14 +37,14 @@ def play_command(
             help="Name of a mission, family, experiment or task, or path to a YAML file; or a recording of a play.",
             metavar="[MISSION|FAMILY|TASK|RECORDING]",
         ),
-    ] = "crowded",
+    ] = "crowded-exploring",
     strategy: Annotated[
         str | None,
         typer.Option(help="Strategy of the robots, as for `evaluate`; MaxScore, or the best option, unless given."),
     ] = None,
     scenario: Annotated[int, typer.Option(help="Number of the start configuration or the scenario, from 1 on.")] = 1,
     seed: Seed = 0,
-    speed: Annotated[float, typer.Option(help="Seconds of the mission in a second; the page can change it.")] = 5.0,
+    speed: Annotated[float, typer.Option(help="Seconds of the mission in a second; the page can change it.")] = 1.0,
     port: Annotated[int, typer.Option(help="Port on 127.0.0.1; any free one unless given.")] = 0,
     output: Annotated[
         Path | None, typer.Option(help="Recording to write, NAME.swarm; a new one below results/ unless given.")
@@ -59,7 +59,8 @@ def play_command(
 ) -> None:
     """Run a mission in the browser: pause, step, drag, add and remove robots and garbage, switch strategies.
 
-    What is done by hand is recorded, and `clean-swarm play RECORDING` runs the same mission again.
+    It begins as soon as its page is open. What is done by hand is recorded, and `clean-swarm play RECORDING` runs the
+    same mission again.
     """
     check_whole({"--scenario": (scenario, 1, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED)})
     check_whole({"--port": (port, 0, MOST_PORT)})

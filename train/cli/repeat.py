@@ -82,12 +82,18 @@ def replay_command(
         list[str] | None, typer.Option(help="Condition of a run in a directory; twice for two runs, in their order.")
     ] = None,
 ) -> None:
-    """Write a page that plays a run, or two side by side; runs without a recording are repeated."""
+    """Write a page that plays a run, or two side by side; runs without a recording are repeated.
+
+    Of one directory it plays the two conditions that cost least unless others are named, and says what else there is.
+    """
     check_there(*runs)
     from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
     from train.replay.page_file import write_page
+    from train.running.finished_runs import JOURNAL, cheapest_first, runs_of
 
-    conditions: list[str | None] = [*condition] if condition else [None]
+    held = runs_of(runs[0] / JOURNAL) if len(runs) == 1 and runs[0].is_dir() else []
+    known, many = cheapest_first(held), len({record.scenario for record in held})
+    conditions: list[str | None] = [*(condition or known[:2])] or [None]
     chosen = runs * 2 if len(runs) == 1 and len(conditions) == 2 else runs
     if len(chosen) > 2 or len(conditions) not in (1, len(chosen)):
         raise ConfigurationError("replay: expected one or two runs, and a condition for each or for all")
@@ -96,6 +102,10 @@ def replay_command(
         paths = [stack.enter_context(recording_at(run, scenario, name)) for run, name in named]
         write_page([RecordedMission(path, ()) for path in paths], html)
     typer.echo(f"{html}: open it in a browser")
+    if held:
+        others = ", ".join(name for name in known if name not in conditions) or "no others"
+        shown = " beside ".join(filter(None, conditions))
+        typer.echo(f"it shows {shown}; also there: {others} (--condition); {many} scenarios (--scenario)")
 
 
 @contextmanager

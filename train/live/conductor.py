@@ -65,7 +65,7 @@ class Conductor:
     Args:
         sessions: name of a mission, family or goal -> what opens a session of it; the first one has the name "".
         speed: seconds of the mission in a second.
-        playing: whether each session runs at once.
+        playing: whether each session runs as soon as a page shows it; else it waits for an order.
 
     Attributes:
         session: what is run; only the thread of `run` touches it.
@@ -163,7 +163,7 @@ class Conductor:
         finally:  # also where the recording of the one before cannot be ended
             self.session: Session = session
             self._name: str = name
-            self._number, self._playing = self._number + 1, self._at_once
+            self._number, self._playing = self._number + 1, False
             self._offered = {**session.offered(), "missions": [name for name in self._sessions if name]}
             self._failure = ""
             self.stream = Stream(session.beginning, self._state())
@@ -184,9 +184,13 @@ class Conductor:
             self.stream.tell(state=self._state())
 
     def _state(self) -> dict[str, Any]:
-        """Return what the page shows beside the frames; `now` is a frame of the present, before the next one is run."""
+        """Return what the page shows beside the frames; `now` is a frame of the present, before the next one is run.
+
+        `begins`: whether the page orders to play as soon as somebody sees it.
+        """
         return {
             "number": self._number,
+            "begins": self._at_once,
             "name": self._name,
             "playing": self._playing,
             "speed": self._speed,

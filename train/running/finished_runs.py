@@ -12,6 +12,7 @@ import os
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from statistics import fmean
 
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import shown
@@ -95,6 +96,14 @@ def runs_of(path: Path, mistake: Callable[[RunRecord], str] = lambda record: "")
             raise ConfigurationError(f"{where}: {run}: {why}; not a run of this evaluation")
         records[record.key] = record
     return list(records.values())
+
+
+def cheapest_first(records: Sequence[RunRecord]) -> list[str]:
+    """Return the conditions of runs, that with the lowest mean cost first."""
+    costs: dict[str, list[float]] = {}
+    for record in records:
+        costs.setdefault(record.condition, []).append(record.result.cost_s)
+    return sorted(costs, key=lambda condition: fmean(costs[condition]))
 
 
 def natural_order(scenario: str) -> tuple[tuple[int, int, str], ...]:

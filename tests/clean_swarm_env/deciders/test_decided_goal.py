@@ -76,3 +76,5 @@ def test_what_is_thought_of_combinations_is_recorded_for_each_goal(batch, monkey
         for k, option in enumerate(batch.options[goal]):
             of_option = [n for n, name in enumerate(joint.problem.options) if name.split("+")[place] == option]
             np.testing.assert_array_equal(thought[goal][:, k], opinions[:, of_option].max(axis=1))
+    joint.think(opinions / opinions.sum(axis=1, keepdims=True))  # probabilities
+    assert all(np.allclose(values.sum(axis=1), 1.0) for values in thought.values())

@@ -1,8 +1,11 @@
 """The first minute of a play on its page: it fits, says what to do, and ends with a verdict."""
 
+import time
+
+import numpy as np
 import pytest
 
-from tests.train.live.pages import shows, until
+from tests.train.live.pages import shows, step, until
 from tests.train.live.sessions import SMALL, play_of, served
 
 pytestmark = [pytest.mark.page, pytest.mark.extra, pytest.mark.long]  # one of its kind in the gate: test_live_page.py
@@ -41,6 +44,52 @@ def test_the_end_has_a_verdict_and_leads_on(sessions, opened):
         assert sorted(plays) == ["MaxScore", "fixed:ORCA"]
         page.click("[data-press=open]")
         until(page, "() => document.title === 'Clean Swarm: ReachGoal, live'")
+
+
+def test_a_play_begins_when_its_page_is_there(session, opened):
+    with served(session, playing=True) as server:
+        time.sleep(1.0)
+        assert session.ticks == 0
+        page = opened(server)
+        until(page, "() => replay.page.run.frames > 5")
+        page.keyboard.press(" ")
+        until(page, "() => !replay.page.state.playing")
+        page.reload()  # what was paused stays so
+        page.wait_for_selector("body[data-ready]")
+        assert not page.evaluate("replay.page.state.playing")
+
+
+def test_figures_are_of_the_same_moment_while_it_runs(session, opened):
+    """Also where the charts are drawn seldom, as those of long runs are."""
+    with served(session, speed=20.0, playing=True) as server:
+        page = opened(server)
+        page.evaluate("replay.page.chartsAt = Infinity")
+        until(page, "() => replay.page.run.frames > 150")
+        read = "(() => { const now = parseFloat(document.querySelector('#now').textContent);"
+        read += " return [now, document.querySelector('.score').textContent]; })()"
+        for _ in range(5):
+            now, score = page.evaluate(read)
+            assert f"= {np.floor(now + 0.5):,.0f} s + " in score
+        page.keyboard.press(" ")
+
+
+def test_a_strategy_that_has_not_decided_yet_has_no_bars(page):
+    for _ in range(2):
+        step(page)
+    bars = "document.querySelectorAll('[data-held] , h3 + p + table .bar').length"
+    assert page.evaluate(bars) > 1
+    page.click("#what_if")
+    until(page, "() => document.querySelector('[data-foretold]')")
+    page.select_option("#strategy", "fixed:ORCA")
+    shows(page, "[data-waits]", "fixed:ORCA has not decided yet")
+    assert page.evaluate(bars) == 1  # the name of the option alone
+    assert page.evaluate("document.querySelector('[data-foretold]')") is None
+    for _ in range(3):
+        step(page)
+    assert page.evaluate("document.querySelector('[data-waits]')") is not None  # it decides once in a second
+    step(page)
+    until(page, "() => !document.querySelector('[data-waits]')")
+    shows(page, "[data-held]", "ORCA")
 
 
 def test_a_keyboard_is_enough(page):

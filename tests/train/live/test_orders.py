@@ -156,7 +156,9 @@ def test_a_tick_that_fails_ends_its_mission_and_no_more(sessions, tmp_path, play
     session._course = fail(session._course)
     said = "the mission failed: ZeroDivisionError: what was not thought of"
     with served(session, playing=playing, others=opening) as server:
-        if not playing:
+        if playing:
+            assert ordered(server, do="play") == ""
+        else:
             assert [ordered(server, do="step") for _ in range(4)] == ["", "", "", said]
         stream = server.conductor.stream
         while not (state := stream.state)["failure"]:
@@ -174,6 +176,7 @@ def test_a_slow_session_hears_orders(session):
     with served(session, speed=0.01, playing=True) as server:
         assert "speed: expected a number from 0.01 to 1000" in ordered(server, do="speed", speed=1e-12)
         assert ordered(server, do="speed", speed=1000) == ""
+        assert ordered(server, do="play") == ""
         with urlopen(server.address.replace("/?", "/stream?"), timeout=60) as source:
             next(frames_from(RecordedParts(blocks_in(source, "stream"), "stream")))
 

@@ -198,7 +198,10 @@ def test_layers_following_and_colours_change_what_is_drawn_and_have_a_legend(ope
         drawn.append(picture(page))
     assert len(set(drawn)) == 3
     signs = dict(
-        page.evaluate("[...document.querySelectorAll('#legend span')].map(sign => [sign.textContent, sign.title])")
+        page.evaluate(
+            "[...document.querySelectorAll('#legend span, #boxes label:has(.key)')]"
+            ".map(sign => [sign.textContent.trim(), sign.title])"
+        )
     )
     assert signs.keys() >= SIGNS
     assert all(signs.values())

@@ -14,7 +14,7 @@ function cleared(canvas) {
 
 /** Draw the option that each robot holds over time. @param {Run} run @param {number} frames over the width @param {HTMLCanvasElement} canvas */
 export function drawHeld(run, frames, canvas) {
-  const c = cleared(canvas), { width, height } = canvas, robots = run.head.robots, goal = Object.keys(run.head.options)[0];
+  const c = cleared(canvas), { width, height } = canvas, robots = run.head.robots;
   const lines = Math.min(robots, height);
   for (let px = 0; px < width; px++) {
     const frame = Math.floor((px / width) * frames);
@@ -22,7 +22,7 @@ export function drawHeld(run, frames, canvas) {
     for (let line = 0; line < lines; line++) {
       const robot = Math.floor((line / lines) * robots);
       if (!valueAt(run, "present", frame, robot)) continue;
-      c.fillStyle = valueAt(run, "working", frame, robot) ? colourOf(valueAt(run, `held/${goal}`, frame, robot)) : LOOK.failed.colour;
+      c.fillStyle = valueAt(run, "working", frame, robot) ? colourOf(valueAt(run, `held/${run.goal}`, frame, robot)) : LOOK.failed.colour;
       c.fillRect(px, (line * height) / lines, 1, Math.max(1, height / lines - (robots > 40 ? 0 : 1)));
     }
   }
@@ -48,7 +48,7 @@ export function drawCurves(curves, frames, canvas) {
 
 /** Return the opinion on each option, averaged over the robots, as one curve of `points` points each. @param {Run} run @param {number} points */
 export function opinionCurves(run, points) {
-  const goal = Object.keys(run.head.options)[0], track = run.tracks.get(`opinion/${goal}`);
+  const { goal } = run, track = run.tracks.get(`opinion/${goal}`);
   if (!track) return [];
   const options = run.head.options[goal].length, robots = run.head.robots;
   const curves = run.head.options[goal].map((_, k) => ({ values: new Float64Array(run.frames), colour: colourOf(k), most: 0, least: 0 }));

@@ -38,6 +38,7 @@ export function connect(page) {
   element("panel").addEventListener("click", (/** @type {MouseEvent} */ e) => { if (!e.detail) turn(e); }); // by a key
   element("follow").addEventListener("click", () => page.follow(!page.following));
   element("whole").addEventListener("click", () => { page.follow(false); for (const { view } of page.shown) page.zoomBy(view, 0); });
+  element("goal").addEventListener("change", () => { page.colourBy(element("goal").value); page.pictures(); page.panelAt = 0; page.draw(); });
   element("theme").addEventListener("click", () => {
     const dark = page.colours().paper !== LOOK.paper;
     document.documentElement.dataset.theme = dark ? "light" : "dark";

@@ -4,6 +4,7 @@ import { loadOf, settingOf, valueAt } from "./recording.js";
 import { WORDS } from "./words.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{frame: number, kind: string, robot: number}} RunEvent */
+/** @typedef {{items: number[], contacts: number[]}} Counts up to each frame */
 
 /** Kinds of events of all tasks, with their words, in the order of the timeline's lines. */
 const EVENT_WORDS = {
@@ -69,19 +70,30 @@ function carriedOf(run, events) {
   }
 }
 
-/** Return items dumped and collision events up to each frame. @param {Run} run @param {RunEvent[]} all @returns {{items: Float64Array, contacts: Float64Array}} */
-export function countsOf(run, all) {
-  const items = new Float64Array(run.frames), contacts = new Float64Array(run.frames);
-  const contact = run.tracks.get("contact")?.data;
-  let dumped = 0, touched = 0, e = 0;
-  const events = all.filter((event) => event.kind === "dumped");
-  for (let t = 0; t < run.frames; t++) {
-    while (e < events.length && events[e].frame <= t) { dumped++; e++; }
-    items[t] = dumped;
-    if (contact) for (let k = 0; k < run.head.robots; k++) touched += contact[t * run.head.robots + k];
-    contacts[t] = touched / 2;
+/** Count items dumped and collision events up to each frame that has come since. @param {Run} run @param {Counts} counts */
+export function countMore(run, { items, contacts }) {
+  const { robots } = run.head, contact = run.tracks.get("contact")?.data;
+  for (let t = items.length; t < run.frames; t++) {
+    let touched = 0;
+    for (let k = 0; contact && k < robots; k++) touched += contact[t * robots + k];
+    items.push(valueAt(run, "dumped", t));
+    contacts.push((contacts[t - 1] ?? 0) + touched / 2);
   }
-  return { items, contacts };
+}
+
+/** Return what robots held in all frames, the present too. @param {Run} run @param {string} goal @returns {Int32Array} */
+function heldUntil(run, goal) {
+  const track = run.tracks.get(`held/${goal}`);
+  return track ? track.room.subarray(0, (run.frames + run.ahead) * track.columns) : new Int32Array(0);
+}
+
+/** Return the numbers of the options of a goal that robots have held. @param {Run} run @param {string} goal */
+export const everHeld = (run, goal) => [...new Set(heldUntil(run, goal))].filter((k) => k >= 0).sort((a, b) => a - b);
+
+/** Return the goal whose options are worth colours: the first one, unless only those of a later one differ. @param {Run[]} runs */
+export function goalShown(runs) {
+  const goals = Object.keys(runs[0].head.options);
+  return goals.find((goal) => new Set(runs.flatMap((run) => everHeld(run, goal).map((k) => run.head.options[goal]?.[k]))).size > 1) ?? goals[0] ?? "";
 }
 
 /** Return the first frame at which robots of two runs are at different places; -1 if there is none. @param {Run} a @param {Run} b */

@@ -1,7 +1,7 @@
 // @ts-check
 /** The page of a session that runs now, which takes frames from its server and gives it orders. */
 import { settingOf } from "./recording.js";
-import { countsOf, eventsOf } from "./course.js";
+import { countMore, eventsOf } from "./course.js";
 import { LOOK, plain } from "./look.js";
 import { verdictOf } from "./score.js";
 import { drawForetold, foretoldOf } from "./foretold.js";
@@ -10,14 +10,15 @@ import { Page } from "./page.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {import("./world.js").WorldView} WorldView */
 /**
- * @typedef {{playing: boolean, speed: number, over: boolean, failure: string, strategy: string, loss: number, number: number, name: string,
+ * @typedef {{playing: boolean, begins: boolean, speed: number, over: boolean, failure: string, strategy: string, loss: number, number: number, name: string,
  *   strategies: string[], best: string, jams: string, missions: string[], now: string}} State of the session, the `number`th of its server;
- *   best: the strategy that is known to be best, jams: one with which the mission jams; now: a block in base64
+ *   begins: whether it plays as soon as somebody sees it; best: the strategy that is known to be best, jams: one with which the mission jams; now: a block in base64
  */
 /** @typedef {{kind: "robot" | "item", number: number, x: number, y: number}} Held a robot or an item at a place [m] */
 
 const CHARTS_PERIOD = 500; // [ms] between two pictures of the charts
 const MOST_LAGS = 1000;
+const RUNNING = ["play", "pause", "step", "speed", "what_if"]; // orders that change nothing in the world
 const KINDS = { policy: "trained", learned: "trained", fsm: "rules", fixed: "one option for ever" }; // of strategies, by the beginning of their names
 export const GONE = "The server does not answer. The page tries again; what came until now stays.";
 
@@ -89,6 +90,9 @@ export class LivePage extends Page {
     });
     element("head").addEventListener("click", () => this.go(this.end));
     this.show();
+    const begin = () => void (this.state.begins && !this.run.frames && this.order({ do: "play" }));
+    if (document.hidden) document.addEventListener("visibilitychange", begin, { once: true });
+    else begin();
   }
 
   /** Show how the session runs. */
@@ -147,6 +151,7 @@ export class LivePage extends Page {
       this.say(answer.ok ? "" : content.error);
       if (!answer.ok) this.held = null;
       else if (order.do === "open") location.reload();
+      else if (!RUNNING.includes(order.do)) this.foretold = null; // it told of the world before
       else told = content;
     } catch {
       this.say(GONE);
@@ -199,12 +204,12 @@ export class LivePage extends Page {
       this.waiting = false;
       this.frames = this.run.frames + this.run.ahead;
       element("time").max = String(this.end);
+      countMore(this.run, this.shown[0].counts);
       if (!this.taken) this.held = null; // what was dropped is in the world
       if (this.atHead) this.time = this.end;
       const now = performance.now();
       if (now - this.chartsAt > CHARTS_PERIOD || !this.state.playing) {
         this.shown[0].events = eventsOf(this.run);
-        this.shown[0].counts = countsOf(this.run, this.shown[0].events);
         if (this.listKinds()) this.size();
         else this.pictures();
         this.chartsAt = performance.now() + 10 * (performance.now() - now); // charts of long runs take long
@@ -244,7 +249,7 @@ export class LivePage extends Page {
     if (!this.atHead || this.state.over) return super.hint(view, px, py);
     if (tool.startsWith("add_")) return { cursor: "copy", words: `a click adds ${tool === "add_item" ? "an item" : "a robot"} here` };
     if (number < 0) return { cursor: tool ? "not-allowed" : "move", words: tool ? "no item here" : "" };
-    const click = tool ? (kind === "item" ? "a click takes it away" : "") : kind === "robot" ? `a click chooses robot ${number}` : "";
+    const click = tool ? (kind === "item" ? "a click takes it away" : "") : kind === "robot" ? `a click chooses robot ${number}${this.heldBy(view.run, number)}` : "";
     return { cursor: "grab", words: [click, `dragging moves ${kind === "robot" ? "the robot" : "the item"}`].filter(Boolean).join(", ") };
   }
 

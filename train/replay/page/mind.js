@@ -1,11 +1,11 @@
 // @ts-check
 /** What goes on in one robot, as a panel. */
-import { loadOf, titleOf, valueAt } from "./recording.js";
+import { changesUntil, choosersAt, loadOf, titleOf, valueAt } from "./recording.js";
 import { shorter } from "./course.js";
 import { LOOK, colourOf, plain } from "./look.js";
 import { TERM_WORDS, optionWord, robotWord } from "./words.js";
 import { factsOf, sentenceOf } from "./why.js";
-import { inputsOf } from "./policy.js";
+import { inputsOf, policyAt } from "./policy.js";
 /** @typedef {import("./recording.js").Run} Run */
 
 const STILL = 0.1; // [m] within which a robot stands still
@@ -105,16 +105,46 @@ export function panelOf(run, frame, robot, beside = "") {
   return parts.join("");
 }
 
+/** Return what the chooser thought of each option of a goal when it last decided. @param {Run} run @param {string} goal @param {number} frame @param {number} robot */
+const opinionsOf = (run, goal, frame, robot) => run.head.options[goal].map((_, k, { length }) => valueAt(run, `opinion/${goal}`, frame, robot * length + k));
+
+/** Return whether opinions are probabilities. @param {number[]} values */
+const areShares = (values) => Math.min(...values) >= 0 && Math.abs(values.reduce((a, b) => a + b, 0) - 1) < 0.02;
+
+/**
+ * Return why a robot holds an option of which its chooser does not think most, in words; nothing where it thinks most of it.
+ * @param {Run} run @param {string} goal @param {number} frame @param {number} robot
+ */
+export function whyHeld(run, goal, frame, robot) {
+  const { ticks_per_decision: step, period } = run.head, name = `held/${goal}`, held = valueAt(run, name, frame, robot);
+  /** @param {number} at */
+  const isHighest = (at) => { const values = opinionsOf(run, goal, at, robot); return values[held] >= Math.max(...values); };
+  if (isHighest(frame)) return "";
+  const change = changesUntil(run, frame).findLast((one) => one.do === "follow_strategy" || (one.do === "hold_option" && (!one.robots?.length || one.robots.includes(robot))));
+  if (change?.option) return "It is held by hand.";
+  let at = frame - (frame % step);
+  while (at >= 0 && valueAt(run, name, at, robot) === held && !isHighest(at)) at -= step;
+  const kept = policyAt(run, frame)?.holds?.[goal] ?? 1;
+  if (at >= 0 && valueAt(run, name, at, robot) === held)
+    return `It still was at ${fixed(at * period, 1)} s${kept > 1 ? `; a choice is kept for ${fixed(kept * step * period, 0)} s` : ", and has been held since"}.`;
+  if (!areShares(opinionsOf(run, goal, frame, robot))) return "It is tried although others are thought more of: the strategy still learns.";
+  return `It was drawn${Object.keys(run.head.options).length > 1 ? ", or chosen because it goes best with the option of another goal" : " by these probabilities"}.`;
+}
+
 /** @param {Run} run @param {string} goal @param {string[]} options @param {number} frame @param {number} robot */
 function optionsOf(run, goal, options, frame, robot) {
-  const held = valueAt(run, `held/${goal}`, frame, robot), thought = run.tracks.has(`opinion/${goal}`);
-  const values = options.map((_, k) => valueAt(run, `opinion/${goal}`, frame, robot * options.length + k));
+  const held = valueAt(run, `held/${goal}`, frame, robot), { chose, next } = choosersAt(run, frame);
+  const head = `<h3 title="${plain(robotWord("Goal", goal))}">${plain(goal)}: <span data-held="${plain(goal)}">${plain(options[held])}</span></h3>`;
+  if (chose !== next) return `${head}<p class="small" data-waits>${plain(next)} has not decided yet: it does at its next decision. Until then robots hold what ${plain(chose)} chose.</p>`;
+  const values = opinionsOf(run, goal, frame, robot), thought = run.tracks.has(`opinion/${goal}`), shares = areShares(values);
   const most = values.every((value) => value >= 0 && value <= 1) ? 1 : Math.max(...values.map(Math.abs)); // of shares the whole is 1
-  const rows = options.map((name, k) => `<tr class="${k === held ? "run" : ""}"><td>${key(colourOf(k), name, optionWord(run.head, goal, name))}</td>
-    <td><div class="bar"><i style="left:0;width:${thought ? (Math.abs(values[k]) / most) * 100 : 0}%;background:${colourOf(k)}"></i></div></td>
+  const rows = options.map((name, k) => `<tr class="${k === held ? "run" : ""}"><td>${key(goal === run.goal ? colourOf(k) : LOOK.edge, name, optionWord(run.head, goal, name))}</td>
+    <td><div class="bar"><i style="left:0;width:${thought ? (Math.abs(values[k]) / most) * 100 : 0}%;background:${goal === run.goal ? colourOf(k) : LOOK.edge}"></i></div></td>
     <td class="n">${thought ? fixed(values[k]) : ""}</td></tr>`);
-  return `<h3 title="${plain(robotWord("Goal", goal))}">${plain(goal)}: <span data-held="${plain(goal)}">${plain(options[held])}</span></h3>
-    ${thought ? "<p class='small' title='A score, an estimate or a probability; the highest is taken.'>What the chooser thinks of each option:</p>" : ""}<table>${rows.join("")}</table>${inputsOf(run, frame, robot, goal)}`;
+  const told = shares ? "Of pairs and longer combinations: of all that have this option." : "A score, or an estimate of what it brings.";
+  const title = shares ? "How likely the chooser finds each option, 1.00 in sum:" : "What the chooser thinks of each option:", why = thought ? whyHeld(run, goal, frame, robot) : "";
+  return `${head}${thought ? `<p class="small" title="${told}">${title}</p>` : ""}<table>${rows.join("")}</table>
+    ${why ? `<p class="small" data-why="${plain(goal)}"><b>${plain(options[held])}</b> is not the highest. ${plain(why)}</p>` : ""}${inputsOf(run, frame, robot, goal)}`;
 }
 
 /** @param {Run} run @param {string} prefix @param {number} frame @param {number} robot */

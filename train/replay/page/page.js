@@ -1,7 +1,7 @@
 // @ts-check
 /** The page: plays runs on one clock, and shows what is chosen. */
-import { titleOf } from "./recording.js";
-import { countsOf, eventsOf, kindsOf, partingFrame } from "./course.js";
+import { titleOf, valueAt } from "./recording.js";
+import { countMore, eventsOf, goalShown, kindsOf, partingFrame } from "./course.js";
 import { LOOK, plain } from "./look.js";
 import { WorldView } from "./world.js";
 import { CHART_WORDS } from "./words.js";
@@ -11,9 +11,9 @@ import { scoreOf } from "./score.js";
 import { listenTo } from "./pointer.js";
 import { drawWhy } from "./why.js";
 import { SPEEDS, WIDE, connect, element, fold, put, scrubOn } from "./controls.js";
-import { offerLayers } from "./layers.js";
+import { offerLayers, showLegend } from "./layers.js";
 /** @typedef {import("./recording.js").Run} Run */
-/** @typedef {{run: Run, view: WorldView, events: import("./course.js").RunEvent[], counts: {items: Float64Array, contacts: Float64Array},
+/** @typedef {{run: Run, view: WorldView, events: import("./course.js").RunEvent[], counts: import("./course.js").Counts,
  *   charts: HTMLCanvasElement[], title: HTMLElement, caption: HTMLElement, score: HTMLElement}} Shown */
 
 const LINE = 12; // pixels of a line of the timeline, as of its words in page.css
@@ -42,6 +42,7 @@ export class Page {
     offerLayers(runs);
     /** @type {Shown[]} */
     this.shown = runs.map((run, k) => this.build(run, k));
+    this.colourBy(goalShown(runs));
     /** Lines over the charts at the present time. @type {HTMLElement[]} */
     this.lines = [...document.querySelectorAll(".over")].map((over) => {
       if (this.parting > 0) this.lineOver(over, "parting").style.left = `${(100 * this.parting) / this.frames}%`;
@@ -88,8 +89,10 @@ export class Page {
     listenTo(canvas, view, k, this, element("hint"));
     for (const chart of charts) scrubOn(this, chart);
     const [title, caption, score] = ["b", ".caption", ".score"].map((name) => /** @type {HTMLElement} */ (figure.querySelector(name)));
-    const events = eventsOf(run);
-    return { run, view, events, counts: countsOf(run, events), charts, title, caption, score };
+    /** @type {import("./course.js").Counts} */
+    const counts = { items: [], contacts: [] };
+    countMore(run, counts);
+    return { run, view, events: eventsOf(run), counts, charts, title, caption, score };
   }
 
   /** Return a new vertical line over a chart. @param {Element} over @param {string} name */
@@ -98,6 +101,12 @@ export class Page {
     line.className = `line ${name}`;
     over.append(line);
     return line;
+  }
+
+  /** Give robots the colours of the options of a goal. @param {string} goal */
+  colourBy(goal) {
+    element("goal").value = goal;
+    for (const { run } of this.shown) if (run.head.options[goal]) run.goal = goal;
   }
 
   /** Zoom a world about its centre. @param {WorldView} view @param {number} factor */
@@ -141,7 +150,13 @@ export class Page {
   hint(view, px, py) {
     const { kind, number } = view.thingAt(px, py, this.frameOf(view.run));
     if (number < 0) return { cursor: "move", words: "" };
-    return kind === "robot" ? { cursor: "pointer", words: `a click chooses robot ${number}` } : { cursor: "default", words: `item ${number}` };
+    return kind === "robot" ? { cursor: "pointer", words: `a click chooses robot ${number}${this.heldBy(view.run, number)}` } : { cursor: "default", words: `item ${number}` };
+  }
+
+  /** Return what a robot holds now, in brackets. @param {Run} run @param {number} robot */
+  heldBy(run, robot) {
+    const held = Object.entries(run.head.options).map(([goal, options]) => options[valueAt(run, `held/${goal}`, this.frameOf(run), robot)]);
+    return held.length ? ` (${held.join(", ")})` : "";
   }
 
   /** @param {number} speed */
@@ -255,6 +270,7 @@ export class Page {
 
   /** Draw what does not change with the time. */
   pictures() {
+    showLegend(this.shown.map(({ run }) => run));
     const most = Math.max(...this.shown.map(({ counts }) => counts.contacts[counts.contacts.length - 1] ?? 0), 1);
     const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.prices?.items || run.head.items, counts.items[counts.items.length - 1] ?? 0)), 1);
     for (const { run, counts, charts } of this.shown) {
@@ -274,7 +290,7 @@ export class Page {
     element("time").value = String(this.time);
     element("now").textContent = `${this.time.toFixed(1)} s`;
     this.shown.forEach(({ run, view, counts, title, caption, score }, k) => {
-      const frame = this.frameOf(run), counted = Math.min(frame, run.frames - 1, counts.items.length - 1), share = this.playing ? this.time / this.period - Math.floor(this.time / this.period) : 0;
+      const frame = this.frameOf(run), counted = Math.min(frame, run.frames - 1), share = this.playing ? this.time / this.period - Math.floor(this.time / this.period) : 0;
       if (this.following && this.robot < run.head.robots) { view.pose(frame, share); view.centre = [view.x[this.robot], view.y[this.robot]]; }
       view.draw(frame, share, this.robot, layers, colours);
       const over = this.time >= (run.frames - 1) * this.period && run.result, done = [];
@@ -282,7 +298,7 @@ export class Page {
       if (over) done.push(run.result?.completed ? `completed after ${run.result.duration_s} s` : "not completed");
       title.textContent = title.title = titleOf(run, frame);
       caption.textContent = caption.title = done.join(", ");
-      put(score, scoreOf(run, counts, counted, (counted + 1) * this.period));
+      put(score, scoreOf(run, counts, counted, over ? run.result?.duration_s : frame * this.period));
       view.canvas.classList.toggle("chosen", k === this.chosen && this.shown.length > 1);
     });
     if (this.timelineOf !== this.chosen) this.pictures();

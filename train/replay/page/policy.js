@@ -1,11 +1,11 @@
 // @ts-check
 /** What a trained network saw and how likely it found each option, computed again from its inputs and weights in the recording. */
-import { bytesOf, titleOf, valueAt } from "./recording.js";
+import { bytesOf, choosersAt, valueAt } from "./recording.js";
 import { plain } from "./look.js";
 import { inputWord } from "./words.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{goals: Record<string, string[]>, observations: string[], mean: number[], deviation: number[], clip: number, activation: string,
- *   widths: number[], weights: string}} Policy weights: of each layer the matrix (inputs, outputs) and the biases, float32 in base64 */
+ *   widths: number[], weights: string, holds?: Record<string, number>}} Policy holds: decisions for which a choice is kept; weights: of each layer the matrix (inputs, outputs) and the biases, float32 in base64 */
 
 /** Return the layers of a policy, the last one that of the options. @param {Policy} policy @returns {{weights: Float32Array, bias: Float32Array}[]} */
 function layersOf({ widths, weights }) {
@@ -36,7 +36,7 @@ function sharesOf(outputs) {
 }
 
 /** Return the policy that chooses at a frame, if it is in the recording. @param {Run} run @param {number} frame @returns {Policy | undefined} */
-export const policyAt = (run, frame) => run.head.policies?.[titleOf(run, frame).split(", ").pop() ?? ""];
+export const policyAt = (run, frame) => run.head.policies?.[choosersAt(run, frame).chose];
 
 /**
  * Return the inputs of the policy at a frame, those that moved the choice of a goal's option most first: name, value, and by how much

@@ -21,12 +21,12 @@
  * @typedef {Chosen & {sign: string, radius: number}} Drawn
  * @typedef {Chosen & {word: string, when: Record<string, boolean>, certain: boolean}} Destination when: sensor, and whether it reads more than 0
  * @typedef {{doing: Record<string, string>, searching: Record<string, string>, sees: string}} TaskWords
- * @typedef {{tick: number, do: string, robot?: number, robots?: number[], strategy?: string}} Change what was done by hand before a frame was decided
+ * @typedef {{tick: number, do: string, robot?: number, robots?: number[], strategy?: string, option?: string}} Change what was done by hand before a frame was decided
  * @typedef {{first: number, frames: number, sizes: [number, number][], deposits?: DepositKind[], by_hand?: Change[], made?: number}} Directory
  * @typedef {{channel: Channel, columns: number, data: Int32Array, room: Int32Array}} Track frame-major: number k of frame t is at
  *   t * columns + k of data, which is the beginning of room
  * @typedef {{head: Head, frames: number, tracks: Map<string, Track>, deposits: DepositKind[], byHand: Change[], made: number,
- *   result: Record<string, any> | null, ahead: number, coming: Change[]}} Run made: time at which the last frame of a session was made
+ *   result: Record<string, any> | null, ahead: number, coming: Change[], goal: string}} Run goal: whose options give robots their colours; made: time at which the last frame of a session was made
  *   [s since 1970]; ahead: 1 if the present of a session is in `room` behind its last frame, with what was done by hand since then
  */
 
@@ -86,7 +86,7 @@ function newRun(head) {
     const columns = channel.shape.reduce((a, b) => a * b, 1), data = new Int32Array(0);
     return [channel.name, { channel, columns, data, room: data }];
   }));
-  return { head, frames: 0, tracks, deposits: [], byHand: [], made: 0, result: null, ahead: 0, coming: [] };
+  return { head, frames: 0, tracks, deposits: [], byHand: [], made: 0, result: null, ahead: 0, coming: [], goal: Object.keys(head.options)[0] ?? "" };
 }
 
 /** Make room for `frames` frames. @param {Run} run @param {number} frames */
@@ -224,9 +224,23 @@ export function settingOf(run, robot, key) {
   return (robots.groups ? robots.groups[run.head.models?.[robot] ?? 0] : robots)[key];
 }
 
+/** Return what was done by hand before the decisions of a frame. @param {Run} run @param {number} frame */
+export const changesUntil = (run, frame) => [...run.byHand, ...run.coming].filter((change) => change.tick <= frame);
+
+/**
+ * Return the strategy that chose what robots hold at a frame, and the one that chooses from the next decision on.
+ * @param {Run} run @param {number} frame @returns {{chose: string, next: string}}
+ */
+export function choosersAt(run, frame) {
+  const { about, ticks_per_decision: period } = run.head, decided = Math.min(frame, run.frames - 1);
+  const followed = changesUntil(run, frame).filter((change) => change.do === "follow_strategy");
+  /** @param {Change | undefined} change */
+  const name = (change) => change?.strategy?.split(" sha256:")[0] ?? about.condition ?? "";
+  return { next: name(followed.at(-1)), chose: name(followed.findLast(({ tick }) => Math.ceil(tick / period) * period <= decided)) };
+}
+
 /** Return the title of a run at a frame, with the strategy at that time. @param {Run} run @param {number} frame */
 export function titleOf(run, frame) {
-  const { experiment, scenario, condition } = run.head.about;
-  const followed = [...run.byHand, ...run.coming].filter((change) => change.do === "follow_strategy" && change.tick <= frame).pop();
-  return [experiment, scenario && `scenario ${scenario}`, followed?.strategy?.split(" sha256:")[0] ?? condition].filter(Boolean).join(", ") || "mission";
+  const { experiment, scenario } = run.head.about;
+  return [experiment, scenario && `scenario ${scenario}`, choosersAt(run, frame).next].filter(Boolean).join(", ") || "mission";
 }

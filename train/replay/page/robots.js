@@ -94,13 +94,13 @@ export function drawReach(view, c, frame, chosen, layers) {
 
 /** @param {WorldView} view @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Layers} layers @param {Colours} colours */
 export function drawRobots(view, c, frame, chosen, layers, colours) {
-  const { run } = view, { options, models } = run.head, s = view.scale;
-  const goal = Object.keys(options)[0], radii = Array.from(view.x, (_, i) => settingOf(run, i, "radius"));
+  const { run } = view, { models } = run.head, s = view.scale;
+  const radii = Array.from(view.x, (_, i) => settingOf(run, i, "radius"));
   const least = view.rows.length <= MOST_PATHS ? SMALL + 1 : 2, sizes = radii.map((radius) => Math.max(least, radius * s)), largest = Math.max(...sizes);
   /** @type {Map<string, [number, number, number][]>} */
   const groups = new Map();
   for (const i of view.rows) {
-    const colour = valueAt(run, "working", frame, i) ? colourOf(valueAt(run, `held/${goal}`, frame, i)) : LOOK.failed.colour;
+    const colour = valueAt(run, "working", frame, i) ? colourOf(valueAt(run, `held/${run.goal}`, frame, i)) : LOOK.failed.colour;
     const group = groups.get(colour) ?? [];
     groups.set(colour, group);
     view.images(view.x[i], view.y[i], radii[i], (x, y) => group.push([x, y, i]));

@@ -3,8 +3,8 @@
 import { valueAt } from "./recording.js";
 import { plain } from "./look.js";
 /** @typedef {import("./recording.js").Run} Run */
-/** @typedef {{items: Float64Array, contacts: Float64Array}} Counts */
-/** @typedef {{time: number, contacts: number, left: number, items: number, all: number, cost: number}} Cost parts [s]; items: dumped */
+/** @typedef {import("./course.js").Counts} Counts */
+/** @typedef {{time: number, priced: number, contacts: number, left: number, items: number, all: number, cost: number}} Cost parts [s]; priced: collisions one by one, contacts: what they cost together; items: dumped */
 
 const NO_ITEM = 0.3;
 
@@ -20,11 +20,20 @@ export function costOf(run, counts, frame, time) {
   const contacts = priced <= prices.limit ? priced : prices.limit * (2 - prices.limit / priced);
   const left = prices.left * Math.max(prices.items - items, 0);
   const cost = prices.left ? time + contacts + left : (time + contacts) / Math.max(items, NO_ITEM);
-  return { time, contacts, left, items, all: prices.items, cost };
+  return { time, priced, contacts, left, items, all: prices.items, cost };
 }
 
 /** @param {number} seconds */
 const whole = (seconds) => `${Math.round(seconds).toLocaleString("en")} s`;
+
+/** Return of what a cost consists, so that its parts add up to it. @param {Run} run @param {Cost} cost @param {number} collisions */
+function partsOfCost(run, { time, priced, contacts, left, items }, collisions) {
+  const { limit = 0, left: price } = run.head.prices ?? {}, rest = Math.round(time + contacts) - Math.round(time);
+  const less = priced > limit ? ` (${whole(priced)} one by one: beyond ${whole(limit)} each costs less)` : "";
+  const split = `${whole(time)} + ${whole(rest)} for ${collisions} collision${collisions === 1 ? "" : "s"}${less}`;
+  if (!price) return `(${split}) / ${Math.max(items, NO_ITEM)} items`;
+  return left ? `${split}; items left: ${whole(left)} more` : split;
+}
 
 /** Return the running score as HTML. @param {Run} run @param {Counts} counts @param {number} frame @param {number} time [s] */
 export function scoreOf(run, counts, frame, time) {
@@ -35,9 +44,10 @@ export function scoreOf(run, counts, frame, time) {
   const of = cost?.all ? ` of ${cost.all}` : "", items = counts.items[frame] ?? 0;
   const dumped = `<span title="Items that have been recycled and dumped: the work that is done."><b data-items>${items}</b>${of} item${cost?.all || items !== 1 ? "s" : ""} dumped</span>`;
   if (!cost) return `${dumped}${events}`;
-  const split = `${whole(cost.time)} time + ${whole(cost.contacts)} contacts${cost.left ? `; items left: ${whole(cost.left)} if it ended now` : ""}`;
-  const told = `What the run costs up to now: seconds, the price of its collisions, and two time limits for each item that is left${cost.all ? "" : "; for each item, because garbage keeps coming"}.`;
-  return `${dumped}${events}<span title="${plain(told)}">cost so far <b data-cost="${cost.cost}">${whole(cost.left ? cost.time + cost.contacts : cost.cost)}</b> <span class="split small">= ${split}</span></span>`;
+  const split = partsOfCost(run, cost, collisions), { event, sample } = run.head.prices ?? { event: 0, sample: 0 };
+  const contact = sample ? `, and ${Number((sample * run.head.mission.world.physics_rate).toPrecision(2))} s a second in contact` : "";
+  const told = `What the run costs up to now: its seconds, ${event} s a collision${contact}, and two time limits for each item that is left if it ended now${cost.all ? "" : "; for each item, because garbage keeps coming"}.`;
+  return `${dumped}${events}<span title="${plain(told)}">cost so far <b data-cost="${cost.cost}">${whole(run.head.prices?.left ? cost.time + cost.contacts : cost.cost)}</b> <span class="split small">= ${split}</span></span>`;
 }
 
 /** Return the verdict on a run that is over, in a line, and its cost [s]. @param {Run} run @returns {{words: string, cost: number, done: boolean}} */

@@ -41,7 +41,7 @@ function follow() {
         const { now: block } = state;
         state.now = "";
         if (block) [[, present]] = await blocksIn(bytesOf(block));
-        if (present && showPresent(run, present)) present = null;
+        if (present && (run.result?.completed || showPresent(run, present))) present = null; // what was completed has no present after it
         if (page) page.grow();
         else if (run.frames + run.ahead) ready((page = new LivePage(run, state)));
       }

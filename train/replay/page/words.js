@@ -24,6 +24,7 @@ export const WORDS = {
   remove: "Take the chosen robot away.",
   loss: "Share of the messages about poses and pheromones that are lost.",
   loss_now: "Share of the messages that are lost.",
+  goal: "Robots and charts have the colours of the options of one goal: choose which.",
   follow: "Keep the chosen robot in the middle of the picture (f).",
   whole: "Show the whole world again.",
   parting: "Go to the first moment at which the runs differ.",
@@ -58,6 +59,9 @@ export const WORDS = {
   pheromones: "What robots have left behind; stronger where somebody has just been.",
   "failed robot": "A robot that does nothing any more; its body stays.",
 };
+
+/** What the options of a goal decide. @type {Record<string, string>} */
+export const GOAL_WORDS = { AvoidCollision: "how they avoid others", ExplorationPatrol: "how they explore", Transport: "which station they go to" };
 
 /** Of the three charts below a world. */
 export const CHART_WORDS = [
