@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from functools import partial
 from pathlib import Path
 from threading import Event, Thread
 from time import strftime
@@ -50,15 +49,17 @@ def time_left(task: Task) -> str:
 
     Most missions end before their time limit. So the simulated seconds that have run, of all that may have to, say how
     long it takes at most; the results say it more closely as soon as there are enough. The time until the first
-    missions run is not counted, and the first of the seconds say nothing yet.
+    missions run is not counted, and the first of the seconds say nothing yet. Where no result has come for longer than
+    the results say is left, the slow missions are the last ones: then as long again is said.
     """
-    begun, most, ran, first = (task.fields[name] for name in ("begun", "most", "ran", "first"))
+    begun, most, ran, first, latest = (task.fields[name] for name in ("begun", "most", "ran", "first", "latest"))
     by_results = (task.completed - begun) / max((task.total or 0.0) - begun, 1.0)
     by_seconds = min(ran / most, 1.0) if most > 0.0 else 0.0
     if by_results <= 0.0 and by_seconds < SHARE_THAT_TELLS:
         return "time left: not known yet"
     share = min(max(by_results, by_seconds), 1.0)  # a training ends with a whole round, beyond its total
-    seconds = round(((task.elapsed or 0.0) - first) * (1.0 / share - 1.0))
+    waited = (task.elapsed or 0.0) - latest if by_results >= by_seconds and share < 1.0 else 0.0
+    seconds = round(max(((task.elapsed or 0.0) - first) * (1.0 / share - 1.0), waited))
     words = f"{seconds // 3600}:{seconds // 60 % 60:02d}:{seconds % 60:02d} left"
     return words if by_results >= by_seconds else f"at most {words}"
 
@@ -93,7 +94,7 @@ def progress(
     with Progress(
         *shown, _TimeLeft(Column(no_wrap=True)), _More(), console=console, transient=log is None, disable=hidden
     ) as bar:
-        known: dict[str, Any] = {"begun": done, "most": 0.0, "ran": 0.0, "first": 0.0}
+        known: dict[str, Any] = {"begun": done, "most": 0.0, "ran": 0.0, "first": 0.0, "latest": 0.0}
         number, ended = bar.add_task(what, total=total, completed=done, more="", **known), Event()
         task = bar.tasks[0]
 
@@ -102,10 +103,14 @@ def progress(
                 task.fields["first"] = max((task.elapsed or 0.0) - TELL_EVERY, 0.0)
             bar.update(number, ran=task.fields["ran"] + seconds)
 
+        def update(**changed: Any) -> None:  # noqa: ANN401  (as rich has it)
+            came = {"latest": task.elapsed} if changed.keys() & {"advance", "completed"} else {}
+            bar.update(number, **came, **changed)
+
         if log is not None:
             Thread(target=_keep_log, args=(task, what, log / LOG, ended), daemon=True).start()
         try:
             with listening(hear):
-                yield partial(bar.update, number)
+                yield update
         finally:
             ended.set()

@@ -40,11 +40,14 @@ MOST = {"most": 30 * 600.0, "ran": 1800.0}
         (0, 30, 40.0, MOST | {"ran": 10.0}, "time left: not known yet"),  # a mechanism is compiled
         (1, 30, 4.0, MOST, "at most 0:00:36 left"),  # one result is too few
         (6, 30, 4.0, MOST, "0:00:16 left"),
+        (49, 50, 441.0, {"latest": 441.0}, "0:00:09 left"),  # a result has just come
+        (49, 50, 601.0, {"latest": 441.0}, "0:02:40 left"),  # the slowest is the last
+        (0, 30, 40.0, MOST, "at most 0:06:00 left"),  # that is a bound, however long one waits
         (0, 30, 24.0, MOST | {"first": 20.0}, "at most 0:00:36 left"),  # workers started
     ],
 )
 def test_the_time_left(completed, total, elapsed, fields, expected):
-    fields = {"begun": 0, "most": 0.0, "ran": 0.0, "first": 0.0, **fields}
+    fields = {"begun": 0, "most": 0.0, "ran": 0.0, "first": 0.0, "latest": elapsed, **fields}
     task = SimpleNamespace(completed=completed, total=total, elapsed=elapsed, fields=fields)
     assert commands.time_left(task) == expected
 
