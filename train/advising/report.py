@@ -30,7 +30,7 @@ from train.analysis.flips import ALPHA
 from train.analysis.intervals import TOLD, Estimate, Ratio, about_number, corrected_ps
 from train.analysis.runs import Runs
 from train.analysis.strategy_comparison import cross_fitted
-from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left
+from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left, ratio_words
 from train.evaluation.evaluation import Done
 from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family
@@ -41,8 +41,6 @@ WORTH_LEARNING = 0.05
 FEW_MORE = 1.25
 """Times the starts up to which it is not said that more of them would tell a tenth."""
 NONE_FITS = "No rule or policy that ships fits this mission."
-WIDEST = 1000.0
-"""Upper end of the widest interval of a ratio that is said."""
 OVER = 1.5
 """Times the time that was given, from which on the advice says how long it took."""
 
@@ -322,9 +320,7 @@ def times(ratio: Ratio, words: str = "") -> str:
     """Return a ratio and its interval in words."""
     if ratio.ratio is None:
         return "no ratio"
-    digits = "{:.2f}".format if ratio.ratio < 10.0 else "{:.0f}".format
-    ends = None if ratio.ci95 is None or ratio.ci95[1] > WIDEST else ratio.ci95
-    return f"{digits(ratio.ratio)}{' ' * bool(words)}{words}{interval_words(ends, digits)}"
+    return f"{ratio_words(ratio.ratio)}{' ' * bool(words)}{words}{interval_words(ratio.ci95, ratio_words)}"
 
 
 def gain(ratio: Ratio) -> str:

@@ -113,6 +113,14 @@ class Estimate:
         mean, spread = float(values.mean()), MeanError.of(values)
         return cls(mean, None if spread is None else (mean - spread.half_width(), mean + spread.half_width()))
 
+    @classmethod
+    def of_amounts(cls, values: Floats) -> Estimate:
+        """Return the same with an interval that begins at 0 where no value is less, as no cost or time is."""
+        mean = cls.of(values)
+        if mean.ci95 is None or values.min() < 0.0:
+            return mean
+        return cls(mean.value, (max(mean.ci95[0], 0.0), mean.ci95[1]))
+
 
 @dataclass(frozen=True)
 class Ratio:

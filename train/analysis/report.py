@@ -165,15 +165,16 @@ def _values(figures: Mapping[str, float], scenarios: Sequence[str]) -> Floats:
 
 
 def verdict_of(report: ExperimentReport) -> list[str]:
-    """Return what came out, in one to three sentences."""
+    """Return what came out, in one to three sentences; four where missions of a compared experiment were lost."""
     source = "measured" if report.paired else "the paper"
     those = source if report.paired else f"of {source} (95 % intervals meet)"
     known = [one for one in report.agreements if one.agrees is not None]
     others = [f"{one.what} ({amount(one.ours)}, {source} {amount(one.theirs)})" for one in known if not one.agrees]
     said = f"{len(known) - len(others)} of {len(known)} figures agree with those {those}"
-    compared = [f"{said}{'; not: ' * bool(others)}{'; '.join(others[:MOST_NAMED])}."] if known else []
+    compared = [f"{said}{'; these do not: ' * bool(others)}{', '.join(others[:MOST_NAMED])}."] if known else []
+    lost = any(own.any() for own in report.runs.unfinished.values())
     unfinished = unfinished_sentence(report.runs.unfinished, report.ranking, report.runs.task.missed[1])
-    return [*report.ranking.sentences()[: 1 if compared else 2], *compared, *filter(None, [unfinished])]
+    return [*report.ranking.sentences(), *compared, *([unfinished] if unfinished and (lost or not compared) else [])]
 
 
 def _words(metric: str, of: str) -> str:

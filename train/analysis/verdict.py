@@ -36,6 +36,8 @@ TIMES = 1.5
 """Ratio from which on a difference is said by a factor, not in per cent."""
 LOG_FROM = 8.0
 """Ratio of the largest to the least value from which the scale of a table or a figure is logarithmic."""
+MOST_TIMES = 1_000
+"""Ratios and ends of their intervals beyond this one say nothing: there are too few scenarios."""
 MOST_NAMED = 3
 """Most strategies that a sentence lists by name."""
 RANDOM, CHANCE = "Random", "chance"
@@ -100,12 +102,8 @@ class Ranking:
 
     @cached_property
     def means(self) -> dict[str, Estimate]:
-        """Label -> mean with its own 95 % interval, which begins at 0 where costs and times cannot be less."""
-        found = {label: Estimate.of(own) for label, own in self.values.items()}
-        for label, mean in found.items():
-            if mean.ci95 is not None and self.values[label].min() >= 0.0:
-                found[label] = Estimate(mean.value, (max(mean.ci95[0], 0.0), mean.ci95[1]))
-        return found
+        """Label -> mean with its own 95 % interval."""
+        return {label: Estimate.of_amounts(own) for label, own in self.values.items()}
 
     def ratio(self, label: str, to: str) -> Ratio:
         """Return the ratio of the means of two."""
@@ -147,10 +145,11 @@ class Ranking:
         yardstick = next((label for label in (*yardsticks, others[-1]) if label in others), others[-1])
         if self.scenarios < fewest(self.pairs):
             below = int((self.values[best].mean(axis=0) < self.values[yardstick].mean(axis=0)).sum())
+            many = f"{self.scenarios} scenario{'s' * (self.scenarios > 1)}"
             return [
-                f"{self.scenarios} scenario{'s' * (self.scenarios > 1)} cannot tell {len(self.labels)} strategies "
-                f"apart, {fewest(self.pairs)} may{self._needed(others[0], best, TOLD)}: {self.name(best)} {self.verb} "
-                f"least in them, {mean}, less than {self.name(yardstick)} in {below} of {self.scenarios}."
+                f"{self.name(best)} {self.verb} least: {mean}, less than {self.name(yardstick)} in {below} of {many}.",
+                f"{many} cannot tell {len(self.labels)} strategies apart: {fewest(self.pairs)} may"
+                f"{self._needed(others[0], best, TOLD)}.",
             ]
         alike = [label for label in others if not self.apart(label, best)]
         if len(alike) == len(others):
@@ -169,8 +168,8 @@ class Ranking:
 
     def _next(self, label: str, best: str) -> str:
         ratio, said = self.ratio(label, best).ratio, f"{self.name(label)}, {amount(self.means[label].value)} s"
-        ends = interval_words(self.interval(label, best), "{:.2f}".format)
-        return said if ratio is None else f"{said}, {ratio:.2f} times as much{ends}"
+        ends = interval_words(self.interval(label, best), ratio_words)
+        return said if ratio is None else f"{said}, {ratio_words(ratio)} times as much{ends}"
 
     def _less(self, best: str, other: str) -> str:
         if not self.apart(other, best):
@@ -210,19 +209,16 @@ def unfinished_sentence(left: Mapping[str, Floats], ranking: Ranking, word: str 
     `left`: label -> 1 where a mission was not completed (S, K, V).
     """
     missions, counts = sum(own.size for own in left.values()), {label: int(own.sum()) for label, own in left.items()}
-    lost, blamed = sum(counts.values()), sorted((label for label in counts if counts[label]), key=counts.__getitem__)
+    lost, blamed = (
+        sum(counts.values()),
+        sorted((label for label in counts if counts[label]), key=counts.__getitem__, reverse=True),
+    )
     if not missions:
         return ""
-    may = f"; up to {most_left(left[ranking.labels[0]]):.0%} of {ranking.name(ranking.labels[0])}'s may be"
     if not lost or lost == missions:
-        return f"{'Every' if lost else 'No'} mission of {missions} was {word}{'' if lost else may}."
-    begin = f"{lost} of {missions} missions {'was' if lost == 1 else 'were'} {word}"
-    if len(blamed) == 1:
-        return f"{begin}, {['', 'both ', 'all '][min(lost, 3) - 1]}by {ranking.name(blamed[0])}{may}."
-    first = blamed[: -MOST_NAMED - 1 : -1]
-    rest = lost - sum(counts[label] for label in first)
-    shares = [f"{counts[label]} by {ranking.name(label)}" for label in first] + [f"{rest} by others"] * (rest > 0)
-    return f"{begin}: {', '.join(shares)}{may}."
+        return f"{'Every' if lost else 'No'} mission of {missions} was {word}."
+    whose = listed([ranking.name(label) for label in blamed])
+    return f"{lost} of {missions} missions {'was' if lost == 1 else 'were'} {word}, by {whose}."
 
 
 def most_left(left: Floats) -> float:
@@ -243,6 +239,18 @@ def amount(value: float) -> str:
 
     """
     return f"{value:,.0f}" if abs(value) >= 9.95 or value == 0.0 else f"{value:#.2g}"
+
+
+def ratio_words(ratio: float) -> str:
+    """Return a ratio with two digits behind the point, none from 10 on; those beyond `MOST_TIMES` say nothing more.
+
+    >>> ratio_words(1.3478), ratio_words(263.1), ratio_words(1116.15)
+    ('1.35', '263', 'over 1,000')
+
+    """
+    if ratio > MOST_TIMES:
+        return f"over {MOST_TIMES:,}"
+    return f"{ratio:.2f}" if ratio < 9.995 else f"{ratio:.0f}"
 
 
 def interval_words(ends: Interval | None, words: Callable[[float], str]) -> str:

@@ -12,18 +12,17 @@ from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Floats
 from train.reports.charts import colour_of, draw_rows, fit_axis, label_of, panels, svg
 
-WIDTH: Final = 9.2
-"""Width of a chart [inch]."""
+WIDTH: Final = 6.0
+"""Width of a chart, two of which stand side by side at a desk [inch]."""
 SLICES: Final = 60
 """Times at which shares of options are drawn."""
 
 
-def distributions(values: Floats, scenarios: Sequence[str], labels: Sequence[str], title: str) -> str:
+def distributions(values: Floats, scenarios: Sequence[str], labels: Sequence[str]) -> str:
     """Return a row for each condition: every run (C, K), quartiles, and the mean with its 95 % interval."""
     with panels(1, 1, (WIDTH, 0.8 + 0.42 * len(values))) as (figure, ((axes,),)):
         draw_rows(axes, values, scenarios, labels, range(len(values)))
         fit_axis(axes, values)
-        axes.set_xlabel(title)
         return svg(figure)
 
 

@@ -15,14 +15,13 @@ from markdown_it import MarkdownIt
 
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
-from train.analysis.statistics import share_cell
 from train.report_page.charts import distributions, selection_over_time
-from train.reports.charts import figure_of, svg
+from train.reports.charts import svg
 from train.reports.curves import EXPLAINED as EXPLAINED_CURVES
 from train.reports.curves import draw_curves, verdict_of
 from train.reports.results import HeldResults
 from train.reports.text_table import markdown_table
-from train.running.finished_runs import natural_order
+from train.running.finished_runs import cheapest_first, natural_order
 from train.running.runs import RunRecord
 
 FIGURES: Final[Mapping[str, Callable[[RunRecord], float]]] = {
@@ -44,8 +43,8 @@ NOT_CHECKED = (
     "The manifest of the directory. Whether the runs are of this configuration is not checked here; --resume checks it."
 )
 EXPLAINED = (
-    "Dots: missions. Grey lines join those of one scenario. Boxes: the middle half of the missions. Diamonds: means, "
-    "with 95 % intervals (Student, by the number of scenarios)."
+    "Dots: missions. Boxes: the middle half of the missions. Diamonds: means, with 95 % intervals (Student, by the "
+    "number of scenarios)."
 )
 
 
@@ -82,26 +81,22 @@ def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
         for held in results
         for record in held.records
     ]
-    costs: dict[str, list[float]] = {}
-    for record in records:
-        costs.setdefault(record.condition, []).append(record.result.cost_s)
-    conditions = sorted(costs, key=lambda condition: float(np.mean(costs[condition])))
+    conditions = cheapest_first(records)
     scenarios = sorted({record.scenario for record in records}, key=natural_order)
     for held in results:
         yield f"<h2>{escape(str(held.path))}</h2>" if len(results) > 1 else ""
         first, *more = re.split(r"(?m)^## ", re.sub(r"\A# .*\n", "", held.tables))
-        shown = [f"## {part}" for part in more]
-        yield html_of_markdown(first + "".join(shown[:1]))
-        for part in shown[1:]:
-            head, _, rest = part.removeprefix("## ").partition("\n")
+        yield html_of_markdown(first + "".join(f"## {part}" for part in more[:1]))
+        for part in more[1:]:
+            head, _, rest = part.partition("\n")
             yield f"<details><summary>{escape(head)}</summary>{html_of_markdown(rest)}</details>"
-    told = _note(f"{len(records)} runs: {len(scenarios)} scenarios, {len(conditions)} conditions. {EXPLAINED}")
-    yield f"<h2>Distributions</h2>{told}"
-    labels = with_unfinished(records, conditions)
+    yield "<h2>Distributions</h2>"
     for figure, of in FIGURES.items():
         at = {record.key: of(record) for record in records}
         values = np.array([[at.get((scenario, name), np.nan) for scenario in scenarios] for name in conditions])
-        yield f"<h3>{escape(figure)}</h3>" + distributions(values, scenarios, labels, figure)
+        yield f"<section><h3>{escape(figure)}</h3>{distributions(values, scenarios, conditions)}</section>"
+    told = f"{len(records)} runs: {len(scenarios)} scenarios, {len(conditions)} conditions. {EXPLAINED}"
+    yield f"<section><h3>How to read the charts</h3>{_note(told)}</section>"
     yield from _selection(results)
 
 
@@ -118,8 +113,8 @@ def _selection(results: Sequence[HeldResults]) -> Iterator[str]:
     if not groups:
         yield _note("No run was recorded: evaluate with --record, and make the report again.")
     for (condition, goal, _), own in groups.items():
-        yield f"<h3>{escape(condition)}: {escape(goal)}, {len(own)} recorded runs</h3>"
-        yield selection_over_time(own, goal)
+        title = f"<h3>{escape(condition)}: {escape(goal)}, {len(own)} recorded runs</h3>"
+        yield f"<section>{title}{selection_over_time(own, goal)}</section>"
 
 
 def _training(results: Sequence[HeldResults]) -> Iterator[str]:
@@ -137,14 +132,6 @@ def _training(results: Sequence[HeldResults]) -> Iterator[str]:
         yield f"<h2>Checkpoints of {escape(label)}</h2>" + html_of_markdown(markdown_table(columns, rows))
 
 
-def with_unfinished(records: Sequence[RunRecord], conditions: Sequence[str]) -> list[str]:
-    """Return the conditions with their shares of unfinished missions; without them if nobody finished any."""
-    done = {name: [record.result.completed for record in records if record.condition == name] for name in conditions}
-    if not any(map(any, done.values())):
-        return list(conditions)
-    return [f"{name}\n{share_cell(1.0 - sum(own) / len(own))} unfinished" for name, own in done.items()]
-
-
 def html_of_markdown(text: str) -> str:
     """Return headings, tables and paragraphs of Markdown as HTML: what `table.md` has."""
     headings = re.sub(r"^#+ ", "### ", text, flags=re.MULTILINE)
@@ -156,4 +143,4 @@ def _note(text: str) -> str:
 
 
 def _cell(value: object) -> str:
-    return figure_of(value) if isinstance(value, float) and np.isfinite(value) else "" if value is None else str(value)
+    return f"{value:,.5g}" if isinstance(value, float) and np.isfinite(value) else "" if value is None else str(value)

@@ -18,9 +18,9 @@ from matplotlib.ticker import LogFormatter
 
 from clean_swarm_env.drawing.look import OPTION_COLOURS
 from selforg.arrays import Flags, Floats
-from train.analysis.intervals import Interval
-from train.analysis.statistics import by_scenario, summarise
-from train.analysis.verdict import LOG_FROM
+from train.analysis.intervals import Estimate, Interval
+from train.analysis.statistics import by_scenario
+from train.analysis.verdict import LOG_FROM, amount, interval_words
 
 TEXT_COLOUR: Final = "#1b1b1b"
 """Colour of text and axes; on a page it becomes the colour of the page's text."""
@@ -112,16 +112,6 @@ def fit_axis(axes: Axes, values: Floats, name: str = "x") -> None:
         axes.set(**{f"{name}lim": (0.0, BEYOND * known.max() or 1.0)})
 
 
-def figure_of(value: float) -> str:
-    """Return a number with four digits at least, and all of those before the point.
-
-    >>> figure_of(19260.4), figure_of(55.913), figure_of(600.0)
-    ('19,260', '55.91', '600')
-
-    """
-    return f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.4g}"
-
-
 def error_bar(value: float, ci95: Interval | None) -> list[list[float]]:
     """Return the lengths of an error bar below and above a value, as Matplotlib asks for them.
 
@@ -153,7 +143,6 @@ def draw_rows(
 
     """
     heights = np.arange(len(values))[:, None] + SPREAD * np.cos(np.arange(values.shape[1]) * np.pi * (3.0 - 5.0**0.5))
-    axes.plot(values, heights, color="0.6", linewidth=0.5, alpha=max(0.1, min(0.6, 12 / values.shape[1])), zorder=1)
     for row, place in enumerate(places):
         colour, known = colour_of(place), np.isfinite(values[row])
         filled = known if hollow is None else known & ~hollow[row]
@@ -165,12 +154,11 @@ def draw_rows(
             continue
         first, third = np.quantile(values[row, known], [0.25, 0.75])
         axes.barh(row, third - first, 0.5, first, color=colour, alpha=0.2)
-        found = summarise(by_scenario(values[row], scenarios))
-        spread = error_bar(found.mean, found.ci95)
-        axes.errorbar(found.mean, row, xerr=spread, fmt="D", color=colour, mec="white", ms=7, lw=2, zorder=4)
-        interval = "" if found.ci95 is None else f"\n[{', '.join(map(figure_of, found.ci95))}]"
-        beside = axes.get_yaxis_transform()
-        axes.text(1.02, row, f"mean {figure_of(found.mean)}{interval}", transform=beside, va="center", fontsize=7)
+        mean = Estimate.of_amounts(by_scenario(values[row], scenarios)[None])
+        spread = error_bar(mean.value, mean.ci95)
+        axes.errorbar(mean.value, row, xerr=spread, fmt="D", color=colour, mec="white", ms=7, lw=2, zorder=4)
+        said = f"{amount(mean.value)}{interval_words(mean.ci95, amount)}".replace(" ", "\n", 1)
+        axes.text(1.02, row, said, transform=axes.get_yaxis_transform(), va="center")
     axes.set_yticks(range(len(values)), [label_of(label) for label in labels])
     axes.set_ylim(len(values) - 0.5, -0.5)
     axes.grid(axis="x")

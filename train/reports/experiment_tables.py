@@ -12,8 +12,8 @@ from train.analysis.intervals import corrected_ps
 from train.analysis.report import ExperimentReport
 from train.analysis.runs import COST, distance_metrics
 from train.analysis.statistics import share_cell, summarise
-from train.analysis.verdict import interval_words
-from train.reports.ranking_table import TELLS, VERDICTS, first_columns, measures_grids, p_cell, ranking_table
+from train.analysis.verdict import interval_words, ratio_words
+from train.reports.ranking_table import VERDICTS, first_columns, measures_grids, p_cell, ranking_table
 from train.reports.text_table import EMPTY_CELL, Grid
 
 TITLES = {
@@ -59,10 +59,9 @@ def beside_theirs(report: ExperimentReport) -> Grid:
     """Return our figures beside those that were measured, or published with the experiment; no rows without."""
     rows = [(one.what, _number(one.ours), _number(one.theirs), VERDICTS[one.agrees]) for one in report.agreements]
     source = "measured" if report.paired else "the paper"
-    measured = "agree: 1 is in the 95 % interval of the ratio of means on the same starts; the intervals of ratios meet"
-    note = (
-        measured if report.paired else "agree: the 95 % intervals meet; start configurations of the paper are not known"
-    )
+    note = "agree: the 95 % intervals meet"
+    if report.paired:
+        note = "agree: 1 is in the 95 % interval of the ratio of means on the same starts; the intervals of ratios meet"
     return Grid(f"ours beside {source}", ("figure", "ours", source.split()[-1], "agree"), rows, notes=(note,))
 
 
@@ -76,11 +75,11 @@ def table_1(report: ExperimentReport) -> Grid:
         heads += [f"{name}\n{head}" for head in group]
         columns += [*(report.ours(name, metric) for metric in shown), *theirs]
         done += [f"{completed.sum():.0f}/{completed.size}", *[""] * (len(group) - 1)]
-    rows = [(scenario, *(_two(column.get(scenario)) for column in columns)) for scenario in report.scenarios]
+    rows = [(scenario, *(_number(column.get(scenario)) for column in columns)) for scenario in report.scenarios]
     found = [summarise(np.array(list(column.values()))) if column else None for column in columns]
-    summary = [(what, *(_two(getattr(one, what, None)) for one in found)) for what in SUMMARIES]
+    summary = [(what, *(_number(getattr(one, what, None)) for one in found)) for what in SUMMARIES]
     title = f"{report.experiment.name}, seed {report.runs.seed}"
-    return Grid(title, tuple(heads), rows, (*summary, done), (*_notes(report), POPULATION))
+    return Grid(title, tuple(heads), rows, (*summary, done), (POPULATION,))
 
 
 def ratios(report: ExperimentReport) -> Grid:
@@ -90,16 +89,17 @@ def ratios(report: ExperimentReport) -> Grid:
     corrected = corrected_ps(list(report.comparisons.values()))
     for ((*pair, metric), found), p in zip(report.comparisons.items(), corrected, strict=True):
         shares = " / ".join(share_cell(1.0 - float(done[name].mean())) for name in pair)
-        row = [TITLES[metric], " / ".join(pair), shares, _number(found.ratio)]
-        row += [interval_words(found.ci95, _number).strip() or EMPTY_CELL, p_cell(p)]
+        ratio = EMPTY_CELL if found.ratio is None else ratio_words(found.ratio)
+        row = [TITLES[metric], " / ".join(pair), shares, ratio]
+        row += [interval_words(found.ci95, ratio_words).strip() or EMPTY_CELL, p_cell(p)]
         if paper:
             a, b = (paper.figures.get(name, {}).get(metric, ()) for name in pair)
             row.append(f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL)
         rows.append(row)
     heads = ("figure", "conditions", "unfinished", "ratio", "95 % interval", "p (Holm)") + (("paper",) if paper else ())
     need = fewest(len(rows))
-    few = f"; {need} scenarios may tell something" if len(report.scenarios) < need else ""
-    return Grid("ratios of means", heads, rows, notes=(f"{TELLS}{few}",))
+    few = (f"p: {need} scenarios may tell something",) if len(report.scenarios) < need else ()
+    return Grid("ratios of means", heads, rows, notes=few)
 
 
 def _beside(report: ExperimentReport, condition: str) -> list[Column]:
@@ -122,10 +122,6 @@ def _notes(report: ExperimentReport) -> tuple[str, ...]:
     if report.experiment.reference and not report.paired:
         notes.append(f"paper: {report.experiment.reference.source}; its start configurations are not known.")
     return tuple(notes)
-
-
-def _two(value: float | None) -> str:
-    return EMPTY_CELL if value is None else f"{value:.2f}"
 
 
 def _number(value: float | None) -> str:

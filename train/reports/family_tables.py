@@ -12,7 +12,7 @@ from train.analysis.intervals import Estimate
 from train.analysis.robustness_report import RobustnessReport
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, StrategyComparison
-from train.analysis.verdict import RANDOM, Ranking, amount, interval_words
+from train.analysis.verdict import RANDOM, Ranking, amount, interval_words, ratio_words
 from train.reports.ranking_table import first_columns, measures_grids, ranking_table
 from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
 
@@ -64,9 +64,9 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
     rows = [
         (
             standing.label,
-            f"{standing.excess.value:.1f}",
-            EMPTY_CELL if standing.ratio.ratio is None else f"{standing.ratio.ratio:.3f}",
-            interval_cell(standing.ratio.ci95),
+            amount(standing.excess.value),
+            EMPTY_CELL if standing.ratio.ratio is None else ratio_words(standing.ratio.ratio),
+            interval_words(standing.ratio.ci95, ratio_words).strip(),
         )
         for standing in comparison.standings
     ]

@@ -23,7 +23,7 @@ from train.reports.charts import (
     panels,
 )
 
-LEGEND = "diamond: mean with its 95 % interval; box: quartiles; grey line: one scenario; hollow point: not completed"
+LEGEND = "point: a mission, hollow if not completed; box: quartiles; diamond: mean with its 95 % interval"
 MARKERS = "os^vDP*X"
 """Forms of points, in turn."""
 AXES = {"completed": "completed", "duration_s": "duration [s]", "collision_events": "collision events"}
@@ -40,7 +40,7 @@ def draw_experiment(report: ExperimentReport) -> Figure:
     with panels(1, 2, (12.0, 1.6 + 0.55 * len(places)), shared=True) as (figure, axes):
         _draw_runs(axes[0], report.runs, dict(shown), places, paper.figures if paper else {})
         figure.suptitle(report.runs.title)
-        figure.supxlabel(LEGEND + (f"; x: {paper.source}" if paper else ""), fontsize=8, color="0.4")
+        figure.supxlabel(LEGEND + (f"; x: {paper.source}" if paper else ""), fontsize=9, color="0.4")
         return figure
 
 
@@ -49,7 +49,7 @@ def draw_family(report: FamilyReport) -> Figure:
     runs, shown = report.runs, {EXCESS: f"{report.compared} [s]", "duration_s": "duration [s]"}
     with panels(1, 2, (12.0, 1.6 + 0.42 * len(runs.conditions)), shared=True) as (figure, axes):
         _draw_runs(axes[0], runs, shown, {name: place for place, name in enumerate(runs.conditions)})
-        figure.suptitle(f"{runs.title}. {LEGEND}", fontsize=8)
+        figure.suptitle(f"{runs.title}. {LEGEND}", fontsize=9)
         return figure
 
 

@@ -10,14 +10,12 @@ from train.analysis.intervals import Interval
 from train.analysis.runs import Report
 from train.analysis.statistics import Summary, share_cell
 from train.analysis.task_report import MeasuredStrategy
-from train.analysis.verdict import LOG_FROM, Ranking, amount, interval_words, listed, most_left
+from train.analysis.verdict import LOG_FROM, Ranking, amount, interval_words, listed, most_left, ratio_words
 from train.reports.text_table import EMPTY_CELL, POINT, Grid
 
 VERDICTS = {True: "yes", False: "no", None: EMPTY_CELL}
 LETTERS = 20
 """Width of a drawn cell."""
-LARGEST_RATIO = 1_000
-"""Ends of intervals of ratios beyond this one say nothing: there are too few scenarios."""
 AT_MOST = " (at most)"
 """End of the head of the column of missions that were not completed: the share, and the upper 95 % bound of it."""
 TELLS = "p: sign flips of missions that both finish, and of shares unfinished, by Holm over the table; told below 0.05"
@@ -45,15 +43,15 @@ def ranking_table(
     rows = []
     for label, mean in ranking.means.items():
         ratio, ends = ranking.ratio(label, best).ratio, None if label == best else ranking.interval(label, best)
-        said = interval_words(ends, lambda end: f"{end:.2f}" if end < LARGEST_RATIO else f"over {LARGEST_RATIO:,}")
-        again = EMPTY_CELL if ratio is None else f"{ratio:.2f}{said}"
+        again = EMPTY_CELL if ratio is None else f"{ratio_words(ratio)}{interval_words(ends, ratio_words)}"
         drawn = strip(mean.value, mean.ci95, (low, most), logarithmic)
         p = EMPTY_CELL if label == best else p_cell(ranking.ps[frozenset((label, best))])
         cells = (f"{amount(mean.value)}{interval_words(mean.ci95, amount)}", drawn, again, p)
         rows.append((label, *cells, *(column.get(label, "") for column in columns.values())))
     scale = f"{amount(low)} to {amount(most)}{', logarithmic' * logarithmic}"
     heads = ("strategy", f"{what} [95 %]", scale, "times the first [95 %]", "p (Holm)", *columns)
-    lines = ["times the first: ratio of means; the 95 % hold for all pairs of the table together", TELLS]
+    together = "the 95 % hold for all pairs of the table together, so another row makes all of them wider"
+    lines = [f"times the first: ratio of means; {together}", TELLS]
     lines = [] if ranking.scenarios == 1 or len(rows) == 1 else lines
     if ranking.heavy:
         names = listed([ranking.name(label) for label in ranking.heavy])

@@ -3,7 +3,7 @@
 import json
 import re
 import shutil
-from html import unescape
+from html import escape, unescape
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +12,10 @@ import yaml
 
 from tests.train.commands import done, refused, runs
 from train.analysis.statistics import by_scenario, summarise
+from train.analysis.verdict import amount
 from train.report_page.charts import distributions
 from train.report_page.page import html_of_markdown
-from train.reports.charts import figure_of
+from train.reports.charts import draw_rows, panels
 from train.reports.results import results_in
 from train.running import needs
 
@@ -79,7 +80,7 @@ def test_the_figures_are_those_of_the_runs(results, tmp_path):
     for name in conditions:
         found = summarise(np.array([value for (_, condition), value in costs.items() if condition == name]))
         low, high = found.ci95
-        assert {f"mean {figure_of(found.mean)}", f"[{figure_of(low)}, {figure_of(high)}]"} <= set(text.found["text"])
+        assert {amount(found.mean), f"[{amount(max(low, 0.0))}, {amount(high)}]"} <= set(text.found["text"])
     assert len(costs) == 9
     headings = [*text.found["h2"], *text.found["h3"]]
     for heading in ("Distributions", "Selection"):
@@ -87,7 +88,8 @@ def test_the_figures_are_those_of_the_runs(results, tmp_path):
     assert "Random: AvoidCollision, 3 recorded runs" in headings
     assert json.loads(text.found["pre"][0]) == json.loads((results / "manifest.json").read_text())
     verdict = json.loads((results / "summary.json").read_text())["verdict"]
-    assert verdict[0].startswith("3 scenarios cannot tell 3 strategies apart, 7 may")
+    assert verdict[1].startswith("3 scenarios cannot tell 3 strategies apart: 7 may")
+    assert all(page.read_text().count(escape(sentence, quote=False)) == 1 for sentence in verdict)
     assert page.read_text().index("<blockquote>") < page.read_text().index("<table>") < page.read_text().index("<svg")
     assert "\n".join(verdict) in text.found["p"]
     assert "Four robots & <items>." in text.found["p"]
@@ -101,7 +103,7 @@ def test_two_directories_are_compared_on_the_same_scenarios(results, tmp_path):
     done("report", results, other, "--output", tmp_path / "two.html")
     text = Text((tmp_path / "two.html").read_text())
     mean = np.mean([cost for (_, condition), cost in costs_in(results).items() if condition == "Random"])
-    assert {"run: Random", "other: Random", f"mean {figure_of(mean)}", "mean 1"} <= set(text.found["text"])
+    assert {"run: Random", "other: Random", amount(mean), "1.0"} <= set(text.found["text"])
     for name in ("run", "other"):  # not taken together
         assert f"{name}: Random: AvoidCollision, 3 recorded runs" in text.found["h3"]
 
@@ -199,13 +201,40 @@ def test_a_browser_shows_it_without_errors_or_requests(results, tmp_path, watche
     assert back == {"dark": "rgb(23, 25, 29)", "light": "rgb(255, 255, 255)"}[scheme]
 
 
+@pytest.mark.page
+@pytest.mark.extra
+def test_a_desk_is_filled_and_all_words_can_be_read(results, tmp_path, watched):
+    page = tmp_path / "page.html"
+    done("report", results, "--output", page)
+    shown, _, _ = watched(viewport={"width": 1366, "height": 850})
+    shown.goto(page.as_uri())
+    body = shown.locator("body").bounding_box()
+    for one in ("table >> nth=0", "section >> nth=1"):  # the right one of two charts
+        box = shown.locator(one).bounding_box()
+        assert box["x"] + box["width"] >= body["x"] + body["width"] - 40
+    least = "[...document.querySelectorAll('svg text')].map(word => word.getBoundingClientRect().height)"
+    assert min(shown.evaluate(least)) >= 11  # [pixels]
+    assert shown.evaluate(
+        "[...document.querySelectorAll('body *')].every(e => parseFloat(getComputedStyle(e).fontSize) > 10)"
+    )
+    assert shown.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_no_line_joins_the_scenarios_of_many_strategies():
+    costs = np.arange(21.0).reshape(7, 3) + 1.0
+    with panels(1, 1, (6.0, 4.0)) as (_, ((axes,),)):
+        draw_rows(axes, costs, ("1", "2", "3"), list("abcdefg"), range(7))
+        lines = [line for line in axes.get_lines() if len(set(line.get_ydata())) > 2]
+    assert lines == []
+
+
 def test_charts_of_known_costs():
     costs, names, scenarios = np.array([[10.0, 20.0], [15.0, 10.0], [np.nan, 40.0]]), ("<b>", "a", "c" * 99), ("1", "2")
-    drawn = distributions(costs, scenarios, names, "cost")
-    assert drawn == distributions(costs, scenarios, names, "cost")
+    drawn = distributions(costs, scenarios, names)
+    assert drawn == distributions(costs, scenarios, names)
     text = Text(drawn)
     assert {"<b>", f"{'c' * 41}..."} <= set(text.found["text"])
-    assert {"mean 15", "mean 40"} <= set(text.found["text"])  # one scenario: no interval
+    assert {"15", "40"} <= set(text.found["text"])  # one scenario: no interval
     assert "currentColor" in drawn
 
 
@@ -215,7 +244,7 @@ def test_intervals_are_by_the_number_of_scenarios_however_many_worlds_each_has()
     one = by_scenario(costs[0], names)
     assert one == pytest.approx(costs[0, ::3])
     low, high = summarise(one).ci95
-    assert f"[{low:.4g}, {high:.4g}]" in distributions(costs, names, ("a", "b"), "cost")
+    assert f"[{amount(low)}, {amount(high)}]" in distributions(costs, names, ("a", "b"))
     assert by_scenario(np.array([1.0, 3.0, np.nan]), ["1.5", "1.6", "2"]).tolist() == [1.0, 3.0]  # names of starts
 
 

@@ -3,9 +3,13 @@
 import io
 import re
 
+import numpy as np
 import pytest
 from rich.console import Console
 
+from tests.train.commands import done
+from train.analysis.verdict import Ranking
+from train.reports.ranking_table import ranking_table
 from train.reports.text_table import Grid, TerminalTable, markdown_table
 
 NAMES = ("models:fly=fixed:ORCA+Patrol;mule=fixed:ORCA+RecentFinds", "fixed:ORCA", "a" * 70)
@@ -64,3 +68,23 @@ def test_of_many_rows_the_first_and_those_that_were_named_are_shown():
 
 def test_a_label_is_one_cell_of_one_line():
     assert markdown_table(("a", "b"), [("one\ntwo|three", "1")]).splitlines()[2:] == [r"| one two\|three | 1 |"]
+
+
+def test_ratios_have_digits_that_say_something_and_depend_on_the_other_rows():
+    """A ratio is said as its interval is; another row makes all intervals wider, and a line below says so."""
+    few = np.linspace(0.9, 1.1, 12)
+    table = ranking_table("t", Ranking.of({"a": few, "b": 1116.15 * few, "c": 263.1 * few[::-1]}), "cost s", {})
+    again = {row[0]: row[3] for row in table.rows}
+    assert again["b"] == "over 1,000 [over 1,000, over 1,000]"
+    assert re.fullmatch(r"263 \[\d+, \d+\]", again["c"])
+    two = Ranking.of({"a": few, "c": 263.1 * few[::-1]})
+    three = Ranking.of({"a": few, "c": 263.1 * few[::-1], "d": 9.0 * few})
+    assert three.interval("c", "a")[0] < two.interval("c", "a")[0]
+    assert any("another row makes all of them wider" in note for note in table.notes)
+
+
+def test_no_sentence_is_written_twice(tmp_path):
+    done("evaluate", "table1", "--scenarios", 1, "--workers", 1, "--output", tmp_path / "run")
+    lines = (tmp_path / "run" / "table.md").read_text().splitlines()
+    sentences = [line for line in lines if line and not line.startswith("|")]
+    assert sorted(set(sentences)) == sorted(sentences)
