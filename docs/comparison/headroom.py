@@ -285,8 +285,12 @@ def race(
 
 
 def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
-    """Return the kind (T,) of each scenario."""
-    return [task_class(scenario.mission).kind_of(scenario.mission) for scenario in scenarios]
+    """Return the kind (T,) of each scenario, with the price of a collision where that differs."""
+    missions = [scenario.mission for scenario in scenarios]
+    kinds = [task_class(mission).kind_of(mission) for mission in missions]
+    if len({mission.collision_cost for mission in missions}) == 1:
+        return kinds
+    return [f"{kind} price {mission.collision_cost:g}" for kind, mission in zip(kinds, missions, strict=True)]
 
 
 def main(arguments: list[str]) -> None:

@@ -253,10 +253,11 @@ class Cleaning(Task[CleaningSettings, TaskState]):
 
     @classmethod
     def kind_of(cls, mission: MissionConfig) -> str:
-        """Return the kind of a mission within its family: by its spots of garbage and places of stations."""
+        """Return the kind of a mission within its family: by spots, places of stations, and what collisions do."""
         task = settings_of(mission)
-        places, harmless = len(set(task.stations.places)), " harmless" * task.consequences.harmless
-        return f"spots {len(task.garbage.spots)} stations {places}{harmless}"
+        places, dropped = len(set(task.stations.places)), " drop" * task.consequences.drop
+        harm = " harmless" if task.consequences.harmless else dropped
+        return f"spots {len(task.garbage.spots)} stations {places}{harm}"
 
     @classmethod
     def prices(cls, mission: MissionConfig) -> dict[str, float]:

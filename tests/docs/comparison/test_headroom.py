@@ -1,10 +1,30 @@
 """The headroom of a family: the search finds what is planted, and is judged on other scenarios."""
 
+import numpy as np
+
 from clean_swarm_env.config.load import load_family
 from docs.comparison.headroom import RULE_FOUND, SINGLE, HeadroomEvaluation, main, scenario_kinds
+from docs.comparison.hidden import OWN, against_told
 from tests.train.commands import cut
 from tests.train.records import record
 from train.request import Request
+
+
+def test_kinds_name_what_collisions_do_and_their_price_where_that_differs():
+    hidden = load_family(str(OWN.parent / "families" / "hidden.yaml"))
+    kinds = set(scenario_kinds([hidden.scenario(1, k, "test") for k in range(60)]))
+    told = {" harmless price 2", " price 2", " price 20", " drop price 2", " drop price 20"}
+    assert kinds == {f"spots 0 stations 2{each}" for each in told}
+    assert set(scenario_kinds([load_family("packed-1").scenario(1, 0, "test")])) == {"spots 0 stations 2"}
+
+
+def test_the_table_has_the_cheapest_first_beside_the_best_pair_and_told():
+    costs = {"told": [1.0, 3.0, 2.0, 2.0], "rule": [2.0, 4.0, 4.0, 2.0], "best": [2.0, 6.0, 4.0, 4.0]}
+    excesses = {label: np.array(own)[None, :, None] for label, own in costs.items()}
+    lines = against_told(excesses, {"told": 0, "rule": 1}).splitlines()
+    assert [line.split("|")[1].strip() for line in lines[2:]] == ["`told`", "`rule`", "`best`"]
+    assert "| 1 | 0.750 [" in lines[3]
+    assert lines[3].split("|")[5].startswith(" 1.500 [")
 
 
 def played(evaluation, excess):
