@@ -25,7 +25,7 @@ GROUPS = {
         "learning", "strategies", "machines", "knowledge", "clusters",
     ),
     "Understand": (
-        "ARCHITECTURE", "glossary", "robot", "selector", "selforg", "network", "walls", "models", "transport", "cost",
+        "ARCHITECTURE", "glossary", "selector", "network", "walls", "models", "transport", "cost",
         "paper", "quirks", "limits", "versions", "compared",
     ),
     "Results": (
@@ -43,11 +43,10 @@ RECORD = HOW_IT_CAME.replace("---\n", "---\norphan: true\n", 1)
 
 FOUND = {
     "environment": ("reward", "action space", "observation", "PettingZoo", "vectorised environment", "Gymnasium"),
-    "selforg": ("pheromone", "gradient"),
     "results": ("Table 1",),
     "families": ("headroom",),
     "walls": ("walls", "lidar", "zones"),
-    "selector": ("sensor", "action", "knowledge"),
+    "selector": ("sensor", "action", "knowledge", "pheromone", "gradient", "mechanism"),
     "own_plugins": ("plug-in", "plugin"),
     "recordings": ("recording", "replay"),
     "models": ("robot model", "heterogeneous"),

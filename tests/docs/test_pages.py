@@ -44,7 +44,7 @@ from train.live.session import Session
 
 PAGES = [path.relative_to(ROOT).as_posix() for path in sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])]
 TRAINS = re.compile("stable_baselines3|clean_swarm_env.sb3")
-GOES_ON = {"docs/selforg.md"}
+GOES_ON = {"docs/selector.md"}
 """Pages whose blocks of Python go on from those before."""
 APART = {"docs/play.md", "docs/recordings.md"}
 """Pages whose code has a test of its own."""
@@ -69,8 +69,7 @@ LEAVES = {
         names["running"].shape == (320, 2)
         and [names["model"].behaviours[b].name for b in names["network"].state.plan[0, :2]] == ["GoHome", "Charge"]
     ),
-    "docs/selector.md": at_the_goal,
-    "docs/selforg.md": lambda names: names["vectors"].shape == (5, 2),
+    "docs/selector.md": lambda names: at_the_goal(names) if "positions" in names else names["vectors"].shape == (5, 2),
 }
 """Page -> whether its block left what the page speaks of."""
 

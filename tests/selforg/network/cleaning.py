@@ -1,4 +1,4 @@
-"""The cleaning robot of docs/robot.md as a network model, its avoidance a plain behaviour, and readings for it."""
+"""The cleaning robot of docs/network.md as a network model, its avoidance a plain behaviour, and readings for it."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The cleaning robot of docs/robot.md as a planning problem, written by hand."""
+"""The cleaning robot of docs/network.md as a planning problem, written by hand."""
 
 import numpy as np
 
