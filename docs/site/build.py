@@ -26,7 +26,7 @@ GROUPS = {
     ),
     "Understand": (
         "ARCHITECTURE", "glossary", "selector", "network", "walls", "models", "transport", "cost",
-        "paper", "quirks", "limits", "versions", "compared",
+        "paper", "quirks", "versions", "compared",
     ),
     "Results": (
         "results", "choosing", "exploring", "families", "robustness", "benchmarks",

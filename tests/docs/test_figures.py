@@ -147,12 +147,12 @@ def test_numbers_of_sentences_are_taken_from_the_page(copy):
 
 
 def test_a_table_of_results_outside_of_all_blocks_is_found(copy):
-    before = (copy / "docs" / "limits.md").read_text(encoding="utf-8")
+    before = (copy / "docs" / "compared.md").read_text(encoding="utf-8")
     for table in (
         "| | costs |\n|---|---|\n| ORCA | cheap, 1.2 [1.1, 1.3] |",
         "| | duration s | said |\n|---|---|---|\n| ORCA | 46 | - |\n| Off | **131** | slow |",
     ):
-        (copy / "docs" / "limits.md").write_text(f"{before}\n{table}\n", encoding="utf-8")
+        (copy / "docs" / "compared.md").write_text(f"{before}\n{table}\n", encoding="utf-8")
         (line,) = numbers.faults(copy)
         assert "expected a block of docs/figures.json, got a table of results" in line
 
