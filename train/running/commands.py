@@ -104,7 +104,7 @@ def progress(
             bar.update(number, ran=task.fields["ran"] + seconds)
 
         def update(**changed: Any) -> None:  # noqa: ANN401  (as rich has it)
-            came = {"latest": task.elapsed} if changed.keys() & {"advance", "completed"} else {}
+            came: dict[str, Any] = {"latest": task.elapsed} if changed.keys() & {"advance", "completed"} else {}
             bar.update(number, **came, **changed)
 
         if log is not None:
