@@ -261,9 +261,7 @@ class FamilyConfig(Closed):
                 raise impossible(f"alternatives.{number}.world", expected, own.mission.size.tolist())
             with within(f"alternatives.{number}"):
                 own._check_scenarios()
-                for size in own.tori:
-                    largest = own._largest_on(size)
-                    check_frame(largest, frames.setdefault(size, largest))
+                check_frame(own.largest, frames.setdefault(own.tori[0], own.largest))
 
     def _under(self, disturbance: Disturbance) -> Self:
         """Return the family under a disturbance; its scenarios have the same starts."""

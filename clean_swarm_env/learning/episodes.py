@@ -79,8 +79,7 @@ class Episodes:
     def following(self, place: Following) -> tuple[Scenario, Following]:
         """Return the first episode of a series from a place on, and the place after it."""
         seed, number, step = place
-        drawn = isinstance(self.source, FamilyConfig) and bool(self.source.sizes or self.source.alternatives)
-        drawn = drawn and self.size is not None
+        drawn = isinstance(self.source, FamilyConfig) and self.size and (self.source.sizes or self.source.alternatives)
         while True:
             scenario = self.draw(seed, number)
             number += step

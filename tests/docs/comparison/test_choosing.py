@@ -128,7 +128,7 @@ def test_shares_of_the_way_have_intervals_that_hold_the_truth():
     assert 52 <= held < 60
 
 
-@pytest.mark.parametrize("name", ["choosing", "learning"])
+@pytest.mark.parametrize("name", ["choosing", "learning", "protocol", "hidden"])
 def test_manifests_that_ship_name_what_there_is(name):
     manifest = Manifest(**read_mapping(write_choosing.OWN.with_name(f"{name}.yaml")))
     assert manifest.name == name
