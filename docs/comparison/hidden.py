@@ -1,8 +1,8 @@
 """One try for a family that no rule names: `python -m docs.comparison.hidden [--judge]` judges hidden.yaml.
 
-What collisions do and cost is hidden there. Missions are kept in hidden.jsonl, and done unless they are there; with
-`--judge` none is done. The machines of `train design` are kept in docs/comparison/machines, with the command in
-hidden.yaml.
+What collisions do and cost is hidden there. The table stands in docs/families.md. Missions are kept in hidden.jsonl; only
+those that it lacks are done, with `--judge` none. The machines of `train design` are kept in docs/comparison/machines,
+with the command in hidden.yaml.
 """
 
 import sys
@@ -14,7 +14,8 @@ import numpy as np
 from clean_swarm_env.deciders.named import FIXED
 from docs.comparison.manifest import BEST, TOLD, Manifest
 from docs.comparison.missions import do_missions, read_missions
-from docs.comparison.write_choosing import JUDGE
+from docs.comparison.write_choosing import JUDGE, inputs_of, put_tables
+from docs.figures.stored import ROOT
 from selector.documents.errors import validated
 from selector.documents.reading import read_mapping
 from selforg.arrays import Floats
@@ -24,10 +25,11 @@ from train.reports.text_table import interval_cell, markdown_table
 
 OWN = Path(__file__).with_name("hidden.yaml")
 FAMILY = "hidden"
+DRAWN = OWN.with_name("families") / OWN.name
 
 
 def main(arguments: list[str]) -> None:
-    """Do the missions that are missing, and print the table."""
+    """Do the missions that are missing, and record the table."""
     manifest, file = validated(Manifest, read_mapping(OWN), str(OWN)), OWN.with_suffix(".jsonl")
     if JUDGE not in arguments:
         do_missions(manifest, file)
@@ -37,7 +39,8 @@ def main(arguments: list[str]) -> None:
     best = BestFixed.of(excesses, [f"{FIXED}:{options}" for options in manifest.families[FAMILY].fixed])
     excesses[BEST] = best.judged(excesses)
     left = {label: len(found[FAMILY, label].unfinished or []) for label in labels}
-    print(against_told(excesses, left))
+    inputs = inputs_of(OWN, ()) + [path.resolve().relative_to(ROOT).as_posix() for path in (DRAWN, file)]
+    put_tables("families", {FAMILY: against_told(excesses, left)}, "python -m docs.comparison.hidden", inputs)
 
 
 def against_told(excesses: Mapping[str, Floats], left: Mapping[str, int]) -> str:
