@@ -180,9 +180,10 @@ def main(arguments: list[str]) -> None:
     given, manifest, file, missions = asked_missions(arguments, OWN)
     tables = beside_rules(manifest, missions, manifest.trained)
     inputs = [*inputs_of(given, manifest.families), file.resolve().relative_to(ROOT).as_posix()]
-    put_tables(manifest.name, acceptance_tables(manifest, tables), COMMAND, inputs)
     judged = acceptances(manifest, tables.figures)
-    print("\n".join(judged[label].verdict for label in manifest.trained))
+    verdicts = "\n".join(f"- {judged[label].verdict}" for label in manifest.trained)
+    put_tables(manifest.name, {"verdicts": verdicts} | acceptance_tables(manifest, tables), COMMAND, inputs)
+    print(verdicts)
 
 
 if __name__ == "__main__":

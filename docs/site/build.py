@@ -29,7 +29,7 @@ GROUPS = {
         "paper", "quirks", "versions", "compared",
     ),
     "Results": (
-        "results", "choosing", "exploring", "families", "robustness", "benchmarks",
+        "results", "choosing", "protocol", "exploring", "families", "robustness", "benchmarks",
     ),
     "Reference": CATALOGUE,
     "API": API,

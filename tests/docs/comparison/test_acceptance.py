@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from docs.comparison import acceptance, missions
-from docs.comparison.acceptance import OVERALL, Acceptance, Acceptances
+from docs.comparison.acceptance import OVERALL, Acceptance, acceptance_tables, acceptances, beside_rules
 from docs.comparison.manifest import BEST, Manifest
 from docs.comparison.missions import Judged
 from docs.comparison.tables import FamilyFigures
@@ -119,9 +119,13 @@ def kept():
 
 
 def test_tables_have_who_was_judged_on_all_families_and_bold_what_holm_tells():
-    found = Acceptances(*kept())
-    tables = found.tables(["ppo"])
-    assert list(found.judged) == ["recent-finds", "ppo", "Random"]
+    manifest, found = kept()
+    compared = beside_rules(manifest, found, ["ppo"])
+    judged, tables = acceptances(manifest, compared.figures), acceptance_tables(manifest, compared)
+    assert {label: one.whole for label, one in judged.items()} == {
+        "recent-finds": True, "told-bumpers": False, "ppo": True, "Random": True,
+    }  # fmt: skip
+    assert "`told-bumpers`" not in tables["accepted"]
     assert "| `ppo` | 1 | 0.700 [0.700, 0.700] | 0 | +0.0, p 1 | 0.700 | yes |" in tables["accepted"]
     assert "| `Random` | 1 | 2.000 [2.000, 2.000] | 2 | +0.0, p 1 | 2.000 | no |" in tables["accepted"]
     assert "| best pair | ORCA | ORCA |" in tables["ratios"]
@@ -139,6 +143,6 @@ def test_nothing_is_run_to_judge_and_each_learner_gets_a_sentence(tmp_path, caps
     monkeypatch.setattr(acceptance, "ROOT", tmp_path)
     monkeypatch.setattr(acceptance, "inputs_of", lambda *_: [])
     monkeypatch.setattr(acceptance, "put_tables", lambda name, tables, *_: written.update({name: tables}))
-    assert acceptance.main(["--judge", str(given)]) == 0
-    assert capsys.readouterr().out == "`ppo` costs 0.700 [0.700, 0.700] of the best pairs of 2 families: accepted.\n"
-    assert list(written["tried"]) == ["accepted", "ratios", "beside"]
+    acceptance.main(["--judge", str(given)])
+    assert capsys.readouterr().out == "- `ppo` costs 0.700 [0.700, 0.700] of the best pairs of 2 families: accepted.\n"
+    assert list(written["tried"]) == ["verdicts", "accepted", "ratios", "beside"]
