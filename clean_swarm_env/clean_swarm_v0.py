@@ -45,7 +45,44 @@ AgentsStep = tuple[dict[str, Observations], dict[str, float], dict[str, bool], d
 
 
 class CleanSwarm(OneWorld, ParallelEnv[str, Observations, AgentAction]):
-    """One world of cleaning robots; each agent is a robot.
+    """One world of cleaning robots; each agent is a robot, `robot_0`, `robot_1` and so on.
+
+    A step is a decision period of 1 s. Shapes: N robots, F components of an observation, G of the state, M items, O
+    options. The numbers are those of "table1": N = 5, F = 43, G = 106, M = 10, O = 3.
+
+    **Observation**: float32 (F,) within [-1, 1] for each agent, what the robot senses or has heard, in its own frame;
+    `observation_names` names the components, `observation={"terms": [...]}` chooses others. In this order:
+
+    - nearest item (4): whether it is in sight, its distance by the range of sight, its direction ahead and left.
+    - cargo (2): carries something; whether that is recycled.
+    - phase (4), one flag: patrol, approach, on the way to recycling, to the dump.
+    - situation (4), one flag: free or carrying, far from or near a station.
+    - nearest recycling station, nearest dump (3 each): distance by half the torus' diagonal, ahead, left; then how
+      near both are (2): 1 at a station, 0 from 2 m on.
+    - target (3): the way to the station that the cargo has to go to.
+    - nearest robot heard (6): distance, ahead, left; its heading, ahead and left; how fast it comes closer.
+    - crowd (3): robots heard within 1, 1.5 and 2.5 m, by 6.
+    - avoidance (2): length of the avoidance vector by the reach of a pose; whether the robot avoids somebody.
+    - movement (2): speed and turn rate by the largest ones.
+    - time (1): share of the time limit that is left; idle (1): time since the robot last achieved something, by 60 s.
+    - options (O), one flag for each: the robot holds it. Missing with vectors as actions.
+
+    **Action** for each agent at work, by `action={"mode": ...}`:
+
+    - "option", the default: int within 0..O-1, the option of `options` that the robot holds in the next period;
+      int64 (goals,) where several goals are coordinated.
+    - "velocity": float32 (2,) within [-1, 1], a movement vector ahead and left, as shares of the largest speed.
+    - "both": a dictionary of `option` and of `correction`, such a vector, which is added to the robot's command.
+
+    **Reward**, a float for each agent: -0.01 for each second by which the mission's cost grew: time, own collisions,
+    and at the end two time limits for each item left. `reward={"own_dumped": 1.0, ...}` adds shaping.
+
+    **State**, for critics: `state()` is float32 (G,) within [-1, 1], true values without errors of sensing, named by
+    `state_names`: of each robot whether it works, place, heading (cosine, sine), cargo (2) and options (7 + O each); of
+    each item whether it lies, is carried or is done, and its place (5 each); places of stations (4); time; share done.
+
+    **End**: terminated when all garbage is dumped, truncated at the time limit. **Infos**, the same keys for each
+    agent: `time_s`, `garbage_done`, `mission_collision_events`, `own_dumped`, `action_mask` (O,) and others.
 
     Args:
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.

@@ -96,7 +96,21 @@ def learn(inverse: Floats, weights: Floats, groups: Ints, option: Ints, inputs: 
 class LinUCB(LinearModel):
     """LinUCB with disjoint models (Li, Chu, Langford & Schapire 2010, doi:10.1145/1772690.1772758, algorithm 1).
 
-    The bound is expected reward + exploration * standard error; `exploration` is the paper's alpha.
+    The bound is expected reward + exploration * standard error; `exploration` is the paper's alpha. Here never
+    avoiding is better among few robots, and ORCA among many:
+
+    >>> import numpy as np
+    >>> from selector.strategies.problem import Problem
+    >>> from selector.strategies.registry import create
+    >>> problem = Problem("AvoidCollision", ("ORCA", "Off"), np.array([0.5, 0.5]), features=("crowd",))
+    >>> strategy = create("LinUCB", problem, np.arange(1, dtype=np.uint64), {"exploration": 1.0})
+    >>> for step in range(200):
+    ...     context = np.array([[step % 5 / 4]])
+    ...     option = strategy.select(context)
+    ...     strategy.update(option, np.where(option == 0, 0.5, 1.0 - context[:, 0]), context)
+    >>> [problem.options[strategy.select(np.array([[crowd]]))[0]] for crowd in (0.0, 0.25, 0.75, 1.0)]
+    ['Off', 'Off', 'ORCA', 'ORCA']
+
     """
 
     def _select(self, decisions: Decisions) -> Ints:

@@ -69,7 +69,22 @@ def most_promising(decisions: Decisions, means: Floats, pulls: Floats, width: fl
 class UCB1(ValueTable):
     """UCB1 (Auer, Cesa-Bianchi & Fischer 2002, doi:10.1023/A:1013689704352, figure 1).
 
-    The bound of option i is mean_i + exploration * sqrt(2 ln n / n_i), n being the sum of all n_i.
+    The bound of option i is mean_i + exploration * sqrt(2 ln n / n_i), n being the sum of all n_i. The expert prefers
+    the worse of two options here; with `prior` 0 each is tried once, and then the better one is taken:
+
+    >>> import numpy as np
+    >>> from selector.strategies.problem import Problem
+    >>> from selector.strategies.registry import create
+    >>> problem = Problem("AvoidCollision", ("ORCA", "Off"), np.array([0.5, 1.0]))
+    >>> strategy = create("UCB1", problem, np.arange(1, dtype=np.uint64), {"exploration": 0.2, "prior": 0.0})
+    >>> taken = []
+    >>> for _ in range(50):
+    ...     option = strategy.select(np.zeros((1, 0)))
+    ...     strategy.update(option, np.where(option == 0, 0.8, 0.3), np.zeros((1, 0)))
+    ...     taken.append(problem.options[option[0]])
+    >>> taken[:4], taken.count("ORCA")
+    (['Off', 'ORCA', 'ORCA', 'ORCA'], 49)
+
     """
 
     exploration: NonNegative = 1.0

@@ -7,6 +7,7 @@ import pytest
 import selector.strategies.registry
 import selector.strategies.strategy
 from selector.documents.errors import DocumentError
+from selector.strategies.bandits import exp3, linear, upper_confidence
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, StrategySpec, spec_from_text
 from selector.strategies.unlearned import Fixed, MaxScore, Random
@@ -114,7 +115,9 @@ def test_problems_that_make_no_sense_are_refused(arguments, message):
         Problem(arguments[0], arguments[1], np.array(arguments[2]), *arguments[3:])
 
 
-@pytest.mark.parametrize("module", [selector.strategies.strategy, selector.strategies.registry])
+@pytest.mark.parametrize(
+    "module", [selector.strategies.strategy, selector.strategies.registry, exp3, linear, upper_confidence]
+)
 def test_the_examples_in_the_texts_work(module, monkeypatch):
     monkeypatch.setattr(STRATEGIES, "_classes", {cls.__name__: cls for cls in STRATEGIES})
     failed, attempted = doctest.testmod(module)
