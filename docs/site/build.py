@@ -50,7 +50,7 @@ FOUND = {
     "own_plugins": ("plug-in", "plugin"),
     "recordings": ("recording", "replay"),
     "models": ("robot model", "heterogeneous"),
-    "own_task": ("own task",),
+    "own_task": ("own task", "own mission"),
 }
 """Page -> words whose search leads to it first."""
 

@@ -1,12 +1,17 @@
 """The site: each name of `clean-swarm list` has a page, links lead to their places, and nothing comes from outside."""
 
+import shutil
+
 import pytest
 
 pytest.importorskip("sphinx", reason="needs the extra 'docs'")
 
+from sphinx.cmd.build import main as sphinx
+
 from docs.site.api import API, PLACES, exports, write_api
-from docs.site.build import faults, menu, sources
+from docs.site.build import FOUND, faults, menu, sources
 from docs.site.catalogue import write_catalogue
+from docs.site.conf import html_js_files
 from docs.site.stage import ROOT, Stage, site_path
 from train.cli.listing import LINES, names_of
 
@@ -83,3 +88,43 @@ def test_links_lead_to_the_same_places(tmp_path):
 def test_what_a_page_loads_from_outside_is_found(tmp_path, text):
     (tmp_path / "x.html").write_text(text)
     assert len(faults(tmp_path)) == 1
+
+
+@pytest.mark.page
+def test_search_answers_where_the_site_is_opened_as_a_file(tmp_path):
+    """It finds the words that lead to a page first; where the browser forbids pages of files to search, it says so."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    if (chromium := shutil.which("chromium")) is None:
+        pytest.skip("needs Chromium")
+    assert {"own task", "own mission"} <= set(FOUND["own_task"])
+    static = ROOT / "docs" / "site" / "static"
+    (tmp_path / "conf.py").write_text(
+        f"extensions, html_theme = ['myst_parser'], 'furo'\nhtml_static_path = [{str(static)!r}]\n"
+        f"html_js_files = {html_js_files}\n"
+    )
+    (tmp_path / "index.md").write_text(
+        "# Beyond one machine\n\nYour own mission: own, mission.\n\n```{toctree}\ntask\n```\n"
+    )
+    (tmp_path / "task.md").write_text("```{index} ! own mission\n```\n\n# A task of your own\n\nOne class.\n")
+    assert sphinx(["-q", "-b", "html", str(tmp_path), str(tmp_path / "html")]) == 0
+    with playwright.sync_playwright() as running:
+        browser = running.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        for forbidden in (False, True):
+            page, said = browser.new_page(), []
+            page.on("pageerror", lambda error, said=said: said.append(str(error)))
+            if forbidden:
+                page.add_init_script("Object.defineProperty(window, 'localStorage', {get() { throw new Error(); }})")
+            page.goto(f"{(tmp_path / 'html' / 'search.html').as_uri()}?q=own+mission")
+            told = "No search in pages" if forbidden else "Search Results"
+            page.wait_for_function(f"document.querySelector('#search-results h2').textContent.startsWith('{told}')")
+            if not forbidden:
+                assert page.text_content("#search-results li >> nth=0").startswith("A task of your own")
+                assert said == []
+        browser.close()
+
+
+def test_the_first_page_names_every_tutorial():
+    first = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    for path in (ROOT / "docs" / "tutorials").glob("*.md"):
+        title = path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+        assert f"[{title}](tutorials/{path.name})" in first
