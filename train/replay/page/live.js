@@ -192,6 +192,7 @@ export class LivePage extends Page {
     if (this.atHead && !this.state.playing && time > this.end + this.period / 2 && time < Infinity) this.order({ do: "step" });
     super.go(time);
     this.atHead = this.time >= this.end - this.period / 2;
+    if (!this.atHead) this.verdict.hidden = true; // it would cover what one looks back at
     element("head").setAttribute("aria-pressed", String(this.atHead));
     this.show();
   }
