@@ -24,6 +24,7 @@ from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.motion import COPY_OFFSETS
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
 from selforg.commands import Commands
+from selforg.program import Program
 
 SUBSTEPS = 4  # a tick
 WARM_UP = 20  # ticks before the measurement: spaces are built, robots have met
@@ -113,11 +114,12 @@ def physics_seconds_per_tick(worlds: int, robots: int, width: float, ticks: int,
         physics.place(world, places[world * robots : (world + 1) * robots], headings)
     drive.speed[:] = 1.0
     turn_rates = rng.uniform(-2.0, 2.0, (WARM_UP + ticks, worlds * robots))  # 0.4 rad in a tick, as the floor's walk
+    program = Program(lambda: [physics.ticking(SUBSTEPS, commands.packed, drive, counter)])
     for tick in range(WARM_UP + ticks):
         if tick == WARM_UP:
             begin = process_time()
         drive.turn_rate[:] = turn_rates[tick]
-        physics.tick(0.0, SUBSTEPS, commands.packed, drive, counter)
+        program.run(0.0)
     return (process_time() - begin) / ticks
 
 

@@ -28,7 +28,7 @@ import torch
 from stable_baselines3 import PPO
 
 from benchmarks.shared.measuring import by_turns
-from benchmarks.shared.parts import Stopwatch, borders_of
+from benchmarks.shared.parts import Stopwatch
 from benchmarks.shared.record import record
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.sb3 import RobotVecEnv
@@ -77,8 +77,7 @@ def watched(model: PPO, envs: RobotVecEnv) -> Stopwatch:
     watch.watch(batch, "step", "batch: observation, reward, progress")
     watch.watch(batch, "_start_episode", "batch: new episodes")
     watch.watch(batch.worlds, "hold", "selector")
-    for owner, method, part in borders_of(batch.worlds):
-        watch.watch(owner, method, part)
+    watch.watch(batch.worlds, "tick", "tick")
     return watch
 
 

@@ -22,8 +22,15 @@ class Commanded(NamedTuple):
     in_place: Annotated[Flags, "N", SCRATCH]  # whether the robot turns without moving
 
 
-COMMANDED = Recording(Commanded)
-open_commanded = COMMANDED.open
+class Moved(NamedTuple):
+    """Movements of all rows, where mechanisms write them."""
+
+    vectors: Annotated[Floats, "N D", SCRATCH]  # [m/s]
+    active: Annotated[Flags, "N", SCRATCH]  # whether there is a movement
+
+
+COMMANDED, MOVED = Recording(Commanded), Recording(Moved)
+open_commanded, open_moved = COMMANDED.open, MOVED.open
 
 
 class Commands:
@@ -46,11 +53,6 @@ class Commands:
         """Take all commands back."""
         for array in self.packed.record:
             array[:] = 0
-
-    def copy_from(self, others: Commands) -> None:
-        """Take over the commands of as many robots."""
-        for array, given in zip(self.packed.record, others.packed.record, strict=True):
-            array[:] = given
 
     def add(self, vectors: Floats) -> None:
         """Add `vectors` (N, D) [m/s] to the movements; a zero vector changes nothing, others end turning in place."""

@@ -17,6 +17,7 @@ OF_NUMBA = {
     "selforg/compiler/decorators.py",
     "selforg/compiler/parts.py",
     "selforg/compiler/records.py",
+    "selforg/compiler/steps.py",
     "selforg/compiler/switches.py",
     "clean_swarm_env/physics/chipmunk_calls.py",
 }

@@ -1,14 +1,15 @@
-"""The time of each part of a tick, measured at its border, without the calls that it makes to other parts."""
+"""The time of each part of a tick, step by step of its program, and a stopwatch for parts of other code."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.world.worlds import Worlds
-from selforg.mechanisms import MovementMechanism
+from selforg.compiler.steps import run_steps
+from selforg.program import LEAD, Program, Step
 
 PARTS = ("physics", "buffer", "mechanisms", "network", "selector", "sensors and cargo")
 ROUNDS = 41
@@ -47,43 +48,47 @@ class Stopwatch:
         self._since = self._clock()
 
 
-def borders_of(worlds: Worlds) -> Iterator[tuple[object, str, str]]:
-    """Yield (owner, method, part) of every call that leads from one part of a tick into another."""
-    yield worlds, "tick", "sensors and cargo"
-    yield worlds.floor, "move", "physics"
-    for buffer in (
-        worlds.minds.buffers["items"],
-        worlds.minds.buffers["pheromones"],
-        worlds.minds.buffers["gradients"],
-    ):
-        for method in ("store_static", "extinguish", "deposit"):
-            yield buffer, method, "buffer"
-    yield worlds.minds.poses, "update", "buffer"
-    contents = [content for coordinator in worlds.coordinators for content in coordinator.contents]
-    inner = [mechanism for content in contents for mechanism in content.mechanisms.values()]
-    for mechanism in (worlds.task.movers.mechanisms["MoveToGarbage"], worlds.task.movers.mechanisms["Patrol"], *inner):
-        if isinstance(mechanism, MovementMechanism):
-            yield mechanism, "move_into", "mechanisms"
-    for network in (worlds.network, *(content.network for content in contents)):
-        yield network, "step", "network"
-    for coordinator in worlds.coordinators:
-        for method in ("sense", "act", "leave"):
-            yield coordinator, method, "selector"
+def part_of(step: Step) -> str:
+    """Return the part to which a step of a tick belongs, by the file of its function."""
+    module = str((step.kernel or step.python).__module__)
+    if module.startswith("clean_swarm_env.physics"):
+        return "physics"
+    if module.startswith("selforg.gradients") or module == "clean_swarm_env.world.minds":
+        return "buffer"
+    if module.startswith(("selforg.components", "selector")):
+        return "selector"
+    found = [part for part in ("mechanisms", "network") if module.startswith(f"selforg.{part}")]
+    return found[0] if found else "sensors and cargo"
+
+
+class WatchedProgram(Program):
+    """A program that runs step by step and adds up how long each part takes [s], less what a call by itself takes."""
+
+    __slots__ = ("seconds",)
+
+    def run(self, now: float) -> None:
+        """Run all steps at `now` [s]."""
+        for at, step in enumerate(self.steps):
+            alone, begin = self._table[: at + 1], perf_counter()
+            run_steps(now, at + 1, alone)
+            between = perf_counter()
+            reached, result = run_steps(now, at, alone)
+            if reached == at:
+                step.python(now, step.rows.now, *(() if step.kernel is None else (result,)))
+            self.seconds[part_of(step)] += perf_counter() - between - (between - begin)
 
 
 def parts_of_a_tick(worlds: Worlds, ticks: int) -> dict[str, float]:
     """Return the wall microseconds of each part of a tick, from ROUNDS rounds of `ticks` ticks.
 
     Wall time, because reading the CPU clock costs more than some parts. Rounds are short and the lower quartile counts,
-    so that rounds in which another process had the core drop out. The watches stay on the worlds and slow them.
+    so that rounds in which another process had the core drop out. The watch stays on the worlds and slows them.
     """
-    watch = Stopwatch()
-    for owner, method, part in borders_of(worlds):
-        watch.watch(owner, method, part)
+    program = worlds._thinking = WatchedProgram(worlds._steps, (LEAD,))
     rounds = []
     for _ in range(ROUNDS):
-        watch.seconds = dict.fromkeys(PARTS, 0.0)
+        program.seconds = dict.fromkeys(PARTS, 0.0)
         for _ in range(ticks):
             worlds.tick()
-        rounds.append(watch.seconds)
+        rounds.append(program.seconds)
     return {part: 1e6 * float(np.quantile([taken[part] for taken in rounds], 0.25)) / ticks for part in PARTS}

@@ -47,6 +47,7 @@ class RobotMotion(NamedTuple):
     parts: Annotated[Ints, "N PARTS", SCRATCH]  # addresses in Chipmunk while a world is in contact, else 0
     walls: Annotated[Ints, "K", SCRATCH]  # likewise, of segments; NEAR_ROBOTS where one is to be put there
     left: Annotated[Ints, "W", SCRATCH]  # substeps of the running tick that a world still has to do
+    substeps: Annotated[Ints, "1", READ]  # of a tick
     extent: Annotated[Floats, "2", READ]  # of the torus [m], as `physics.cells` takes it
     cells: Annotated[Ints, "lines columns", SCRATCH]  # see `cells`; a single one where cells save no time
     links: Annotated[Ints, "N", SCRATCH]  # see `cells`

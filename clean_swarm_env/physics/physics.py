@@ -14,7 +14,7 @@ seams. Copies meet originals only, so each pair meets exactly once. Pymunk's bod
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 
@@ -34,10 +34,11 @@ from clean_swarm_env.physics.motion import (
     wrapped_angle,
 )
 from clean_swarm_env.physics.tick import land_and_go_on, start_tick
-from selforg.arrays import KEPT, READ, Flags, Floats
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.declared import arrays_of
+from selforg.program import MOVE, Rows, Step
 from selforg.space import wrapped
 from selforg.walls.segments import Walls, no_walls
 
@@ -81,8 +82,9 @@ class Physics:
     >>> drive, counter = DifferentialDrive(rows=2), CollisionCounter(worlds=1, robots=2, width=11.0, height=11.0)
     >>> commands = Commands(rows=2, dim=2)
     >>> commands.vectors[:, 0], commands.commanded[:] = 1.0, True
+    >>> program = Program(lambda: [physics.ticking(4, commands.packed, drive, counter)])
     >>> for tick in range(5):
-    ...     physics.tick(0.2 * tick, 4, commands.packed, drive, counter)
+    ...     program.run(0.2 * tick)
     >>> physics.positions.round(6).tolist()
     [[2.0, 5.0], [10.0, 5.0]]
     """
@@ -102,7 +104,7 @@ class Physics:
             search = SEARCH_PAIRS if robots <= PAIR_SEARCH_LIMIT else ALWAYS_TOUCHING
         extent = np.array([settings.width, settings.height], dtype=np.float64)
         lines, columns = np.maximum(cells_along(robots, 2.0 * largest * (1.0 + SKIN), extent), 1).tolist()
-        self._motion: Packed[RobotMotion] = ROBOT_MOTION.pack(
+        self.motion: Packed[RobotMotion] = ROBOT_MOTION.pack(
             RobotMotion(
                 present=self.present,
                 extent=extent,
@@ -115,6 +117,7 @@ class Physics:
                 timestep=float(settings.timestep),
                 settling=PERSISTENCE + 1,
                 stiffness=1.0 / settings.timestep,
+                substeps=np.ones(1, dtype=np.int64),
                 **arrays_of(
                     RobotMotion,
                     W=worlds,
@@ -127,7 +130,7 @@ class Physics:
                 ),
             )
         )
-        self.positions, self.headings, self.bodies = self._motion.record[:3]
+        self.positions, self.headings, self.bodies = self.motion.record[:3]
 
     def place(self, world: int, positions: Floats, headings: Floats) -> None:
         """Put the robots of one world at places, at rest; nothing of their past is left.
@@ -145,8 +148,8 @@ class Physics:
         first = world * robots
         for offset in range(robots):
             self.add(first + offset, float(positions[offset, 0]), float(positions[offset, 1]), float(headings[offset]))
-        self._motion.record.wanted[first : first + robots] = 0.0
-        self._motion.record.patience[world] = 0
+        self.motion.record.wanted[first : first + robots] = 0.0
+        self.motion.record.patience[world] = 0
 
     def add(self, row: int, x: float, y: float, heading: float) -> None:
         """Put a robot that is absent at a place [m] with a heading [rad], at rest; the others are not affected."""
@@ -160,29 +163,27 @@ class Physics:
     def remove(self, row: int) -> None:
         """Take a robot away: it touches no robot any more; the others are not affected."""
         self.bodies[row, 2:] = 0.0
-        self._motion.record.wanted[row] = 0.0
+        self.motion.record.wanted[row] = 0.0
         self.present[row] = False
 
-    def tick(
-        self,
-        now: float,
-        substeps: int,
-        commands: Packed[Commanded],
-        drive: DifferentialDrive,
-        counter: CollisionCounter,
-    ) -> None:
-        """Give `drive` its commands at `now` [s], advance all worlds by `substeps` timesteps and count after each.
+    def ticking(
+        self, substeps: int, commands: Packed[Commanded], drive: DifferentialDrive, counter: CollisionCounter
+    ) -> Step:
+        """Return the step of a program that gives `drive` its commands and advances all worlds by `substeps` timesteps.
 
-        In a substep each robot wants to move at the speed of its drive along the heading that it has then, and does
-        unless contacts prevent it. Then its heading advances. Where robots touch, each substep of a tick starts with
-        the impulses of the previous one.
+        It counts after each. In a substep each robot wants to move at the speed of its drive along the heading that it
+        has then, and does unless contacts prevent it. Then its heading advances. Where robots touch, each substep of a
+        tick starts with the impulses of the previous one.
         """
-        motion, drives, counts, walls = self._motion, drive.packed, counter.packed, self.walls.handle
-        words = drives.handle, motion.handle, counts.handle, walls, FUNCTIONS.handle
-        if not start_tick(now, substeps, commands.handle, *words):
-            return
-        for world in np.flatnonzero(motion.record.left).tolist():
-            left, space = int(motion.record.left[world]), ContactSpace(world, motion, self.walls)
-            while left:
-                space.touch(last=left == 1)
-                left = land_and_go_on(world, left, *words)
+        motion = self.motion
+        motion.record.substeps[0] = substeps
+        records: tuple[Packed[Any], ...] = drive.packed, motion, counter.packed, self.walls, FUNCTIONS
+
+        def let_touch(now: float, rows: Ints, result: int) -> None:
+            for world in np.flatnonzero(motion.record.left).tolist():
+                left, space = int(motion.record.left[world]), ContactSpace(world, motion, self.walls)
+                while left:
+                    space.touch(last=left == 1)
+                    left = land_and_go_on(world, left, *(packed.handle for packed in records))
+
+        return Step(MOVE, let_touch, Rows.of(np.arange(len(self.present))), start_tick, (commands, *records))

@@ -12,6 +12,7 @@ from clean_swarm_env.physics.chipmunk_calls import Chipmunk, free_space, make_sp
 from clean_swarm_env.physics.collisions import Counts, count_world, open_counts
 from clean_swarm_env.physics.drive import DriveState, open_drive, update_drives
 from clean_swarm_env.physics.motion import RobotMotion, land, open_robot_motion, push, search_contacts, set_wanted
+from selforg.arrays import Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel, long_kernel
 from selforg.compiler.records import Handle, Written
@@ -54,7 +55,7 @@ def go_on(
 @long_kernel
 def start_tick(
     now: float,
-    substeps: int,
+    rows: Ints,
     commands: Handle[Commanded],
     drive: Written[DriveState],
     motion: Written[RobotMotion],
@@ -64,7 +65,7 @@ def start_tick(
 ) -> int:
     """Give the drives their commands at `now` [s] and run every world as far as compiled code can.
 
-    Returns how many worlds have substeps left.
+    Returns how many worlds have substeps left; a step, see `selforg.program`.
     """
     given, m, c = open_commanded(commands), open_robot_motion(motion), open_counts(counts)
     update_drives(given.vectors, given.commanded, given.in_place, m.headings, now, drive)
@@ -72,7 +73,7 @@ def start_tick(
         c.entered_in_tick[row] = 0
     waiting = 0
     for world in range(m.left.shape[0]):
-        m.left[world] = go_on(world, substeps, drive, motion, counts, walls, chipmunk)
+        m.left[world] = go_on(world, m.substeps[0], drive, motion, counts, walls, chipmunk)
         waiting += m.left[world] > 0
     return waiting
 

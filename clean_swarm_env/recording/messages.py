@@ -38,7 +38,7 @@ class MessageLog:
         self._worlds, self._buffers = worlds, worlds.minds.buffers
         self._missed: Ints = np.zeros(worlds.rows, dtype=np.int64)
         for name, buffer in self._buffers.items():
-            buffer.on_deposit = partial(self._note, name)
+            buffer.tell_deposits(partial(self._note, name))
 
     def clear(self) -> None:
         """Clear the deposits of the tick before."""
@@ -47,7 +47,7 @@ class MessageLog:
     def close(self) -> None:
         """Stop listening to the buffers."""
         for buffer in self._buffers.values():
-            buffer.on_deposit = None
+            buffer.tell_deposits(None)
 
     def _note(self, name: str, rows: Ints, message: Floats, tag: Ints) -> None:
         if message is not self._message:  # a mechanism that leaves gradients has one message for all of them

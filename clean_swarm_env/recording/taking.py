@@ -19,10 +19,8 @@ from clean_swarm_env.world.parts.shown import AnyArray
 from selforg.arrays import Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.intrinsics import byte_at, float_at, int_at
-from selforg.compiler.switches import COMPILED, PLAIN
+from selforg.compiler.switches import BY_ADDRESS
 
-BY_ADDRESS = COMPILED and not PLAIN
-"""Whether compiled code reads the arrays by their addresses, as it reads records."""
 MOST_FRAMES: Final = 250
 """Frames that wait for being written; a killed run loses at most these. No power of two, for the processor's caches."""
 WAITING_BYTES: Final = 1 << 25

@@ -19,6 +19,7 @@ from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.elementary import directions
+from selforg.program import MOVE, Rows, Step
 
 
 class Floor:
@@ -81,13 +82,18 @@ class Floor:
         """Return the rows (N,) of the robots of a world."""
         return np.arange(world * self.robots, (world + 1) * self.robots)
 
-    def move(self, commands: Packed[Commanded], now: float) -> None:
-        """Move the robots by their commands for one control period, and count collisions meanwhile."""
+    def moving(self, commands: Packed[Commanded]) -> list[Step]:
+        """Return the steps that move the robots by their commands for one control period, and count collisions."""
+        rows, moving = Rows.of(np.arange(self.worlds * self.robots)), []
         if self._turns_at_once:
-            given = commands.record
-            turned = self._holonomic & given.commanded & ~given.in_place & (given.vectors != 0.0).any(axis=1)
-            self.physics.headings[turned] = directions(given.vectors[turned])
+            moving.append(Step(MOVE, lambda now, _: self._turn_at_once(commands.record), rows))
         if self._zones.slow:
-            corners, speeds = self._zones.corners, self._zones.speeds
-            slow_down(commands.handle, self.physics.positions, self.drive.max_speed, corners, speeds)
-        self.physics.tick(now, self._substeps, commands, self.drive, self.collisions)
+            places, fastest = self.physics.positions, self.drive.max_speed
+            zones = places, fastest, self._zones.corners, self._zones.speeds
+            moving.append(Step(MOVE, lambda now, _: slow_down(commands.handle, *zones), rows))
+        return [*moving, self.physics.ticking(self._substeps, commands, self.drive, self.collisions)]
+
+    def _turn_at_once(self, given: Commanded) -> None:
+        """Turn the robots that drive in any direction to where they go."""
+        turned = self._holonomic & given.commanded & ~given.in_place & (given.vectors != 0.0).any(axis=1)
+        self.physics.headings[turned] = directions(given.vectors[turned])

@@ -12,6 +12,8 @@ from typing import Annotated, Any
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.motion import RobotMotion, open_robot_motion
+from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.rays import BodiesAround
 from clean_swarm_env.world.ground import Ground, walls_of
 from clean_swarm_env.world.reception import Localisation, Reception, pose_history
@@ -22,12 +24,16 @@ from selector.coordination.robots import CoordinatedRobots
 from selector.documents.errors import DocumentError
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Handle, Written
 from selforg.components.facts import SHARED_FACTS, FactRule, SharedFact
 from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import PoseDelivery
-from selforg.gradients.poses import OwnPoses
+from selforg.gradients.poses import OwnPoses, update_poses
+from selforg.gradients.store.records import Poses
 from selforg.network.planning.planner import planner_named
+from selforg.program import BEGINNING, Rows, Step
 from selforg.randomness import DirectionStream
 from selforg.registry import unknown
 
@@ -188,8 +194,33 @@ class Minds:
         for buffer in self._delayed:
             buffer.deliver(now)
 
+    def beginning(self, physics: Physics) -> list[Step]:
+        """Return the steps of a program that do as `spread_poses` and `receive` do."""
+        rows = Rows.of(np.arange(self.rows))
+
+        def spread(now: float, rows: Ints, not_finite: int = 0) -> None:
+            self.spread_poses(physics.positions, physics.headings, now)
+
+        steps = [Step(BEGINNING, spread, rows)]
+        if self._localisation.exact and not self.reception.in_zones:
+            records = physics.motion, self.poses.packed
+            steps = [Step(BEGINNING, spread, rows, spread_bodies, records), *self.poses.noting_walls(rows)]
+        if self.reception.own_contents:
+            steps.append(Step(BEGINNING, lambda now, _: self.receive(now), rows))
+        return steps
+
     def follow(self, vectors: Floats, rows: Flags) -> None:
         """Command the robots marked in `rows` (R,) to follow vectors (R, 2) [m/s] in place of their decisions."""
         np.copyto(self.commands.vectors, vectors)
         np.copyto(self.commands.commanded, rows)
         self.commands.in_place[:] = False
+
+
+@lean_kernel
+def spread_bodies(now: float, rows: Ints, motion: Handle[RobotMotion], poses: Written[Poses]) -> int:
+    """Spread the pose of every body at `now` [s]; a step, see `selforg.program`.
+
+    The result is 1 if one is not finite.
+    """
+    m = open_robot_motion(motion)
+    return int(update_poses(m.positions, m.headings, True, now, poses) >= 0)

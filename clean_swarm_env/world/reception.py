@@ -49,7 +49,8 @@ class Reception:
     def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
         self._zones = zones_of(mission)
         self._walls = walls_of(mission) if mission.world.blocks("messages") else None
-        self._in_zones = np.zeros(rows if self._zones.silent else 0)
+        self.in_zones = self._zones.silent
+        self._in_zones = np.zeros(rows if self.in_zones else 0)
         self.own_contents, self.delay_ticks, self._delay = (
             mission.own_contents,
             mission.delay_ticks,
@@ -76,7 +77,7 @@ class Reception:
 
     def locate(self, positions: Floats) -> None:
         """Note in which zones robots at `positions` (R, 2) [m] are."""
-        if self._zones.silent:
+        if self.in_zones:
             write_losses(positions, self._zones.corners, self._zones.losses, self._in_zones)
 
     def set(self, world: int, reach: float, loss: float) -> None:
@@ -98,18 +99,18 @@ class Localisation:
 
     def __init__(self, mission: MissionConfig, rows: int) -> None:
         self._deviation = np.tile(mission.of_each("pose_noise"), rows // mission.rows)[:, None]
-        self._exact = not self._deviation.any()
+        self.exact = not self._deviation.any()
         self._generators = [np.random.default_rng(0)] * rows
         self._errors = np.zeros((rows, 2))
 
     def reset(self, rows: Ints, seed: np.random.SeedSequence) -> None:
         """Restart the draws of `rows` (N,)."""
-        if not self._exact:
+        if not self.exact:
             self._generators[rows[0] : rows[-1] + 1] = generators_of(seed, ERRORS, len(rows))
 
     def believed(self, positions: Floats) -> Floats:
         """Return where robots that are at `positions` (R, 2) [m] take themselves to be, not wrapped."""
-        if self._exact:
+        if self.exact:
             return positions
         for row, generator in enumerate(self._generators):
             generator.standard_normal(out=self._errors[row])

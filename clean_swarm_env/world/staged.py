@@ -155,19 +155,10 @@ class StagedTask(TaskKind, ABC):
     def follow(self, vectors: Floats, working: Flags) -> None:
         """Act for robots that are driven by vectors (R, 2) [m/s]; working (R,): those that are at work."""
 
-    def after_deciding(self) -> None:
-        """Carry out behaviours that have just started."""
-
     def after_acting(self, commands: Commands) -> None:
         """Change the commands, and note them."""
         self.bend(commands)
         self.asked[:] = np.where(commands.commanded[:, None], commands.vectors, 0.0)
-
-    def after_leaving(self) -> None:
-        """Carry out the requests of robots while they acted."""
-
-    def before_moving(self, commands: Commands) -> None:
-        """Change the commands of all robots, also of driven ones, just before they move."""
 
     def noticed(self) -> Mapping[str, Flags]:
         """Return which robots (R,) have noticed something in this period that they tell, by the names in `notices`.

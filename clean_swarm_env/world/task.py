@@ -30,6 +30,7 @@ from selector.knowledge import Knowledge
 from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.plugins import is_own
+from selforg.program import AFTER_ACTING, COMMANDING, LEAD, SENSE, Rows, Step
 
 WALK: Final = 2.0
 """Time for which a robot on a random walk keeps its direction [s]."""
@@ -210,6 +211,16 @@ class Task(StagedTask, ABC, Generic[S, T]):
     def phase(self) -> Ints:
         """Return the phase in which each robot (R,) is, a number of `phases`; 0 without any."""
         return np.zeros(self.world.rows, dtype=np.int64)
+
+    def steps(self, commands: Commands) -> list[Step]:
+        """Return the steps of a tick that are the task's, by their stages; see ARCHITECTURE.md."""
+        everyone = Rows.of(np.arange(self.world.rows))
+        return [
+            Step(SENSE, lambda now, _: self.sense(), everyone),
+            Step(COMMANDING, lambda now, _: self.command(commands), everyone),
+            Step(AFTER_ACTING, lambda now, _: self.after_acting(commands), everyone),
+            Step(LEAD, lambda now, _: self.command_baseline(commands), everyone),
+        ]
 
     def command(self, commands: Commands) -> None:
         """Write the commands with which a control period begins, before behaviours write theirs; none unless you do."""

@@ -28,6 +28,7 @@ from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms import DecisionMechanism
+from selforg.program import SENSE, Rows, Step
 from selforg.walls.ways import UNKNOWN, Aims, Ways
 
 V = TypeVar("V", bound=np.generic)
@@ -88,8 +89,13 @@ class TaskView:
             self._targets = aims
             self._aims = Aims(self.ways, self.worlds, sum(places.shape[1] for places in aims))
 
+    def finding_ways(self) -> list[Step]:
+        """Return the steps that compute the ways to things of worlds that have begun, before robots sense."""
+        everyone = Rows.of(np.arange(self.rows))
+        return [] if self._aims is None else [Step(SENSE, lambda now, _: self.find_ways(), everyone)]
+
     def find_ways(self) -> None:
-        """Compute the ways to things of worlds that have begun; call it in each tick, before robots sense."""
+        """Compute the ways to things of worlds that have begun."""
         if self._aims is not None and (self._aims.numbers == UNKNOWN).any():
             self._aims.renew(np.concatenate(self._targets, axis=1))
             self.minds.poses.go_round(self.ways, self._aims)

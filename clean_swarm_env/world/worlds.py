@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import numpy as np
 
@@ -31,9 +31,13 @@ from selector.coordination.coordinator import Coordinator, hold_options
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.knowledge import unknown_option
-from selforg.arrays import OUTSIDE, Flags, Floats, Ints
+from selforg.arrays import OUTSIDE, READ, Flags, Floats, Ints
+from selforg.program import AFTER_ACTING, AFTER_LEAVING, DECIDE, FOLLOW, LEAD, SENSE, Program, Rows, Step
 from selforg.registry import unknown
 from selforg.sealing import sealed, unsealed
+
+MINDS: Final = range(SENSE, AFTER_LEAVING + 1)
+"""Stages of what robots sense, decide and do by themselves."""
 
 
 class Worlds:
@@ -55,8 +59,9 @@ class Worlds:
 
     """
 
-    _driven: Annotated[Floats | None, "R 2", OUTSIDE]  # [m/s]
-    _correction: Annotated[Floats | None, "R 2", OUTSIDE]  # [m/s]
+    _driven: Annotated[Floats, "R 2", OUTSIDE]  # vectors of a learner [m/s]
+    _nothing: Annotated[Floats, "R 2", READ]
+    _all: Annotated[Ints, "R", READ]
 
     def __init__(
         self,
@@ -84,7 +89,12 @@ class Worlds:
         around = self.minds.surroundings
         around.physics, around.bodies = self.floor.physics, self._bodies
         self.world.go_round_to(self.task.around)
-        self._driven = self._correction = None
+        self._all = np.arange(self.rows)
+        self._able, self._driving, self._correcting = (Rows.of(np.arange(self.rows)) for _ in range(3))
+        self._nothing = np.zeros((self.rows, 2))
+        self._follow_learner(None, driving=False)
+        self._thinking, self._following = Program(self._steps, (LEAD,)), Program(self._steps, (*MINDS, LEAD))
+        self._led = Program(self._steps, MINDS)
         self.extent, self.physics, self.collisions = self.floor.extent, self.floor.physics, self.floor.collisions
         self.network, self.coordinators = self.minds.network, self.minds.coordinators
         bind_options(mission, self.coordinators, worlds)
@@ -181,11 +191,17 @@ class Worlds:
         The networks of driven robots decide nothing. The robots pick, recycle and dump wherever their sensors allow
         it.
         """
-        self._driven, self._correction = vectors, None
+        self._follow_learner(vectors, driving=True)
 
     def correct(self, vectors: Floats | None) -> None:
         """Add vectors (R, 2) [m/s], or nothing, to behaviours' commands from now on; networks decide as before."""
-        self._driven, self._correction = None, vectors
+        self._follow_learner(vectors, driving=False)
+
+    def _follow_learner(self, vectors: Floats | None, driving: bool) -> None:
+        """Let robots follow vectors (R, 2) [m/s] when `driving`, else add these to their commands; None: neither."""
+        self._driven = self._nothing if vectors is None else vectors
+        self._driving.length[0] = driving and vectors is not None
+        self._correcting.length[0] = not driving and vectors is not None
 
     def follow_baseline(self, baseline: bool) -> None:
         """Let the baseline of the task command the robots from now on, or what they decide again."""
@@ -196,46 +212,42 @@ class Worlds:
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
-        floor, minds, task, now = self.floor, self.minds, self.task, self._clock.now
+        task = self.task
         self.agendas.apply_due()
         able = task.start_tick()
-        minds.spread_poses(self.physics.positions, self.physics.headings, now)
-        minds.receive(now)
+        self._able.fill(self._all if able is None else able)
         if self.world.by_baseline:
-            minds.commands.clear()
-            task.command_baseline(minds.commands)
-        elif self._driven is None or task.thinks_when_driven:
-            self._think(able, now)
-        if self._driven is not None:
-            task.follow(self._driven, self.team.working)
-            minds.follow(self._driven, self.team.working)
-        task.before_moving(minds.commands)
-        floor.move(minds.commands.packed, now)
+            self._led.run(self._clock.now)
+        elif task.thinks_when_driven or not self._driving.length[0]:
+            self._thinking.run(self._clock.now)
+        else:
+            self._following.run(self._clock.now)
+        now = self._clock.now
         self._clock.advance()
         task.after_moving()
-        if minds.facts:
-            minds.tell(task.noticed(), now)
+        if self.minds.facts:
+            self.minds.tell(task.noticed(), now)
         return self.collisions.entered_in_tick
 
     def _bodies(self) -> list[Bodies]:
         """Return what rays meet beside robots and walls."""
         return [one.met for one in self.task.shown() if one.met is not None]
 
-    def _think(self, able: Ints | None, now: float) -> None:
-        """Let the robots that are `able` (K,), all with None, sense, decide and act."""
-        minds, task = self.minds, self.task
-        task.sense()
-        self.world.find_ways()
-        minds.robots.sense(now)
-        minds.network.step(able, task.always_acts)
-        task.after_deciding()
-        task.command(minds.commands)
-        minds.robots.act(now, minds.commands)
-        task.after_acting(minds.commands)
-        if self._correction is not None:
-            minds.commands.add(self._correction * self.team.working[:, None])
-        minds.robots.leave(now)
-        task.after_leaving()
+    def _steps(self) -> list[Step]:
+        """Return the steps of a tick; see ARCHITECTURE.md."""
+        minds, task, commands, working = self.minds, self.task, self.minds.commands, self.team.working[:, None]
+        return [
+            *minds.beginning(self.physics),
+            Step(LEAD, lambda now, _: commands.clear(), Rows.of(self._all)),
+            *task.steps(commands),
+            *self.world.finding_ways(),
+            *minds.robots.steps(commands),
+            minds.network.deciding(DECIDE, self._able, task.always_acts),
+            Step(AFTER_ACTING, lambda now, _: commands.add(self._driven * working), self._correcting),
+            Step(FOLLOW, lambda now, _: task.follow(self._driven, self.team.working), self._driving),
+            Step(FOLLOW, lambda now, _: minds.follow(self._driven, self.team.working), self._driving),
+            *self.floor.moving(commands.packed),
+        ]
 
 
 def bind_options(mission: MissionConfig, coordinators: Sequence[Coordinator], worlds: int) -> None:

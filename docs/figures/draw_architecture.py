@@ -21,13 +21,13 @@ UNWRITTEN = {"selforg": "components > mechanisms > gradients | network > compile
 
 STAGES = (  # (lane, call, what goes on)
     ("both", "apply_due", "events change teams, garbage, stations, delivery"),
-    ("minds", "spread_poses, receive", "one instant for all; losses and delays are drawn"),
+    ("minds", "spread_bodies, receive", "one instant for all; losses and delays are drawn"),
     ("minds", "sense", "things and cargo, then vectors of mechanisms, become readings"),
     ("minds", "decide", "satisfaction, wishes, plans, activation, arbitration"),
-    ("both", "after_deciding", "the task does what starts now: pick, recycle, dump"),
+    ("both", "handle_cargo", "the task does what starts now: pick, recycle, dump"),
     ("minds", "command, act, steer", "the task, then movements command; options that steer change it"),
     ("minds", "leave", "pheromones and messages, once all vectors are known"),
-    ("floor", "move", "four physics steps: turn, drive, contacts, count collisions"),
+    ("floor", "start_tick", "four physics steps: turn, drive, contacts, count collisions"),
     ("both", "after_moving", "things of the task go on; collisions have consequences"),
 )
 LANES = {"floor": (0, FLOOR), "minds": (1, MINDS), "both": (0.5, BETWEEN)}

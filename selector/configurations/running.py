@@ -59,7 +59,7 @@ class RunningConfiguration:
         }
         with within(where):
             network = BehaviourNetwork(spec.network_model(), host.rows, explained=explained)
-        self.robots = OrganisedRobots(network, sensors, actions, host.poses.space.dim)
+        self.robots = OrganisedRobots(network, sensors, actions)
         self._steering = [m for m in self.mechanisms.values() if isinstance(m, SteeringMechanism)]
         self._kept = [source for source in self._movements.values() if source.hold > 0.0]
         self.remembers = bool(spec.knowledge or self._decisions_made or self._kept or self._steering)

@@ -8,7 +8,7 @@ number of options in use, not with the number of robots.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -16,24 +16,26 @@ from selector.configurations.configuration import PoseSpec
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
-from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, Within, derived
+from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints, Within, derived
 from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Handle, Recording, Written
 from selforg.declared import make_arrays
 from selforg.network import state as st
+from selforg.network.model.packed import PackedModel
 from selforg.network.network import BehaviourNetwork
+from selforg.network.state import RowStates, open_states, reset_rows
+from selforg.program import ACT, SENSE, Rows, Step
 
 
 class Coordinator:
     """A coordinator in R rows of the network `parent`; each row holds one option of its `CoordinatorModel`.
 
-    Call in every control period `sense`, the step of the parent, `act`, and `leave` when all movements are known.
     Options that only steer do so all the time, or while one of the behaviours `during` of the parent runs, if given.
 
     Attributes:
         held: (R,) the option that each row holds; `hold` changes it.
         contents: (O,) the running configurations of the options.
-        used: the options that any row holds.
         always: (R,) the option that a row holds whatever is given to it, -1 for none; `bind` changes it.
         steers: (O,) 1 for those that only steer, which run beside the robot's behaviours and never take a turn.
 
@@ -47,7 +49,8 @@ class Coordinator:
     _all_columns: Annotated[Ints, "S", READ]  # of the sensors in the parent's readings
     _members: Annotated[Ints, "O R", SCRATCH]  # rows that hold each option, the first `_counts`
     _counts: Annotated[Ints, "O", SCRATCH]
-    _grouped: Annotated[Flags, "1", derived(False)]  # whether both, and `used`, are those of `held`
+    _ungrouped: Annotated[Ints, "1", derived(1)]  # 1 unless both are those of `held`
+    _all: Annotated[Ints, "R", READ]
     _new: Annotated[Ints, "O R", SCRATCH]  # rows that begin to hold each option, the first `_new_counts`
     _new_counts: Annotated[Ints, "O", SCRATCH]
     _stale: Annotated[Ints, "R", KEPT]  # 1: the network inside has to be reset
@@ -90,10 +93,8 @@ class Coordinator:
         usual = host.poses.radii.copy()
         self._radii = [own_radii(spec.pose, usual) for spec in model.configurations] if model.sets_pose else []
         self._all_columns = np.array([parent.model.sensor_index[sensor.name] for sensor in model.sensors], dtype=int)
-        self._in_use: list[tuple[int, int]] = []  # options that any row holds, and by how many
-        self.used: tuple[int, ...] = ()
-        self._acted: list[RunningConfiguration] = []
-        self.reset(np.arange(parent.rows))
+        self._all = np.arange(parent.rows)
+        self.reset(self._all)
 
     def reset(self, rows: Ints) -> None:
         """Clear the networks and memory inside `rows` (K,); each row keeps the option that it holds."""
@@ -131,7 +132,7 @@ class Coordinator:
         for k, count in enumerate(self._new_counts.tolist()):
             if count and self.contents[k].remembers:
                 self.contents[k].forget(self._new[k, :count])
-        self._list_in_use()
+        self._note_groups()
 
     def _let_compete(self, rows: Ints) -> None:
         """Let the coordinator compete with the other behaviours of `rows` (K,) unless what they hold only steers."""
@@ -144,52 +145,35 @@ class Coordinator:
     def _group(self) -> None:
         """List the rows that hold each option."""
         group(self.held, self._members, self._counts)
-        self._list_in_use()
+        self._note_groups()
 
-    def _list_in_use(self) -> None:
-        self._grouped[0] = True
-        self._in_use = [(k, count) for k, count in enumerate(self._counts.tolist()) if count]
-        self.used = tuple(k for k, _ in self._in_use)
-        if self._radii:
-            for k, count in self._in_use:
-                rows = self._members[k, :count]
-                self._poses.radii[rows] = self._radii[k][rows]
+    def _note_groups(self) -> None:
+        """Let robots spread the poses of the options that they hold, once these are listed."""
+        self._ungrouped[0] = 0
+        for option in self.used if self._radii else ():
+            rows = self._members[option, : self._counts[option]]
+            self._poses.radii[rows] = self._radii[option][rows]
 
-    def sense(self, now: float) -> None:
-        """Write the sensors of all options in use, at `now` [s], into the parent's readings."""
-        if not self._grouped[0]:
-            self._group()
-        for k, count in self._in_use:
-            self.contents[k].robots.sense(now, self._members[k, :count])
+    @property
+    def used(self) -> tuple[int, ...]:
+        """The options that any row holds."""
+        return tuple(np.flatnonzero(self._counts).tolist())
 
-    def act(self, now: float, commands: Commands) -> None:
-        """Step the held configurations where the parent runs the coordinator; movements go into `commands`.
+    def steps(self, commands: Commands) -> list[Step]:
+        """Return the steps of all options: sensors go into the parent's readings, movements into `commands`.
 
-        Those that only steer are stepped everywhere, or while the behaviours run during which they steer.
+        They act where the parent runs the coordinator. Those that only steer do so everywhere, or while the behaviours
+        run during which they steer.
         """
-        for k, count in self._in_use:
-            content, rows = self.contents[k], self._members[k, :count]
-            network, outer = content.network, self.parent.state.marks
-            number, stale = list_turns(rows, outer, self._turn_of[k], network.state.marks, self._stale, self._turns)
-            if not number:
-                continue
-            if stale:
-                network.restart(self._turns[1, :stale])
-            acting = self._turns[0, :number]
-            network.step(acting, True)
-            content.robots.act(now, acting, commands)
-            self._acted.append(content)
-
-    def steer(self, now: float, commands: Commands) -> None:
-        """Change `commands` at `now` [s], once all movements of the robots are known."""
-        for content in self._acted:
-            content.robots.steer(now, commands)
-
-    def leave(self, now: float) -> None:
-        """Spread and deposit, at `now` [s], what others perceive from the next control period on."""
-        for content in self._acted:
-            content.robots.leave(now)
-        self._acted.clear()
+        steps = [Step(SENSE, lambda now, _: self._group(), Rows(self._all, self._ungrouped))]
+        for option, content in enumerate(self.contents):
+            network, members = content.network, Rows(self._members[option], self._counts[option : option + 1])
+            acting = Rows(self._turns[0], np.zeros(1, dtype=np.int64))
+            turning = TURNING.pack(Turning(self._turn_of[option], self._stale, *acting, self._turns[1]))
+            records = turning, self.parent.packed, network.model.packed, network.packed
+            steps.append(Step(ACT, list_turns, members, list_turns, records, always=True))
+            steps += content.robots.steps(members, acting, commands)
+        return steps
 
 
 def hold_options(coordinators: Sequence[Coordinator], options: Ints, rows: Ints) -> None:
@@ -247,32 +231,54 @@ def apply_options(
     return changed
 
 
+class Turning(NamedTuple):
+    """Which rows of an option act."""
+
+    behaviours: Annotated[Ints, "B", READ]  # those outside with which the option acts; without any it always does
+    stale: Annotated[Ints, "R", KEPT]  # 1: the network inside has to be reset
+    acting: Annotated[Ints, "R", SCRATCH]  # rows that act, the first `length`
+    length: Annotated[Ints, "1", SCRATCH]
+    renewed: Annotated[Ints, "R", SCRATCH]  # room for those of them to reset
+
+
+TURNING = Recording(Turning)
+open_turning = TURNING.open
+
+
 @lean_kernel
 def list_turns(
-    rows: Ints, outer_marks: Ints, behaviours: Ints, inner_marks: Ints, stale: Ints, turns: Ints
-) -> tuple[int, int]:
-    """List in `turns` (2, R) those of `rows` (K,) that act, and those of them that are `stale` (R,).
+    now: float,
+    rows: Ints,
+    turning: Written[Turning],
+    outer: Handle[RowStates],
+    model: Handle[PackedModel],
+    inner: Written[RowStates],
+) -> int:
+    """List those of `rows` (K,) that act, and restart the networks inside that are stale.
 
-    A row acts where one of the `behaviours` (B,) outside runs; without any, all rows act. The listed rows are then no
-    longer stale. Where such a behaviour has just started, all behaviours inside are stopped.
-    Returns the lengths of both lists. The marks are the mark tables of the outer and the inner network.
+    This is a step, see `selforg.program`. A row acts where one of the behaviours outside runs; without any, all rows
+    act. Where such a behaviour has just started, all behaviours inside are stopped.
     """
+    t, outer_marks, inner_marks = open_turning(turning), open_states(outer).marks, open_states(inner).marks
     acting, renewed = 0, 0
     for row in rows:
-        runs, starts = behaviours.shape[0] == 0, False
-        for behaviour in behaviours:
+        runs, starts = t.behaviours.shape[0] == 0, False
+        for behaviour in t.behaviours:
             runs = runs or outer_marks[row, st.EXECUTING, behaviour] != 0
             starts = starts or outer_marks[row, st.STARTED, behaviour] != 0
         if not runs:
             continue
-        turns[0, acting] = row
+        t.acting[acting] = row
         acting += 1
-        if stale[row]:
-            stale[row] = 0
-            turns[1, renewed] = row
+        if t.stale[row]:
+            t.stale[row] = 0
+            t.renewed[renewed] = row
             renewed += 1
         if starts:
             for b in range(inner_marks.shape[2]):
                 inner_marks[row, st.EXECUTING, b] = 0
                 inner_marks[row, st.EXECUTION_TIME, b] = -1
-    return acting, renewed
+    t.length[0] = acting
+    if renewed > 0:
+        reset_rows(t.renewed[:renewed], model, inner)
+    return 0

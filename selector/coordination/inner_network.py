@@ -12,14 +12,15 @@ from selector.coordination.robot_network import RobotNetwork
 from selforg.arrays import READ, Ints
 from selforg.commands import Commands
 from selforg.network.network import BehaviourNetwork
+from selforg.program import ACT, Rows, Step
 
 
 class InnerNetwork:
     """R rows of a network inside the behaviour `holder` of the network `parent`.
 
-    Call in every control period `act` after the step of the parent, and `leave` when all movements are known, as of a
-    coordinator. The network decides in every step in which its holder runs, with a decision guaranteed. When the
-    holder stops, all behaviours inside stop; activations and memory stay. The network follows no plan.
+    Its steps follow the step of the parent. The network decides in every step in which its holder runs, with a decision
+    guaranteed. When the holder stops, all behaviours inside stop; activations and memory stay. The network follows no
+    plan.
 
     Args:
         held: the models and components.
@@ -53,7 +54,7 @@ class InnerNetwork:
         assert held.spec is not None  # only the root has none
         self.configuration = RunningConfiguration(held.spec, host, f"network in {self.name}", explained=explained)
         self._outside, self._inside = held.shared_columns(parent.model)
-        self._all = np.arange(parent.rows)
+        self._all, self._runs = np.arange(parent.rows), Rows.of(np.zeros(parent.rows, dtype=np.int64))
 
     @property
     def network(self) -> BehaviourNetwork:
@@ -65,24 +66,19 @@ class InnerNetwork:
         self.network.reset(rows)
         self.configuration.forget(rows)
 
-    def act(self, now: float, commands: Commands) -> None:
-        """Sense, decide and act at `now` [s] where the parent runs the holder; movements go into `commands`."""
+    def steps(self, commands: Commands) -> list[Step]:
+        """Return the steps that sense, decide and act where the holder runs; movements go into `commands`."""
+        inside = self.configuration.robots.steps(self._runs, self._runs, commands)
+        entering = Step(ACT, lambda now, _: self._enter(), Rows.of(self._all))
+        return [entering, *(step._replace(stage=max(step.stage, ACT)) for step in inside)]
+
+    def _enter(self) -> None:
+        """List the rows in which the parent runs the holder, with its readings; behaviours inside others stop."""
         runs = self.parent.executing[:, self.index] == 1
         self.network.halt(self._all[~runs | (self.parent.started[:, self.index] == 1)])
         rows = self._all[runs]
-        if len(rows):
-            self.network.readings[np.ix_(rows, self._inside)] = self.parent.readings[np.ix_(rows, self._outside)]
-            self.configuration.robots.sense(now, rows)
-            self.network.step(rows, guarantee=True)
-            self.configuration.robots.act(now, rows, commands)
-
-    def steer(self, now: float, commands: Commands) -> None:
-        """Change `commands` at `now` [s], once all movements of the robots are known."""
-        self.configuration.robots.steer(now, commands)
-
-    def leave(self, now: float) -> None:
-        """Spread and deposit, at `now` [s], what others perceive from the next control period on."""
-        self.configuration.robots.leave(now)
+        self._runs.fill(rows)
+        self.network.readings[np.ix_(rows, self._inside)] = self.parent.readings[np.ix_(rows, self._outside)]
 
 
 def inner_networks(

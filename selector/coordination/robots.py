@@ -1,4 +1,4 @@
-"""Robots with a network, coordinators and inner networks: the stages of a tick, and a whole tick in one call."""
+"""Robots with a network, coordinators and inner networks: the steps of a tick, and a whole tick in one call."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from selforg.network.model.behaviours import NetworkSettings
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import Planner
+from selforg.program import DECIDE, SENSE, STEER, Program, Rows, Step
 
 
 class CoordinatedRobots:
@@ -64,7 +65,7 @@ class CoordinatedRobots:
         )
         self.inner = inner_networks(robot, self.network, host, explained=explained)
         self._inside: tuple[Coordinator | InnerNetwork, ...] = (*self.coordinators, *self.inner)
-        self._commands = Commands(host.rows, host.poses.space.dim)
+        self._commands, self._program = Commands(host.rows, host.poses.space.dim), Program(self._whole_tick)
         self._all: Ints = np.arange(host.rows)
         column, made = self.network.model.sensor_index, robot.sensors.items()
         self._sensors = [(column[name], component_of(spec, host)) for name, spec in made]
@@ -72,28 +73,15 @@ class CoordinatedRobots:
         self._documents = np.zeros(host.rows, dtype=np.int64) if documents is None else documents
         self._leave_out(self._all)
 
-    def sense(self, now: float) -> None:
-        """Write sensors of facts, and those of coordinators, at `now` [s] into the readings of the network."""
+    def steps(self, commands: Commands) -> list[Step]:
+        """Return the steps of a tick but for the decision of the network; movements go into `commands`."""
+        everyone, readings = Rows.of(self._all), self.network.readings
+        steps = [Step(STEER, lambda now, _: np.copyto(commands.wishes, commands.vectors), everyone)]
+        steps = steps if self.network.explained else []
         for column, sensor in self._sensors:
-            for source in sensor.sources:
-                source.ask(now, self._all)
-            self.network.readings[:, column] = sensor.read(self._all)
-        for coordinator in self.coordinators:
-            coordinator.sense(now)
-
-    def act(self, now: float, commands: Commands) -> None:
-        """Write the movements at `now` [s] of what runs into `commands`, and bend those there are."""
-        for inside in self._inside:
-            inside.act(now, commands)
-        if self.network.explained:
-            commands.wishes[:] = commands.vectors
-        for inside in self._inside:
-            inside.steer(now, commands)
-
-    def leave(self, now: float) -> None:
-        """Spread and deposit, at `now` [s], what other robots perceive from the next tick on."""
-        for inside in self._inside:
-            inside.leave(now)
+            steps += [step for source in sensor.sources for step in source.asking(SENSE, everyone)]
+            steps.append(sensor.reading(everyone, readings, column, readings, column))
+        return [*steps, *(step for inside in self._inside for step in inside.steps(commands))]
 
     def reset(self, rows: Ints | None = None) -> None:
         """Clear all networks of `rows` (K,) or of all rows; each row keeps the options that it holds."""
@@ -117,19 +105,14 @@ class CoordinatedRobots:
         """Give `options` (K, C), or (K,) for one coordinator, to the coordinators in `rows` (K,) or in all rows."""
         hold_options(self.coordinators, options, self._all if rows is None else rows)
 
-    def tick(self, now: float, errand: Commands | None = None) -> Commands:
-        """Sense, decide and act at `now` [s] in all robots; return their commands, which hold until the next tick.
-
-        An `errand` is commanded to begin with; behaviours replace or change its commands.
-        """
-        self.sense(now)
-        self.network.step(guarantee=True)
+    def tick(self, now: float) -> Commands:
+        """Sense, decide and act at `now` [s] in all robots; return their commands, which hold until the next tick."""
         self._commands.clear()
-        if errand is not None:
-            self._commands.copy_from(errand)
-        self.act(now, self._commands)
-        self.leave(now)
+        self._program.run(now)
         return self._commands
+
+    def _whole_tick(self) -> list[Step]:
+        return [*self.steps(self._commands), self.network.deciding(DECIDE, Rows.of(self._all), True)]
 
 
 def component_of(spec: SensorSpec, host: Host) -> SensorComponent:

@@ -23,7 +23,8 @@ only, write what is KEPT or CLOCKED, or overwrite SCRATCH (`selforg.arrays`):
     packed = GRID.pack(Grid(cells, links, 11.0))
     look(packed.handle)
 
-The owner of the arrays packs the record, and packs a new one when an array is replaced by another.
+The owner of the arrays packs the record, and replaces it when an array is replaced by another. The handle stays where
+it is, so that whoever holds its address reads the new record.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from numba.extending import intrinsic, register_jitable
 
 from selforg.arrays import Ints, Mark, scalar_of
 from selforg.compiler.intrinsics import LLVM, Compiler
-from selforg.compiler.switches import CHECKED, COMPILED, PLAIN
+from selforg.compiler.switches import BY_ADDRESS, CHECKED
 
 Record = TypeVar("Record", bound=tuple[Any, ...])
 
@@ -68,6 +69,17 @@ class Packed(Generic[Record]):
     def __init__(self, recording: Recording[Record], record: Record) -> None:
         self.record = record
         self.handle = recording.handle_of(record)
+
+    def replace(self, record: Record) -> None:
+        """Hold another record of the same class from now on; compiled code reads it at the same address."""
+        recording: Recording[Record] = Recording.of[type(self.record)]
+        fresh: Any = recording.handle_of(record)
+        self.record = record
+        if not BY_ADDRESS:
+            self.handle = fresh
+            return
+        words: Any = self.handle
+        words[:], words.base.record = fresh, record
 
     def __reduce__(self) -> tuple[Any, ...]:
         return packed_as, (type(self.record), tuple(self.record))
@@ -102,8 +114,7 @@ class Recording(Generic[Record]):
         self._tag = int.from_bytes(
             hashlib.sha256(f"{kind.__module__}.{kind.__qualname__}".encode()).digest()[:7], "big"
         )
-        self.by_address = COMPILED and not PLAIN
-        self.open: Callable[[Handle[Record]], Record] = self._opening() if self.by_address else same_record
+        self.open: Callable[[Handle[Record]], Record] = self._opening() if BY_ADDRESS else same_record
         Recording.of[kind] = self
 
     def pack(self, record: Record) -> Packed[Record]:
@@ -117,7 +128,7 @@ class Recording(Generic[Record]):
         words = [self._tag]
         for (name, field), value in zip(self._fields.items(), record, strict=True):
             words += words_of_field(field, value, f"{self.kind.__name__}.{name}", self._shapes.get(name, ""))
-        if not self.by_address:
+        if not BY_ADDRESS:
             return cast("Handle[Record]", record)
         return cast("Handle[Record]", np.asarray(Kept(np.array(words, dtype=np.int64), record)))
 

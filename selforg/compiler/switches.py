@@ -14,6 +14,9 @@ Records then reach compiled code as Numba's own named tuples, references to arra
 from Python. Set it when a new version of Numba breaks the undocumented features.
 """
 
+BY_ADDRESS = COMPILED and not PLAIN
+"""Whether records and steps reach compiled code by their addresses."""
+
 CHECKED = os.environ.get("CLEAN_SWARM_CHECK_RECORDS") == "1"
 """Whether compiled code raises TypeError when it is given another record than it expects."""
 

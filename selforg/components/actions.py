@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, TypeAlias
 
-from selforg.arrays import Flags, Floats, Ints
-from selforg.commands import Commanded, Commands, open_commanded
+from selforg.arrays import Ints
+from selforg.commands import Commanded, Commands, Moved, open_commanded, open_moved
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Handle
 from selforg.components.memory import Remembered
@@ -18,6 +18,7 @@ from selforg.mechanisms.spreading import SpreadGradient
 from selforg.mechanisms.steering.base import SteeringMechanism
 from selforg.parameters import AtLeastZero, Finite
 from selforg.plugins import Promises, are_numbers, check_answer, is_own
+from selforg.program import ACT, LEAVE, STEER, Rows, Step
 from selforg.registry import Registry
 
 Call: TypeAlias = Callable[[float, Ints], None]
@@ -59,6 +60,15 @@ class Action:
     def leave(self, now: float, rows: Ints) -> None:
         """Spread and deposit gradients in `rows` (K,) at `now` [s]; others perceive them from the next tick on."""
 
+    def steps(self, rows: Rows, started: Rows, commands: Commands) -> list[Step]:
+        """Return the steps of a program that do as the methods above do where the class has them."""
+        each = {
+            Action.act: Step(ACT, lambda now, acting: self.act(now, acting, started.now, commands), rows),
+            Action.steer: Step(STEER, lambda now, acting: self.steer(now, acting, commands), rows),
+            Action.leave: Step(LEAVE, self.leave, rows),
+        }
+        return [step for usual, step in each.items() if getattr(type(self), usual.__name__) is not usual]
+
 
 ACTIONS: Registry[Action] = Registry("action", base=Action)
 
@@ -83,24 +93,26 @@ class Move(Action):
         self.source = mechanism
         self.sources = (mechanism,)
 
-    def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        command_movements(rows, self.source.vectors, self.source.active, commands.packed.handle)
+    def steps(self, rows: Rows, started: Rows, commands: Commands) -> list[Step]:
+        moving = Step(ACT, self.act, rows, command_movements, (self.source.moved, commands.packed))
+        return [*super().steps(rows, started, commands), moving, *self._leaving(rows)]
 
-    def leave(self, now: float, rows: Ints) -> None:
-        for source in (*self.source.parts, self.source):
-            if isinstance(source, MovementSource) and isinstance(source.mechanism, DepositingMechanism):
-                source.mechanism.deposit(now, rows)
+    def _leaving(self, rows: Rows) -> Iterator[Step]:
+        for one in (*self.source.parts, self.source):
+            if isinstance(one, MovementSource) and isinstance(one.mechanism, DepositingMechanism):
+                yield from one.mechanism.depositing(rows)
 
 
 @lean_kernel
-def command_movements(rows: Ints, vectors: Floats, active: Flags, commands: Handle[Commanded]) -> None:
-    """Command `rows` (K,) to move by their `vectors` (N, D) where `active` (N,)."""
-    m = open_commanded(commands)
+def command_movements(now: float, rows: Ints, moved: Handle[Moved], commands: Handle[Commanded]) -> int:
+    """Command `rows` (K,) to move by what a mechanism moved them; a step, see `selforg.program`."""
+    m, given = open_commanded(commands), open_moved(moved)
     for row in rows:
-        for axis in range(vectors.shape[1]):
-            m.vectors[row, axis] = vectors[row, axis]
-        m.commanded[row] = active[row]
+        for axis in range(given.vectors.shape[1]):
+            m.vectors[row, axis] = given.vectors[row, axis]
+        m.commanded[row] = given.active[row]
         m.in_place[row] = False
+    return 0
 
 
 @ACTIONS.register
@@ -114,6 +126,12 @@ class Steer(Action):
         self.mechanism.steer(now, rows, commands.packed.handle)
         if is_own(type(self.mechanism)):
             check_answer(self.mechanism, "steer", commands.vectors, commands.vectors.shape)
+
+    def steps(self, rows: Rows, started: Rows, commands: Commands) -> list[Step]:
+        kernel, *records = self.mechanism.steering(commands.packed) or (None,)
+        if kernel is None or is_own(type(self.mechanism)):
+            return super().steps(rows, started, commands)
+        return [Step(STEER, lambda now, rows, _: self.steer(now, rows, commands), rows, kernel, tuple(records))]
 
 
 @ACTIONS.register

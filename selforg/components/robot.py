@@ -1,4 +1,4 @@
-"""Robots whose network senses and acts through components, with a method for a tick and one for each part of it."""
+"""Robots whose network senses and acts through components: as steps of a program."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import numpy as np
 
 from selforg.arrays import READ, Floats, Ints
 from selforg.commands import Commands
-from selforg.compiler.decorators import lean_kernel
 from selforg.components.actions import Action
-from selforg.components.sensors import SensorComponent, VectorReadings, VectorSensor
-from selforg.components.sources import MovementSource, Source
+from selforg.components.sensors import SensorComponent
+from selforg.components.sources import Source
 from selforg.network.network import BehaviourNetwork
+from selforg.network.state import list_running
+from selforg.program import ACT, SENSE, Rows, Step
 
 Actions = Mapping[str, Action | Sequence[Action]]
 
@@ -27,7 +28,6 @@ class OrganisedRobots:
         network: of the robots.
         sensors: components by name; the host writes the other readings into `network.readings`.
         actions: one or several by behaviour.
-        dim: dimensions of the space, D.
 
     Attributes:
         sensors: each component with its column of the readings.
@@ -38,12 +38,10 @@ class OrganisedRobots:
 
     """
 
-    _all: Annotated[Ints, "N", READ]
-    _shown: Annotated[tuple[Floats, Ints, Ints] | None, READ]
+    _shown: Annotated[Ints, "S", READ]
+    _shown_in: Annotated[Floats, "N T", READ]
 
-    def __init__(
-        self, network: BehaviourNetwork, sensors: Mapping[str, SensorComponent], actions: Actions, dim: int = 2
-    ) -> None:
+    def __init__(self, network: BehaviourNetwork, sensors: Mapping[str, SensorComponent], actions: Actions) -> None:
         self.network, model = network, network.model
         self.sensors = [(model.sensor(name, "sensor component"), component) for name, component in sensors.items()]
         for column, component in self.sensors:
@@ -58,66 +56,29 @@ class OrganisedRobots:
         self.actions = [(model.behaviour_index[name], action) for name, all_of in each for action in all_of]
         self._sensed = _each_once([], [component for _, component in self.sensors])
         self._asked_late = [_each_once(self._sensed, [action]) for _, action in self.actions]
-        self._vector_readings = _by_source(self.sensors, self.network.readings)
-        self._others = [(column, one) for column, one in self.sensors if not isinstance(one, VectorSensor)]
-        self._shown = None
-        self._acted: list[tuple[Action, Ints]] = []
-        self._all, self._dim = np.arange(network.rows), dim
+        self._shown, self._shown_in = np.arange(network.readings.shape[1]), network.readings
 
-    def tick(self, now: float, rows: Ints | None = None) -> Commands:
-        """Sense, decide and act at `now` [s] in `rows` (K,) or in all rows; return the commands of all N rows."""
-        chosen = self._all if rows is None else rows
-        self.sense(now, chosen)
-        self.network.step(chosen)
-        commands = Commands(self.network.rows, self._dim)
-        self.act(now, chosen, commands)
-        self.steer(now, commands)
-        self.leave(now)
-        return commands
+    def steps(self, sensing: Rows, acting: Rows, commands: Commands, guarantee: bool = True) -> list[Step]:
+        """Return the steps that write the readings of some rows, decide and act in others, which may be the same.
 
-    def sense(self, now: float, rows: Ints) -> None:
-        """Write the readings of `rows` (K,) at `now` [s]."""
-        if not len(rows):
-            return
-        for source in self._sensed:
-            source.ask(now, rows)
-        for vectors in self._vector_readings:
-            vectors.write(rows)
-        readings = self.network.readings
-        for column, component in self._others:
-            readings[rows, column] = component.read(rows)
-        if self._shown is not None:
-            show(rows, readings, *self._shown)
+        Movements go into `commands`. With `guarantee` some behaviour runs wherever one is able to.
+        """
+        network, state = self.network, self.network.state
+        steps = [step for source in self._sensed for step in source.asking(SENSE, sensing)]
+        for column, sensor in self.sensors:
+            shown = self._shown_in, int(self._shown[column])
+            steps.append(sensor.reading(sensing, network.readings, column, *shown))
+        listing = Step(ACT, list_running, acting, list_running, (network.packed,), always=True)
+        steps += [network.deciding(ACT, acting, guarantee), listing]
+        for (number, action), sources in zip(self.actions, self._asked_late, strict=True):
+            running, started = map(Rows, state.running[number], state.counts[number])
+            steps += [step for source in sources for step in source.asking(ACT, running)]
+            steps += action.steps(running, started, commands)
+        return steps
 
     def show_in(self, readings: Floats, columns: Ints) -> None:
-        """Write all later readings also into `readings` (N, T), those of sensor k into column columns[k]."""
-        for vectors in self._vector_readings:
-            vectors.show_in(readings, columns[vectors.columns])
-        others: Ints = np.array([column for column, _ in self._others], dtype=np.int64)
-        self._shown = (readings, others, columns[others]) if len(others) else None
-
-    def act(self, now: float, rows: Ints, commands: Commands) -> None:
-        """Run the actions of the behaviours that run in `rows` (K,); movements go into `commands`."""
-        self._acted = []
-        for (b, action), sources in zip(self.actions, self._asked_late, strict=True):
-            acting, started = self.network.running(b, rows)
-            if not len(acting):
-                continue
-            for source in sources:
-                source.ask(now, acting)
-            action.act(now, acting, started, commands)
-            self._acted.append((action, acting))
-
-    def steer(self, now: float, commands: Commands) -> None:
-        """Change `commands` at `now` [s] in the rows that acted; call it when all behaviours have acted."""
-        for action, acting in self._acted:
-            action.steer(now, acting, commands)
-
-    def leave(self, now: float) -> None:
-        """Spread and deposit gradients at `now` [s] in the rows that acted; call it when all movements are known."""
-        for action, acting in self._acted:
-            action.leave(now, acting)
-        self._acted = []
+        """Write all readings also into `readings` (N, T), those of sensor k into column columns[k], from now on."""
+        self._shown_in, self._shown = readings, columns
 
 
 def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | Action]) -> list[Source]:
@@ -127,21 +88,3 @@ def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | A
         each = (one for source in component.sources for one in (*source.parts, source))
         found += [one for one in each if not any(one is other for other in (*known, *found))]
     return found
-
-
-def _by_source(sensors: Sequence[tuple[int, SensorComponent]], readings: Floats) -> list[VectorReadings]:
-    """Return writers for the vector sensors among `sensors`, one for each source."""
-    found: dict[int, tuple[MovementSource, dict[int, float]]] = {}
-    for column, component in sensors:
-        if isinstance(component, VectorSensor):
-            _, those = found.setdefault(id(component.source), (component.source, {}))
-            those[column] = component.longest_absent
-    return [VectorReadings(source, those, readings) for source, those in found.values()]
-
-
-@lean_kernel
-def show(rows: Ints, inner: Floats, outer: Floats, columns: Ints, outer_columns: Ints) -> None:
-    """Copy `columns` (C,) of the readings `inner` (N, S) of `rows` (K,) into columns of `outer` (N, T)."""
-    for row in rows:
-        for k in range(columns.shape[0]):
-            outer[row, outer_columns[k]] = inner[row, columns[k]]

@@ -9,83 +9,53 @@ from typing import Annotated, Any, ClassVar, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import KEPT, READ, Flags, Floats, Ints
+from selforg.arrays import KEPT, Flags, Floats, Ints
+from selforg.commands import Moved, open_moved
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Recording, Written
+from selforg.compiler.records import Handle, Recording, Written
 from selforg.components.memory import Remembered
 from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source, Surroundings
 from selforg.network.model.behaviours import SensorKind
 from selforg.parameters import AtLeastZero, Finite
 from selforg.plugins import Promises, are_numbers
+from selforg.program import SENSE, Rows, Step
 from selforg.registry import Registry
 
 MOST_RAYS: Final = 360
 MOST_METRES: Final = 100.0
 
 
-class ReadingTables(NamedTuple):
-    """What `read_vectors` reads and writes, of N rows and C sensors."""
+class Reading(NamedTuple):
+    """Where a sensor of vectors writes, of N rows."""
 
-    vectors: Annotated[Floats, "N D", READ]  # of the source [m/s]
-    active: Annotated[Flags, "N", READ]  # whether there is a vector
-    longest_absent: Annotated[Floats, "C", READ]  # of each sensor [m/s]
-    readings: Annotated[Floats, "N S", KEPT]  # of the network that has the sensors
-    columns: Annotated[Ints, "C", READ]  # column of each sensor in `readings`
-    other_readings: Annotated[Floats, "N T", KEPT]  # of a network that gets the readings too
-    other_columns: Annotated[Ints, "C", READ]
+    longest_absent: float  # see `VectorSensor`
+    readings: Annotated[Floats, "N S", KEPT]  # of the network that has the sensor
+    column: int  # of the sensor there
+    shown: Annotated[Floats, "N T", KEPT]  # readings of a network that gets them too
+    shown_column: int
 
 
-READING_TABLES = Recording(ReadingTables)
-open_tables = READING_TABLES.open
-
-
-class VectorReadings:
-    """Writes the readings of all vector sensors of one source in one call.
-
-    Args:
-        source: source of the vectors.
-        longest_absent: column of `readings` -> largest length that counts as no vector [m/s].
-        readings: (N, S) of the network that has the sensors.
-
-    """
-
-    def __init__(self, source: MovementSource, longest_absent: Mapping[int, float], readings: Floats) -> None:
-        self._source, self._readings = source, readings
-        self._longest = np.array(list(longest_absent.values()))
-        self.columns: Ints = np.array(list(longest_absent), dtype=np.int64)
-        self.show_in(readings, self.columns)
-
-    def show_in(self, readings: Floats, columns: Ints) -> None:
-        """Write later readings also into `columns` (C,) of other `readings` (N, T)."""
-        source = self._source
-        self._tables = READING_TABLES.pack(
-            ReadingTables(source.vectors, source.active, self._longest, self._readings, self.columns, readings, columns)
-        )
-
-    def write(self, rows: Ints) -> None:
-        """Write the readings of `rows` (K,)."""
-        read_vectors(rows, self._tables.handle)
+READING = Recording(Reading)
+open_reading = READING.open
 
 
 @lean_kernel
-def read_vectors(rows: Ints, tables: Written[ReadingTables]) -> None:
-    """Write the readings of `rows` (K,): the length of the vector, 0 without one.
+def read_vectors(now: float, rows: Ints, moved: Handle[Moved], reading: Written[Reading]) -> int:
+    """Write the reading of `rows` (K,): the length of the vector, 0 without one; a step, see `selforg.program`.
 
-    A sensor with `longest_absent` >= 0 reads 1 where the length is larger than that, else 0.
+    Where `longest_absent` >= 0 it is 1 where the length is larger than that, else 0.
     """
-    t = open_tables(tables)
+    t, given = open_reading(reading), open_moved(moved)
     for row in rows:
         length = 0.0
-        if t.active[row]:
-            for axis in range(t.vectors.shape[1]):
-                length += t.vectors[row, axis] * t.vectors[row, axis]
+        if given.active[row]:
+            for axis in range(given.vectors.shape[1]):
+                length += given.vectors[row, axis] * given.vectors[row, axis]
             length = np.sqrt(length)
-        for k in range(t.columns.shape[0]):
-            reading = length
-            if t.longest_absent[k] >= 0.0:
-                reading = 1.0 if length > t.longest_absent[k] else 0.0
-            t.readings[row, t.columns[k]] = reading
-            t.other_readings[row, t.other_columns[k]] = reading
+        if t.longest_absent >= 0.0:
+            length = 1.0 if length > t.longest_absent else 0.0
+        t.readings[row, t.column] = t.shown[row, t.shown_column] = length
+    return 0
 
 
 class SensorComponent(ABC):
@@ -123,6 +93,14 @@ class SensorComponent(ABC):
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         """Return the readings (K,) of `rows` (K,) as bool or number."""
 
+    def reading(self, rows: Rows, readings: Floats, column: int, shown: Floats, shown_column: int) -> Step:
+        """Return the step that writes what is read into a column of `readings` (N, S), and into one of `shown`."""
+
+        def write(now: float, reading: Ints) -> None:
+            readings[reading, column] = shown[reading, shown_column] = self.read(reading)
+
+        return Step(SENSE, write, rows)
+
 
 SENSORS: Registry[SensorComponent] = Registry("sensor", base=SensorComponent)
 
@@ -138,10 +116,15 @@ class VectorSensor(SensorComponent):
         self.sources = (mechanism,)
 
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        readings = np.zeros((len(self.source.vectors), 1))
-        VectorReadings(self.source, {0: self.longest_absent}, readings).write(rows)
-        read: Floats = readings[rows, 0]
-        return read
+        read: Floats = np.zeros((len(self.source.vectors), 1))
+        where = READING.pack(Reading(self.longest_absent, read, 0, read, 0))
+        read_vectors(0.0, rows, self.source.moved.handle, where.handle)
+        readings: Floats = read[rows, 0]
+        return readings
+
+    def reading(self, rows: Rows, readings: Floats, column: int, shown: Floats, shown_column: int) -> Step:
+        where = READING.pack(Reading(self.longest_absent, readings, column, shown, shown_column))
+        return Step(SENSE, read_vectors, rows, read_vectors, (self.source.moved, where))
 
 
 @SENSORS.register

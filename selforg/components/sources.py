@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 
 from selforg.arrays import CLOCKED, KEPT, Flags, Floats, Ints
+from selforg.commands import MOVED, Moved
 from selforg.declared import make_arrays
 from selforg.elementary import directions, exponentials, logarithms
 from selforg.gradients.buffer import SoBuffer
@@ -16,6 +17,7 @@ from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store.columns import GOAL_RADIUS, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
 from selforg.mechanisms.base import MovementMechanism
 from selforg.mechanisms.decisions.base import DecisionMechanism
+from selforg.program import Rows, Step
 
 EVERYTHING_IN_VIEW = Filter()
 CLOCK_TOLERANCE = 1e-6
@@ -34,6 +36,10 @@ class Source(ABC):
     def ask(self, now: float, rows: Ints) -> None:
         """Renew the answers for `rows` (K,), of which there is at least one, at `now` [s]."""
 
+    def asking(self, stage: int, rows: Rows) -> list[Step]:
+        """Return the steps of a program that do as `ask` does."""
+        return [Step(stage, self.ask, rows)]
+
 
 class MovementSource(Source):
     """Answers of a movement mechanism.
@@ -41,8 +47,7 @@ class MovementSource(Source):
     hold: time for which an answer is kept before the mechanism is asked again [s].
     exponent: if not 0, above 1: that of the power law by which times from `hold` to `longest` [s] are drawn, one for
         each answer. With an `Exploration` this is a Lévy walk (Viswanathan et al. 1999, doi:10.1038/44831).
-    vectors: (N, D) [m/s] movement; zero without one.
-    active: (N,) whether there is a movement.
+    moved: the record of `vectors` (N, D) [m/s], zero without a movement, and `active` (N,), whether there is one.
     """
 
     vectors: Annotated[Floats, "N D", KEPT]
@@ -59,6 +64,7 @@ class MovementSource(Source):
             raise ValueError(f"MovementSource: exponent must be 0 or above 1, got {exponent}")
         self.mechanism, self.hold, self.exponent, self.longest = mechanism, float(hold), exponent, longest
         make_arrays(self, N=mechanism.poses.rows, D=mechanism.poses.space.dim)
+        self.moved = MOVED.pack(Moved(self.vectors, self.active))
         self._asked[:], self._holds[:] = -np.inf, self.hold
         self.parts = getattr(mechanism, "parts", ())
 
@@ -78,6 +84,10 @@ class MovementSource(Source):
                 times = self.hold * exponentials(logarithms(shares) / (1.0 - self.exponent))
                 self._holds[rows] = np.minimum(times, self.longest)
         self.mechanism.move_into(now, rows, self.vectors, self.active)
+
+    def asking(self, stage: int, rows: Rows) -> list[Step]:
+        held = self.hold > 0.0
+        return super().asking(stage, rows) if held else self.mechanism.moving(stage, rows, self.moved)
 
 
 class GoalSource(Source):

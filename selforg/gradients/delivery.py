@@ -14,7 +14,7 @@ from typing import Annotated, TypeAlias
 import numpy as np
 
 from selforg.arrays import READ, SCRATCH, Floats, Ints
-from selforg.compiler.decorators import kernel, lean_kernel
+from selforg.compiler.decorators import kernel
 from selforg.compiler.records import Handle, Packed, Written
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
@@ -126,13 +126,13 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
         source, count = int(tags[index, c.TAG_SOURCE]), int(sizes[teams[index]])
         by_row = len(delivery.generators) == poses.rows
         draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
-    which, receivers = np.empty(draws.size, dtype=np.int64), np.empty(draws.size, dtype=np.int64)
-    found = find_receivers(messages, tags, of_message, chances, draws, poses.packed.handle, which, receivers)
-    if delivery.walls is not None:
-        found = keep_unstopped(found, messages, which, receivers, poses.packed.handle, delivery.walls.handle)
-    copies = tags[which[:found]]
-    copies[:, c.TAG_SPACE] = receivers[:found]
-    return messages[which[:found]], copies
+    received = np.empty((2, draws.size), dtype=np.int64)
+    walls = (delivery.walls or no_walls()).handle
+    found = find_receivers(messages, tags, of_message, chances, draws, poses.packed.handle, walls, received)
+    which, receivers = received[:, :found]
+    copies = tags[which]
+    copies[:, c.TAG_SPACE] = receivers
+    return messages[which], copies
 
 
 @kernel
@@ -143,15 +143,14 @@ def find_receivers(
     losses: Floats,
     draws: Floats,
     poses: Handle[Poses],
-    which: Ints,
-    receivers: Ints,
+    walls: Handle[Walls],
+    receptions: Ints,
 ) -> int:
-    """List which message goes to which row, message by message, and return how many there are.
+    """List in `receptions` (2, M) which message goes to which row, unless walls stop it; return how many there are.
 
     reaches (M,) [m], losses and draws (M, most members) of each message; see `address`.
     """
-    p = open_poses(poses)
-    found = 0
+    p, walled, found = open_poses(poses), open_walls(walls).segments.shape[0] > 0, 0
     for message in range(len(messages)):
         source = tags[message, c.TAG_SOURCE]
         team = p.teams[source]
@@ -166,26 +165,13 @@ def find_receivers(
             received = near and losses[message, index] < 1.0 and draws[message, index] >= losses[message, index]
             if row == source:
                 received = tags[message, c.TAG_MOVING] == 0
+            if received and walled:
+                x, y = nearest_image(dx, p.extent[0]), nearest_image(dy, p.extent[1])
+                received = not is_hidden(messages[message, c.X], messages[message, c.Y], x, y, p.extent, walls)
             if received:
-                which[found], receivers[found] = message, row
+                receptions[0, found], receptions[1, found] = message, row
                 found += 1
     return found
-
-
-@lean_kernel
-def keep_unstopped(
-    found: int, messages: Floats, which: Ints, receivers: Ints, poses: Handle[Poses], walls: Handle[Walls]
-) -> int:
-    """Keep of the first `found` receptions, `which` message by which of the `receivers`, those that no wall stops."""
-    own, extent, kept = open_poses(poses).own, open_poses(poses).extent, 0
-    for k in range(found):
-        x, y = messages[which[k], c.X], messages[which[k], c.Y]
-        dx = nearest_image(own[receivers[k], 0, c.X] - x, extent[0])
-        dy = nearest_image(own[receivers[k], 0, c.Y] - y, extent[1])
-        if not is_hidden(x, y, dx, dy, extent, walls):
-            which[kept], receivers[kept] = which[k], receivers[k]
-            kept += 1
-    return kept
 
 
 class PoseDelivery:

@@ -14,6 +14,7 @@ from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import index_poses, make_pose_cells
 from selforg.gradients.store.records import POSES, Poses, open_poses
+from selforg.program import BEGINNING, Rows, Step
 from selforg.space import Space, wrapped
 from selforg.walls.segments import Walls, cell_of_walls, no_walls, open_walls, to_segment
 from selforg.walls.ways import Aims, Ways
@@ -143,7 +144,13 @@ class OwnPoses:
         if bad >= 0:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
         if self._walls is not None:
-            note_walls(self.packed.handle, self._walls.handle)
+            note_walls(now, self.teams, self.packed.handle, self._walls.handle)
+
+    def noting_walls(self, rows: Rows) -> list[Step]:
+        """Return the steps of a program that note the walls near all rows."""
+        if self._walls is None:
+            return []
+        return [Step(BEGINNING, note_walls, rows, note_walls, (self.packed, self._walls))]
 
     def set_gradient(self, row: int, gradient: Gradient) -> bool:
         """Spread a checked gradient as the pose of one row; False if it is not newer than the last one."""
@@ -178,7 +185,7 @@ class OwnPoses:
 
     def go_round(self, ways: Ways, aims: Aims) -> None:
         """Let static gradients that attract lead round walls, where they are `aims`, one row for each team."""
-        self.packed = POSES.pack(
+        self.packed.replace(
             self.packed.record._replace(
                 room=ways.room,
                 pitch=ways.pitch,
@@ -256,8 +263,11 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
 
 
 @lean_kernel
-def note_walls(poses: Handle[Poses], walls: Handle[Walls]) -> None:
-    """Write the ways to the nearest points of the walls near each row, at most MOST_WALLS; farther ones make room."""
+def note_walls(now: float, rows: Ints, poses: Handle[Poses], walls: Handle[Walls]) -> int:
+    """Write the ways to the nearest points of the walls near each row, at most MOST_WALLS; farther ones make room.
+
+    All rows are noted. This is a step, see `selforg.program`.
+    """
     p, w = open_poses(poses), open_walls(walls)
     for row in range(len(p.rows)):
         count, x, y = 0, p.own[row, 0, c.X], p.own[row, 0, c.Y]
@@ -278,3 +288,4 @@ def note_walls(poses: Handle[Poses], walls: Handle[Walls]) -> None:
                 p.wall_ways[row, place, 0], p.wall_ways[row, place, 1] = dx, dy
                 count = max(count, place + 1)
         p.wall_counts[row] = count
+    return 0

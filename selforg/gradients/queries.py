@@ -42,7 +42,7 @@ class PairRoom:
         self._buffer = buffer
         self._looked: tuple[tuple[str, ...], int] = (), -1  # the channels, and how many the buffer knew then
         self.pairs: Floats = np.empty((pairs, PAIR_COLUMNS))
-        self._packed: Packed[Sight] = SIGHT.pack(Sight(np.zeros(1, dtype=np.int64), self.pairs))
+        self.packed: Packed[Sight] = SIGHT.pack(Sight(np.zeros(1, dtype=np.int64), -1, self.pairs))
 
     def sight(self, now: float, channels: tuple[str, ...]) -> Handle[Sight]:
         """Return the table and `channels` (none: all) for a look at `now` [s], as compiled code takes them."""
@@ -51,8 +51,9 @@ class PairRoom:
             buffer.evaporate(now)
         look = channels, len(buffer.channels)
         if look != self._looked:
-            self._looked, self._packed = look, SIGHT.pack(Sight(self._codes(channels), self.pairs))
-        return self._packed.handle
+            self._looked = look
+            self.packed.replace(Sight(self._codes(channels), len(buffer.channels), self.pairs))
+        return self.packed.handle
 
     def _codes(self, channels: tuple[str, ...]) -> Ints:
         """Return 1 if the shared poses are looked at, then the codes of `channels` (none: all).
@@ -68,8 +69,8 @@ class PairRoom:
     def double(self) -> Handle[Sight]:
         """Return the last sight with room for twice as many pairs; those that are there stay."""
         self.pairs = np.concatenate([self.pairs, np.empty_like(self.pairs)])
-        self._packed = SIGHT.pack(Sight(self._packed.record.channels, self.pairs))
-        return self._packed.handle
+        self.packed.replace(self.packed.record._replace(pairs=self.pairs))
+        return self.packed.handle
 
 
 Rows: TypeAlias = npt.NDArray[np.integer] | Iterable[int]

@@ -13,12 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
+from selforg.commands import Moved
+from selforg.compiler.records import Packed
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.columns import SEE_MOVING, SEE_STATIC
 from selforg.mechanisms.causes import Causes
 from selforg.plugins import Promises, are_numbers
+from selforg.program import Rows, Step
 from selforg.randomness import DirectionStream
 from selforg.registry import Registry
 
@@ -143,6 +146,10 @@ class MovementMechanism(Mechanism):
     @abstractmethod
     def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
         """Write the movement of `rows` (R,) into those rows of `vectors` (N, D) and `active` (N,), all robots'."""
+
+    def moving(self, stage: int, rows: Rows, moved: Packed[Moved]) -> list[Step]:
+        """Return the steps of a program that write the movement of `rows` into a record, as `move_into` does."""
+        return [Step(stage, lambda now, rows: self.move_into(now, rows, *moved.record), rows)]
 
 
 def at_least(mechanism: object, name: str, value: float, lowest: float) -> float:

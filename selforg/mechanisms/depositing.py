@@ -16,6 +16,7 @@ from selforg.mechanisms.following import AvoidAll, FollowMinReach
 from selforg.mechanisms.formula import FormulaMechanism
 from selforg.mechanisms.movement import REFLECT
 from selforg.mechanisms.spreading import Carried, Spreader
+from selforg.program import Program, Rows, Step
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,12 @@ class DepositingMechanism(FormulaMechanism):
         Rows without a pose leave none.
         """
         chosen: Ints = np.arange(self.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        self._spreader.deposit(float(now), chosen)
+        Program(lambda: self.depositing(Rows.of(chosen))).run(float(now))
+
+    @final
+    def depositing(self, rows: Rows) -> list[Step]:
+        """Return the steps of a program that do as `deposit` does."""
+        return self._spreader.depositing(rows)
 
 
 @MECHANISMS.register

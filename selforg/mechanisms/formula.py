@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, Unpack
 import numpy as np
 
 from selforg.arrays import READ, Flags, Floats, Ints
+from selforg.commands import MOVED, Moved
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Handle, Packed
 from selforg.gradients.buffer import SoBuffer
@@ -32,6 +33,7 @@ from selforg.mechanisms.movement import (
     move_rows,
     open_rule,
 )
+from selforg.program import Rows, Step
 
 
 class FormulaMechanism(MovementMechanism):
@@ -113,20 +115,31 @@ class FormulaMechanism(MovementMechanism):
 
     def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
         """Do what `MovementMechanism.move_into` does, with a longer table whenever a row sees too much for it."""
-        if self.directions.low[0]:
+        self.directions.refill()
+        moved, sight = MOVED.pack(Moved(vectors, active)).handle, self._room.sight(now, self.channels)
+        poses, store = self.poses.packed.handle, self.buffer.table.packed.handle
+        while left := self._kernel(now, rows, moved, sight, self._packed.handle, poses, store):
+            rows, sight = rows[len(rows) - left :], self._room.double()
             self.directions.refill()
-        poses, store, sight = (
-            self.poses.packed.handle,
-            self.buffer.table.packed.handle,
-            self._room.sight(now, self.channels),
-        )
-        while (done := self._kernel(now, rows, vectors, active, sight, self._packed.handle, poses, store)) < len(rows):
-            rows, sight = rows[done:], self._room.double()
+
+    def moving(self, stage: int, rows: Rows, moved: Packed[Moved]) -> list[Step]:
+        """Return the step that does as `move_into` does; in Python, if all has to evaporate before each look."""
+        if self.buffer.settings.whole_seconds or type(self).move_into is not FormulaMechanism.move_into:
+            return super().moving(stage, rows, moved)
+        records = moved, self._room.packed, self._packed, self.poses.packed, self.buffer.table.packed
+
+        def go_on(now: float, rows: Ints, left: int) -> None:
+            self.move_into(now, rows[len(rows) - left :], *moved.record)
+
+        return [Step(stage, go_on, rows, self._kernel, records)]
 
     @property
     def _packed(self) -> Packed[Rule]:
         """The record of the mechanism, with room for as many boids as pairs, packed when it moves."""
-        if self._rule is None or len(self._rule.record.boids) < len(self._room.pairs):
+        boids = np.empty((len(self._room.pairs), self.boid_columns))
+        if self._rule is not None and len(self._rule.record.boids) < len(boids):
+            self._rule.replace(self._rule.record._replace(boids=boids))
+        if self._rule is None:
             self._rule = RULE.pack(
                 Rule(
                     looks=np.array(self.looks),
@@ -147,7 +160,7 @@ class FormulaMechanism(MovementMechanism):
                     cursor=self.directions.cursor,
                     low=self.directions.low,
                     parameters=self.parameters,
-                    boids=np.empty((len(self._room.pairs), self.boid_columns)),
+                    boids=boids,
                     velocity=np.zeros(3),
                     change=np.zeros(3),
                     total=np.zeros(3),

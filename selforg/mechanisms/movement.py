@@ -9,12 +9,13 @@ from typing import Annotated, Final, NamedTuple, TypeAlias
 import numpy as np
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
+from selforg.commands import Moved, open_moved
 from selforg.compiler.decorators import part, template
 from selforg.compiler.records import Handle, Recording, Written
 from selforg.gradients.pair import Own, Pair, own_of
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, keep_ahead, look_all_around
-from selforg.gradients.store.records import Look, Margins, Poses, Sight, Store, open_poses, open_sight
+from selforg.gradients.store.records import Look, Margins, Poses, Sight, Store, open_poses, open_sight, open_store
 from selforg.randomness import next_direction
 
 # How far beyond its reach a gradient can make a movement different from zero
@@ -85,18 +86,20 @@ def combined(
 def move_rows(
     now: float,
     rows: Ints,
-    vectors: Floats,
-    active: Flags,
+    moved: Handle[Moved],
     sight: Handle[Sight],
     rule: Written[Rule],
     poses: Handle[Poses],
     store: Written[Store],
 ) -> int:
-    """Write the movement of `rows` (R,) into those rows of `vectors` (N, D) and `active` (N,).
+    """Write the movement of `rows` (R,); a step, see `selforg.program`.
 
-    Returns how many rows are done, fewer than R if the room for pairs is too short for the next one.
+    Returns how many rows are left, the last ones: because there are too few random directions or channels are new, or
+    if the room for pairs is too short for the next one.
     """
-    m, known, room = open_rule(rule), open_poses(poses).rows, len(open_sight(sight).pairs)
+    m, given, known, room = open_rule(rule), open_moved(moved), open_poses(poses).rows, len(open_sight(sight).pairs)
+    if m.low[0] or len(open_store(store).rules) != open_sight(sight).known:
+        return len(rows)
     looks, wakes = m.looks[0] + m.looks[1] + m.looks[2] > 0, m.wakes[0] + m.wakes[1] + m.wakes[2] > 0
     ahead = m.angle_xy < np.inf or m.angle_yz < np.inf
     for index in range(len(rows)):
@@ -108,7 +111,7 @@ def move_rows(
                 margins = margins_of(own.goal_radius, rule)
                 found = gather(look_all_around(row, now, m.sight_bits, margins, 0, sight, poses), sight, poses, store)
             if found > room:
-                return index
+                return len(rows) - index
             if ahead:
                 found = keep_ahead(row, found, m.angle_xy, m.angle_yz, sight, poses)
             if found > 0 or m.alone:
@@ -121,10 +124,10 @@ def move_rows(
                 finish(row, own.reach, rule)
                 if m.walls == REFLECT:
                     reflect(row, rule, poses)
-        active[row] = moves
-        for axis in range(vectors.shape[1]):
-            vectors[row, axis] = m.total[axis]
-    return len(rows)
+        given.active[row] = moves
+        for axis in range(given.vectors.shape[1]):
+            given.vectors[row, axis] = m.total[axis]
+    return 0
 
 
 @part

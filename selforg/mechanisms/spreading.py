@@ -7,12 +7,14 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import READ, Floats, Ints
+from selforg.arrays import SCRATCH, Floats, Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
 from selforg.gradients.rows import set_times
 from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import LEFT_BEHIND, Left
 from selforg.mechanisms.base import MECHANISMS, Mechanism
+from selforg.program import Rows, Step
 
 
 @dataclass(frozen=True)
@@ -51,8 +53,8 @@ class Carried:
 class Spreader:
     """Spreads one kind of gradient from the own pose of many rows at once."""
 
-    _messages: Annotated[Floats, "1 MESSAGE", READ]
-    _tags: Annotated[Ints, "1 TAG", READ]
+    _messages: Annotated[Floats, "1 MESSAGE", SCRATCH]
+    _tags: Annotated[Ints, "1 TAG", SCRATCH]
 
     def __init__(self, buffer: SoBuffer, carried: Carried) -> None:
         self.carried, self._buffer = carried, buffer
@@ -63,6 +65,7 @@ class Spreader:
         far[:, c.FAR_FACTOR], far[:, c.FAR_PERIOD] = carried.evaporation_factor, carried.evaporation_period
         tags = self._tags
         tags[:, c.TAG_SIGN], tags[:, c.TAG_MOVING], tags[:, c.TAG_KEY] = carried.attraction, carried.moving, key
+        self._left = LEFT_BEHIND.pack(Left(self._messages, self._tags))
 
     def spread(self, now: float, rows: Ints, values: Floats | None = None, diffusions: Floats | None = None) -> None:
         """Spread from `rows` (R,) that know their pose; values (R,) to carry, diffusions (R,) [m] of their own."""
@@ -85,9 +88,9 @@ class Spreader:
         """Return messages (count, MESSAGE) and tags (count, TAG) that say neither who spreads it nor when and where."""
         return np.repeat(self._messages, count, axis=0), np.repeat(self._tags, count, axis=0)
 
-    def deposit(self, now: float, rows: Ints) -> None:
-        """Leave it at the newest pose of each of `rows` (R,); rows without a pose leave none."""
-        self._buffer.deposit(rows, self._messages[0], self._tags[0], now)
+    def depositing(self, rows: Rows) -> list[Step]:
+        """Return the steps that leave it at the newest pose of each of `rows`; rows without a pose leave none."""
+        return self._buffer.depositing(rows, self._left)
 
 
 @MECHANISMS.register

@@ -13,7 +13,7 @@ from selforg.network.model.activators import Activator
 from selforg.network.model.behaviours import Behaviour
 from selforg.network.model.conditions import Condition, Optional, Tree
 from selforg.network.model.model import NetworkModel
-from selforg.network.model.packed import scratch_for
+from selforg.network.model.packed import DECIDE_ONLY, scratch_for
 from selforg.network.network import BehaviourNetwork
 from selforg.network.step.satisfaction import evaluate_conditions
 
@@ -191,7 +191,7 @@ def in_short(activator: Activator) -> str:
 
 def _node_values(model: NetworkModel, readings: Floats) -> Floats:
     """Return the satisfaction of every node (C,) at `readings` (S,)."""
-    scratch = scratch_for(model.packed.record)
+    scratch = scratch_for(model.packed.record, DECIDE_ONLY, 0)
     evaluate_conditions(np.ascontiguousarray(readings[None]), model.packed.handle, scratch.handle)
     return scratch.record.node_satisfaction
 

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
-from selforg.arrays import READ, SCRATCH, Floats, Ints
+from selforg.arrays import READ, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Written
+from selforg.compiler.records import Packed, Written
 from selforg.network import state as st
 from selforg.network.model.model import NetworkModel
-from selforg.network.model.packed import scratch_for
+from selforg.network.model.packed import DECIDE_ONLY, SENSE_AND_DECIDE, scratch_for
 from selforg.network.planning.memory import PlanMemory
 from selforg.network.planning.planner import Planner
 from selforg.network.state import MAX_PLAN, RowStates, new_states, open_states, reset_rows
 from selforg.network.step.readings import reading_of, refuse
-from selforg.network.step.step import DECIDE, SENSE_AND_DECIDE, step_rows
+from selforg.network.step.step import step_rows
+from selforg.program import Rows, Step
 
 
 class BehaviourNetwork:
@@ -26,6 +27,10 @@ class BehaviourNetwork:
     In every decision period: fill `readings` (R, S), call `step()`, then act on `started` and `executing`.
     With a `planner` each row follows a plan of its own; without one, plans come from `set_plan` only. An
     `explained` network also notes why each behaviour runs or does not (`explanation`).
+
+    Attributes:
+        packed: the record of the `state`.
+
     """
 
     model: Annotated[NetworkModel, READ]
@@ -33,7 +38,6 @@ class BehaviourNetwork:
     _memory: Annotated[PlanMemory, READ]
     _all: Annotated[Ints, "R", READ]
     _none: Annotated[Ints, "0", READ]
-    _runs: Annotated[Ints, "B 2 R", SCRATCH]
 
     def __init__(self, model: NetworkModel, rows: int, planner: Planner | None = None, explained: bool = False) -> None:
         self.model = model
@@ -43,10 +47,10 @@ class BehaviourNetwork:
         self._memory = planner.memory if planner else PlanMemory([], [], [], 0)
         self.explained = explained
         packed = new_states(rows, arrays, explained, planner is not None, self._memory.key_words)
-        self.state, self._packed = packed.record, packed
-        self._scratch = scratch_for(arrays)
+        self.state, self.packed = packed.record, packed
+        phases = SENSE_AND_DECIDE, DECIDE_ONLY
+        self._scratch = [[scratch_for(arrays, phase, guarantee) for guarantee in (0, 1)] for phase in phases]
         self._all, self._none = np.arange(rows), np.zeros(0, dtype=np.int64)
-        self._runs = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
         self.reset()
 
     @property
@@ -79,15 +83,6 @@ class BehaviourNetwork:
         """(R, B) 1 where a behaviour that ran before was stopped in the last step."""
         return self.state.marks[:, st.STOPPED]
 
-    def running(self, behaviour: int, rows: Ints) -> tuple[Ints, Ints]:
-        """Return those of `rows` (K,) in which a behaviour runs, and those of them in which the last step started it.
-
-        Both hold until the next call for the same behaviour.
-        """
-        lists = self._runs[behaviour]
-        running, started = list_running(rows, self.state.marks, behaviour, lists)
-        return lists[0, :running], lists[1, :started]
-
     def reset(self, rows: Ints | None = None) -> None:
         """Return to the first step in all rows or `rows` (K,), with all readings 0."""
         chosen = self._all if rows is None else rows
@@ -96,7 +91,7 @@ class BehaviourNetwork:
 
     def restart(self, rows: Ints) -> None:
         """Return to the first step in `rows` (K,), with the readings that they have."""
-        reset_rows(rows, self.model.packed.handle, self._packed.handle)
+        reset_rows(rows, self.model.packed.handle, self.packed.handle)
 
     def read(self, values: Mapping[str, object], rows: Ints | None = None) -> None:
         """Set the readings of some sensors by name, for all rows or `rows` (K,).
@@ -124,7 +119,7 @@ class BehaviourNetwork:
         """
         wanted = np.full(len(rows), alternative) if isinstance(alternative, int) else alternative
         forgotten = self._none if forgotten is None else forgotten
-        hold_rows(rows, behaviour, wanted, forgotten, self._packed.handle)
+        hold_rows(rows, behaviour, wanted, forgotten, self.packed.handle)
 
     def set_plan(self, row: int, behaviours: Sequence[int] | None, index: int = 0) -> None:
         """Give `row` a plan (behaviour indices; None: there is none) of which step `index` is due.
@@ -149,7 +144,7 @@ class BehaviourNetwork:
 
     def halt(self, rows: Ints) -> None:
         """Stop all behaviours in `rows` (K,); activations stay."""
-        halt_rows(rows, self.state.marks)
+        self.state.marks[rows, st.EXECUTING], self.state.marks[rows, st.EXECUTION_TIME] = 0, -1
 
     def enable(self, rows: Ints, behaviour: int, enabled: bool) -> None:
         """Switch a behaviour on or off in `rows` (K,); one that is switched off ends."""
@@ -186,13 +181,21 @@ class BehaviourNetwork:
 
         """
         chosen = self._all if rows is None else rows
-        missing = self._run(chosen, SENSE_AND_DECIDE, guarantee)
+        self._go_on(chosen, self._run(chosen, SENSE_AND_DECIDE, guarantee), guarantee)
+
+    def deciding(self, stage: int, rows: Rows, guarantee: bool) -> Step:
+        """Return the step of a program that does as `step` does."""
+        records = self._records(SENSE_AND_DECIDE, guarantee)
+        return Step(stage, lambda now, rows, result: self._go_on(rows, result, guarantee), rows, step_rows, records)
+
+    def _go_on(self, rows: Ints, missing: int, guarantee: bool) -> None:
+        """Go on where `step_rows` has ended in `rows` (K,) with a result that says how many plans are missing."""
         if missing < 0:
             refuse(-1 - missing, self.model.sensors, self.readings)
         if missing and self.planner is not None:
-            waiting = chosen[self.state.plan_marks[chosen, st.PLAN_NEEDED] == 1]
+            waiting = rows[self.state.plan_marks[rows, st.PLAN_NEEDED] == 1]
             self._plan(self.planner, waiting)
-            self._run(waiting, DECIDE, guarantee)
+            self._run(waiting, DECIDE_ONLY, guarantee)
 
     def _plan(self, planner: Planner, rows: Ints) -> None:
         """Plan for `rows` (K,), once for each key."""
@@ -213,38 +216,11 @@ class BehaviourNetwork:
             self.state.plan_marks[row, st.PLAN_NEEDED] = 0
 
     def _run(self, rows: Ints, phase: int, guarantee: bool) -> int:
-        return step_rows(
-            rows,
-            self.model.packed.handle,
-            self._packed.handle,
-            self._memory.packed.handle,
-            self._scratch.handle,
-            phase,
-            guarantee,
-        )
+        handles = (packed.handle for packed in self._records(phase, guarantee))
+        return step_rows(0.0, rows, *handles)
 
-
-@lean_kernel
-def list_running(rows: Ints, marks: Ints, behaviour: int, lists: Ints) -> tuple[int, int]:
-    """List in `lists` (2, R) where of `rows` (K,) a behaviour runs, and where it was started; return how many."""
-    running, started = 0, 0
-    for row in rows:
-        if marks[row, st.EXECUTING, behaviour]:
-            lists[0, running] = row
-            running += 1
-            if marks[row, st.STARTED, behaviour]:
-                lists[1, started] = row
-                started += 1
-    return running, started
-
-
-@lean_kernel
-def halt_rows(rows: Ints, marks: Ints) -> None:
-    """Stop all behaviours in `rows` (K,); see `BehaviourNetwork.halt`."""
-    for row in rows:
-        for b in range(marks.shape[2]):
-            marks[row, st.EXECUTING, b] = 0
-            marks[row, st.EXECUTION_TIME, b] = -1
+    def _records(self, phase: int, guarantee: bool) -> tuple[Packed[Any], ...]:
+        return self.model.packed, self.packed, self._memory.packed, self._scratch[phase][int(guarantee)]
 
 
 @lean_kernel

@@ -9,8 +9,8 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import KEPT, Floats, Ints
-from selforg.compiler.decorators import kernel
+from selforg.arrays import KEPT, SCRATCH, Floats, Ints
+from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, open_model
@@ -147,6 +147,8 @@ class RowStates(NamedTuple):
     plan_marks: Annotated[Ints, "R PLAN", KEPT]
     plan_readings: Annotated[Floats, "R READING S", KEPT]  # since the plan was made
     plan_keys: Annotated[Ints, "R KEY", KEPT]  # what the plan of a row depends on, see `planning.memory`
+    running: Annotated[Ints, "B 2 R", SCRATCH]  # rows in which each behaviour runs, and in which it has just started,
+    counts: Annotated[Ints, "B 2 1", SCRATCH]  # the first ones; and how many; see `list_running`
 
 
 ROW_STATES = Recording(RowStates)
@@ -175,6 +177,8 @@ def new_states(
             plan_marks=np.zeros((rows, PLAN_LAYERS), dtype=np.int64),
             plan_readings=np.zeros((rows, READING_LAYERS, sensors)),
             plan_keys=np.zeros((rows, key_words), dtype=np.int64),
+            running=np.zeros((behaviours, 2, rows), dtype=np.int64),
+            counts=np.zeros((behaviours, 2, 1), dtype=np.int64),
         )
     )
 
@@ -199,3 +203,20 @@ def reset_rows(rows: Ints, model: Handle[PackedModel], states: Written[RowStates
         s.wish_kept[row] = 0
         s.plan_marks[row] = 0
         s.plan_readings[row] = 0.0
+
+
+@lean_kernel
+def list_running(now: float, rows: Ints, states: Handle[RowStates]) -> int:
+    """List where of `rows` (K,) behaviours run, and where they were started; a step, see `selforg.program`."""
+    s = open_states(states)
+    for b in range(len(s.running)):
+        runs, starts = 0, 0
+        for row in rows:
+            if s.marks[row, st.EXECUTING, b]:
+                s.running[b, 0, runs] = row
+                runs += 1
+                if s.marks[row, st.STARTED, b]:
+                    s.running[b, 1, starts] = row
+                    starts += 1
+        s.counts[b, 0, 0], s.counts[b, 1, 0] = runs, starts
+    return 0

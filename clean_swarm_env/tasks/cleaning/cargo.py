@@ -22,7 +22,7 @@ from clean_swarm_env.tasks.cleaning.robot import (
     RECYCLED,
 )
 from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING
-from selforg.arrays import Flags, Floats
+from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, long_kernel, part
 from selforg.compiler.records import Handle, Written
@@ -34,10 +34,12 @@ START_PICK, START_RECYCLE, START_DUMP = range(3)  # columns of `MindsRecord.star
 
 
 @long_kernel
-def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord], walls: Handle[Walls]) -> None:
+def read_sensors(
+    now: float, rows: Ints, floor: Written[FloorRecord], minds: Written[MindsRecord], walls: Handle[Walls]
+) -> int:
     """Write the robots' own sensors into the readings, and note the nearest item that each could see or take.
 
-    Robots that carry nothing look for items that none of them has found lately.
+    Robots that carry nothing look for items that none of them has found lately. This is a step, see `selforg.program`.
     """
     f, readings = open_floor(floor), open_minds(minds).readings
     worlds = f.stage.shape[0]
@@ -51,6 +53,7 @@ def read_sensors(floor: Written[FloorRecord], minds: Written[MindsRecord], walls
             for row in range(world * per_world, (world + 1) * per_world):
                 if finders == (f.room[row] == 0):
                     read_row(row, world, f, readings, walls)
+    return 0
 
 
 @inlined
@@ -130,8 +133,13 @@ def list_lying(world: int, unknown: bool, floor: Handle[FloorRecord]) -> None:
 
 
 @lean_kernel
-def handle_cargo_as_decided(floor: Written[FloorRecord], minds: Handle[MindsRecord], walls: Handle[Walls]) -> int:
-    """Handle the cargo of robots whose behaviours to pick, recycle or dump have just started; see `handle_cargo`."""
+def handle_cargo_as_decided(
+    now: float, rows: Ints, floor: Written[FloorRecord], minds: Handle[MindsRecord], walls: Handle[Walls]
+) -> int:
+    """Handle the cargo of robots whose behaviours to pick, recycle or dump have just started; see `handle_cargo`.
+
+    This is a step, see `selforg.program`.
+    """
     m, f = open_minds(minds), open_floor(floor)
     for row in range(m.starting.shape[0]):
         for k in range(3):
@@ -203,8 +211,13 @@ def handle_cargo(floor: Written[FloorRecord], minds: Handle[MindsRecord], walls:
 
 
 @lean_kernel
-def reset_commands(floor: Handle[FloorRecord], minds: Handle[MindsRecord], commands: Handle[Commanded]) -> None:
-    """Clear the last commands, command the ways to the nearest stations, and list the rows in which each mover runs."""
+def reset_commands(
+    now: float, rows: Ints, floor: Handle[FloorRecord], minds: Handle[MindsRecord], commands: Handle[Commanded]
+) -> int:
+    """Clear the last commands, command the ways to the nearest stations, and list the rows in which each mover runs.
+
+    This is a step, see `selforg.program`.
+    """
     f, m, given = open_floor(floor), open_minds(minds), open_commanded(commands)
     per_world = f.robots.shape[0] // f.stations.shape[0]
     for mover in range(m.movers.shape[0]):
@@ -225,3 +238,4 @@ def reset_commands(floor: Handle[FloorRecord], minds: Handle[MindsRecord], comma
             if m.marks[row, st.EXECUTING, m.movers[mover]]:
                 m.running[mover, m.counts[mover]] = row
                 m.counts[mover] += 1
+    return 0

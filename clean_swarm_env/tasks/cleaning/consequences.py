@@ -69,7 +69,7 @@ class Consequences:
         config, rate = settings_of(mission).consequences, mission.world.control_rate
         self.active = config.stop > 0.0 or config.back_off > 0.0 or config.drop
         self.harmless = np.zeros(worlds, dtype=np.int64)
-        self._packed: Packed[Consequence] = CONSEQUENCE.pack(
+        self.packed: Packed[Consequence] = CONSEQUENCE.pack(
             Consequence(
                 standing=np.zeros(rows, dtype=np.int64),
                 collisions=np.zeros(rows, dtype=np.int64),
@@ -88,7 +88,7 @@ class Consequences:
                 long=round(IN_VAIN * rate),
             )
         )
-        self.standing, self.collisions = self._packed.record.standing, self._packed.record.collisions
+        self.standing, self.collisions = self.packed.record.standing, self.packed.record.collisions
 
     def shown(self) -> tuple[Shown, ...]:
         """Return what there is to show of robots; nothing where collisions have no consequences."""
@@ -102,12 +102,12 @@ class Consequences:
 
     def noticed(self) -> dict[str, Flags]:
         """Return once a second which robots (R,) have noticed something in it, by the names in NOTICED."""
-        c = self._packed.record
+        c = self.packed.record
         return {name: c.noticed[k] for k, name in enumerate(NOTICED) if c.found[0] >> k & 1} if c.found[0] else {}
 
     def reset(self, rows: Ints) -> None:
         """Reset `rows` (K,)."""
-        self.standing[rows] = self.collisions[rows] = self._packed.record.counted[rows] = 0
+        self.standing[rows] = self.collisions[rows] = self.packed.record.counted[rows] = 0
 
     def start_tick(self, at_work: Ints | None) -> Ints | None:
         """Begin a tick; return those of the rows `at_work` (K,), None for all, that do not stand, in the same way."""
@@ -117,23 +117,19 @@ class Consequences:
         free = self.standing == 0
         return np.flatnonzero(free) if at_work is None else at_work[free[at_work]]
 
-    def hold_back(self, commands: Packed[Commanded]) -> None:
-        """Command robots that stand not to move, or to drive off."""
-        hold_back(commands.handle, self._packed.handle)
-
     def apply(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
         """Let the collisions of a tick have their consequences; return the rows (K,) whose cargo lies on the floor now.
 
         entered (R,): collisions of each robot in the tick; working (R,): robots that they matter to;
         present (R,): robots that they may have met.
         """
-        count = suffer(entered, working, present, floor.handle, self._packed.handle)
-        return self._packed.record.lost[:count]
+        count = suffer(entered, working, present, floor.handle, self.packed.handle)
+        return self.packed.record.lost[:count]
 
 
 @lean_kernel
-def hold_back(commands: Handle[Commanded], consequence: Handle[Consequence]) -> None:
-    """Change the commands of robots that stand."""
+def hold_back(now: float, rows: Ints, commands: Handle[Commanded], consequence: Handle[Consequence]) -> int:
+    """Command robots that stand not to move, or to drive off; a step, see `selforg.program`."""
     given, c = open_commanded(commands), open_consequence(consequence)
     for row in range(c.standing.shape[0]):
         if c.standing[row] > 0:
@@ -141,6 +137,7 @@ def hold_back(commands: Handle[Commanded], consequence: Handle[Consequence]) -> 
             given.vectors[row, 0] = c.away[row, 0] if driving else 0.0
             given.vectors[row, 1] = c.away[row, 1] if driving else 0.0
             given.commanded[row], given.in_place[row] = True, False
+    return 0
 
 
 @inlined

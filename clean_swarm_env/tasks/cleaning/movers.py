@@ -12,9 +12,10 @@ from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.tasks.cleaning.site import ITEM_CHANNEL, SAME_PLACE, Site
 from clean_swarm_env.world.view import TaskView
 from selforg.arrays import READ, Flags, Ints
-from selforg.commands import Commands
+from selforg.commands import MOVED, Commands, Moved
 from selforg.compiler.records import Packed
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
+from selforg.program import AFTER_ACTING, COMMANDING, Rows, Step
 
 PHEROMONES: Final = "pheromone"
 """Channel of the pheromones that patrolling robots deposit."""
@@ -65,7 +66,6 @@ class Movers:
         self.to_garbage = index["MoveToGarbage"] if "MoveToGarbage" not in minds.robot.inner else NO_BEHAVIOUR
         moving = {k: m for k, m in self.mechanisms.items() if k in index and k not in minds.robot.inner}
         self._of_behaviours = tuple(moving.values())
-        self._moving: list[tuple[MovementMechanism, Ints]] = []  # the mechanisms of this tick, and the rows they move
         self.packed: Packed[MindsRecord] = MINDS.pack(
             MindsRecord(
                 readings=minds.network.readings,
@@ -79,17 +79,24 @@ class Movers:
             )
         )
 
-    def move(self, now: float, commands: Commands) -> None:
-        """Command the robots whose networks run a mechanism."""
-        record = self.packed.record
-        listed = zip(self._of_behaviours, record.running, record.counts.tolist(), strict=True)
-        self._moving = [(mechanism, rows[:count]) for mechanism, rows, count in listed if count]
-        for mechanism, rows in self._moving:
-            following = rows
+    def steps(self, commands: Commands) -> list[Step]:
+        """Return the steps that command the robots whose networks run a mechanism, and leave their pheromones."""
+        steps, moved, record = [], MOVED.pack(Moved(commands.vectors, commands.commanded)), self.packed.record
+        for number, mechanism in enumerate(self._of_behaviours):
+            rows = Rows(record.running[number], record.counts[number : number + 1])
             if mechanism is self.mechanisms["MoveToGarbage"] and not self._all_nearest:
-                self._go_straight(rows[self._straight[rows]], commands)
-                following = rows[~self._straight[rows]]
-            mechanism.move_into(now, following, commands.vectors, commands.commanded)
+                steps.append(Step(COMMANDING, lambda now, rows: self._go_to_items(now, rows, commands), rows))
+            else:
+                steps += mechanism.moving(COMMANDING, rows, moved)
+            if isinstance(mechanism, Patrol):
+                steps += [step._replace(stage=AFTER_ACTING) for step in mechanism.depositing(rows)]
+        return steps
+
+    def _go_to_items(self, now: float, rows: Ints, commands: Commands) -> None:
+        """Command `rows` (K,) to go to items: some straight, the others as their mechanism says."""
+        straight = self._straight[rows]
+        self._go_straight(rows[straight], commands)
+        self.mechanisms["MoveToGarbage"].move_into(now, rows[~straight], commands.vectors, commands.commanded)
 
     def _go_straight(self, rows: Ints, commands: Commands) -> None:
         """Command `rows` (K,) to go to the items that their sensors mean, as fast as to a station."""
@@ -100,10 +107,3 @@ class Movers:
         lengths = np.linalg.norm(offsets, axis=1, keepdims=True)
         commands.vectors[rows] = offsets / np.maximum(lengths, SAME_PLACE)
         commands.commanded[rows] = True
-
-    def deposit(self, now: float) -> None:
-        """Leave the pheromones of robots that patrol."""
-        for mechanism, rows in self._moving:
-            if isinstance(mechanism, Patrol):
-                mechanism.deposit(now, rows)
-        self._moving = []

@@ -157,6 +157,7 @@ class CargoMemory:
     """What configurations expect to know of the cargo of their robots, and ask for, by names in their memory.
 
     Attributes:
+        tells: whether any configuration expects to know something.
         handed: (R,) time for which a robot that now puts down its cargo is to see no garbage [s], 0: it keeps it; None
             if no configuration can ask for that.
 
@@ -169,12 +170,11 @@ class CargoMemory:
 
     def __init__(self, memory: RobotMemory) -> None:
         self._told = {name: memory[name] for name in self.TOLD if name in memory.kinds}
+        self.tells = bool(self._told)
         self.handed: Floats | None = memory[self.HAND_OVER].values if self.HAND_OVER in memory.kinds else None
 
     def tell(self, recycled: Ints, leg: Floats, readings: Floats) -> None:
         """Remember the cargo, whether `recycled` (R,), with the length `leg` (R,) [m] of its way, and `readings`."""
-        if not self._told:
-            return
         left = np.where(recycled == 1, readings[:, DIST_DUMP], readings[:, DIST_RECYCLING])
         known = {"recycled": recycled, "left": left, "gained": leg - left}
         for name, remembered in self._told.items():

@@ -24,7 +24,7 @@ from clean_swarm_env.tasks.cleaning.cargo import (
     reset_commands,
 )
 from clean_swarm_env.tasks.cleaning.coming import Comings
-from clean_swarm_env.tasks.cleaning.consequences import NOTICED, Consequences
+from clean_swarm_env.tasks.cleaning.consequences import NOTICED, Consequences, hold_back
 from clean_swarm_env.tasks.cleaning.cost import collisions_cost, cost_terms, mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import DONE, LYING
 from clean_swarm_env.tasks.cleaning.learning.around import PHASES
@@ -45,6 +45,7 @@ from selforg.components.facts import FactRule
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
+from selforg.program import AFTER_DECIDING, AFTER_LEAVING, COMMANDING, LEAD, MOVE, SENSE, Rows, Step
 
 
 @TASKS.register
@@ -148,49 +149,43 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         """Return the rows (K,) that decide, None for all: those that no collision stops."""
         return self.consequences.start_tick(self.world.team.at_work)
 
-    def sense(self) -> None:
-        """Write the robots' own sensors into the readings."""
-        read_sensors(self.site.packed.handle, self.movers.packed.handle, self.world.floor.walls.handle)
-        self.cargo_memory.tell(self.garbage.recycled, self.garbage.leg, self.world.minds.network.readings)
-
-    def after_deciding(self) -> None:
-        """Pick, recycle and dump where these behaviours have just started."""
-        floor, minds, walls = self.site.packed.handle, self.movers.packed.handle, self.world.floor.walls.handle
-        self.site.hide_picked(handle_cargo_as_decided(floor, minds, walls))
+    def steps(self, commands: Commands) -> list[Step]:
+        """Return the steps of a tick, compiled but for what few missions need."""
+        everyone, given, site = Rows.of(np.arange(self.world.rows)), commands.packed, self.site
+        records = floor, minds, _ = site.packed, self.movers.packed, self.world.floor.walls
+        steps = [
+            Step(SENSE, read_sensors, everyone, read_sensors, records),
+            Step(AFTER_DECIDING, lambda now, _, n: site.hide_picked(n), everyone, handle_cargo_as_decided, records),
+            Step(COMMANDING, reset_commands, everyone, reset_commands, (floor, minds, given)),
+            *self.movers.steps(commands),
+        ]
+        if self.cargo_memory.tells:
+            told = self.garbage.recycled, self.garbage.leg, self.world.minds.network.readings
+            steps.append(Step(SENSE, lambda now, _: self.cargo_memory.tell(*told), everyone))
+        if self.rounds is not None:
+            command_ways = self.rounds.command_ways
+            steps.append(Step(COMMANDING, lambda now, _: command_ways(commands), everyone))
+        if self.cargo_memory.handed is not None:
+            asked = self.cargo_memory.handed
+            steps.append(Step(AFTER_LEAVING, lambda now, _: self._hand_over(asked), everyone))
+        if self.consequences.active:
+            steps.append(Step(MOVE, hold_back, everyone, hold_back, (given, self.consequences.packed)))
+        return [*steps, Step(LEAD, lambda now, _: self.command_baseline(commands), everyone)]
 
     def follow(self, vectors: Floats, working: Flags) -> None:
         """Drive robots by vectors (R, 2) [m/s]; those `working` (R,) pick, recycle and dump wherever they can."""
         floor, minds, walls = self.site.packed.handle, self.movers.packed.handle, self.world.floor.walls.handle
-        read_sensors(floor, minds, walls)
+        read_sensors(self.world.now, np.arange(self.world.rows), floor, minds, walls)
         self.site.hide_picked(handle_cargo_in_reach(floor, minds, working, walls))
 
-    def command(self, commands: Commands) -> None:
-        """Command the ways to the nearest stations, and the vectors of mechanisms that run by themselves."""
-        reset_commands(self.site.packed.handle, self.movers.packed.handle, commands.packed.handle)
-        self.movers.move(self.world.now, commands)
-        if self.rounds is not None:
-            self.rounds.command_ways(commands)
-
-    def after_acting(self, commands: Commands) -> None:
-        """Leave the pheromones of the patrol; all vectors are known."""
-        self.movers.deposit(self.world.now)
-
-    def after_leaving(self) -> None:
-        """Put down the cargo for which options have asked, unless the robot stands after a collision."""
-        asked = self.cargo_memory.handed
-        if asked is None:
-            return
+    def _hand_over(self, asked: Floats) -> None:
+        """Put down the cargo for which options have `asked` (R,), unless the robot stands after a collision."""
         positions = self.world.floor.physics.positions
         for row in np.flatnonzero(asked).tolist():
             blind = max(round(asked[row] / self.world.period), 1)
             if not self.consequences.standing[row] and self.garbage.hand_over(row, positions[row], blind):
                 self.site.show_items(row // self.world.robots, positions[row][None])
         asked[:] = 0.0
-
-    def before_moving(self, commands: Commands) -> None:
-        """Hold back robots that stand after a collision."""
-        if self.consequences.active:
-            self.consequences.hold_back(commands.packed)
 
     def after_moving(self) -> None:
         """Let the collisions of the tick have their consequences."""

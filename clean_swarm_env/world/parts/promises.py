@@ -152,7 +152,7 @@ TASK_PROMISES: Final[Promises] = {
         lambda task, answer, *_: answer is None or are_numbers(answer, task.world.rows),
     ),
     **dict.fromkeys(
-        ("command", "bend", "command_baseline", "after_acting", "before_moving"),
+        ("command", "bend", "command_baseline", "after_acting"),
         (
             "finite commands ({0.world.rows}, 2), written into the arrays that there are",
             lambda task, _, commands: (

@@ -86,8 +86,9 @@ LEVELS = 14
     COUNTER_HIGH,  # slots that were ever used
     COUNTER_SERIAL,  # serial number of the last message
     COUNTER_TIDY_AT,  # serial number from which on neighbours are moved together again
+    COUNTER_LISTENED,  # 1 while somebody is told who leaves what
     COUNTERS,
-) = range(6)
+) = range(7)
 
 # Own poses, float64 (N, K, POSE_COLUMNS), the newest first: the common columns and
 POSE_STAMP = 5  # when the pose was spread [s]

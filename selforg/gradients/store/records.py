@@ -84,6 +84,7 @@ class Sight(NamedTuple):
     """The channels at which rows look, and room for what they see there."""
 
     channels: Annotated[Ints, "C+1", READ]  # first 1 if the shared poses are looked at, then codes of channels
+    known: int  # channels that the buffer knew then; with more of them these codes may be others
     pairs: Annotated[Floats, "P PAIR", SCRATCH]  # columns PAIR_
 
 
@@ -101,5 +102,12 @@ class Look(NamedTuple):
     z: float
 
 
-POSES, STORE, SIGHT = Recording(Poses), Recording(Store), Recording(Sight)
-open_poses, open_store, open_sight = POSES.open, STORE.open, SIGHT.open
+class Left(NamedTuple):
+    """One kind of gradient that rows leave behind, with room for who leaves it, when and where."""
+
+    message: Annotated[Floats, "1 MESSAGE", SCRATCH]
+    tag: Annotated[Ints, "1 TAG", SCRATCH]
+
+
+POSES, STORE, SIGHT, LEFT_BEHIND = Recording(Poses), Recording(Store), Recording(Sight), Recording(Left)
+open_poses, open_store, open_sight, open_left = POSES.open, STORE.open, SIGHT.open, LEFT_BEHIND.open

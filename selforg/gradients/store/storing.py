@@ -16,7 +16,7 @@ from selforg.gradients.store.linking import (
     remove,
     space_of,
 )
-from selforg.gradients.store.records import Poses, Store, open_poses, open_store
+from selforg.gradients.store.records import Left, Poses, Store, open_left, open_poses, open_store
 from selforg.grid import bucket_of
 
 SWEPT_PER_STORE = 2  # gradients checked for each one stored, so that evaporated ones are freed as fast as new ones come
@@ -33,17 +33,15 @@ def store_rows(messages: Floats, tags: Ints, now: float, store: Written[Store]) 
 
 
 @long_kernel
-def deposit_rows(
-    rows: Ints, message: Floats, tag: Ints, now: float, poses: Handle[Poses], store: Written[Store]
-) -> bool:
-    """Store `message` (MESSAGE_COLUMNS,) with `tag` (TAG_COLUMNS,) once at the newest pose of each of `rows` (R,).
+def deposit_rows(now: float, rows: Ints, left: Handle[Left], poses: Handle[Poses], store: Written[Store]) -> int:
+    """Leave a gradient at the newest pose of each of `rows` (R,); a step, see `selforg.program`.
 
-    If the tables have to be made larger or tidied first, nothing is stored, and the result is False.
+    If the tables have to be made larger or tidied first, nothing is stored, and the result is 1.
     """
-    s, p = open_store(store), open_poses(poses)
+    s, p, message, tag = open_store(store), open_poses(poses), open_left(left).message[0], open_left(left).tag[0]
     full = s.counters[c.COUNTER_USED] + len(rows) > len(s.links)
     if full or s.counters[c.COUNTER_SERIAL] >= s.counters[c.COUNTER_TIDY_AT]:
-        return False
+        return 1
     for index in range(len(rows)):
         row = int(rows[index])
         if p.rows[row, c.ROW_POSES] == 0:
@@ -53,7 +51,13 @@ def deposit_rows(
         message[c.MESSAGE_FAR + c.FAR_STAMP] = message[c.MESSAGE_FAR + c.FAR_CLOCK] = now
         tag[c.TAG_SPACE], tag[c.TAG_SOURCE] = space_of(row, p.teams, store), row
         store_one(message, tag, now, store)
-    return True
+    return 0
+
+
+@lean_kernel
+def has_listener(now: float, rows: Ints, store: Handle[Store]) -> int:
+    """Return 1 if somebody is told who leaves what; a step, see `selforg.program`."""
+    return int(open_store(store).counters[c.COUNTER_LISTENED])
 
 
 @part

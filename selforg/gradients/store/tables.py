@@ -25,7 +25,7 @@ class Tables:
 
     Attributes:
         spaces: number of information spaces.
-        packed: the tables as compiled code takes them; a new record whenever a table is replaced.
+        packed: the tables as compiled code takes them; the record is another whenever a table is replaced.
 
     """
 
@@ -88,7 +88,7 @@ class Tables:
         more = np.full((self.spaces * c.LEVELS, c.LAYER_COLUMNS), -1, dtype=np.int32)
         more[:, c.LAYER_COUNT] = 0
         layers = np.concatenate([self.record.layers, more])
-        self.packed = STORE.pack(self.record._replace(layers=layers, rules=np.append(self.record.rules, rule)))
+        self.packed.replace(self.record._replace(layers=layers, rules=np.append(self.record.rules, rule)))
 
     def count(self, channel: int, spaces: Ints) -> int:
         """Return how many gradients of a channel are stored in some spaces (S,)."""
@@ -109,7 +109,6 @@ class Tables:
         This is done when new gradients are a quarter of the stored ones, so that the cost per gradient hardly grows.
         """
         tables, layers, counters = self.record._asdict(), self.record.layers, self.record.counters
-        del self.packed  # so that each old table is freed before the next new one is made
         links = tables["links"]
         live = np.flatnonzero(links[: int(counters[c.COUNTER_HIGH]), c.LINK_LAYER] >= 0)
         order = live[np.lexsort((links[live, c.LINK_CELL], links[live, c.LINK_LAYER]))]
@@ -118,6 +117,7 @@ class Tables:
         del links
         for name in ("near", "far", "links", "marks"):
             tables[name] = moved(tables[name], order, capacity)
+            self.packed.replace(self.record._replace(**{name: tables[name]}))  # frees the old table before the next one
         marks = tables["marks"]
         for column in (c.MARK_AFTER, c.MARK_BEFORE):
             marks[: len(order), column] = place[marks[: len(order), column]]
@@ -126,7 +126,7 @@ class Tables:
         counters[[c.COUNTER_FREE, c.COUNTER_HIGH]] = -1, len(order)
         counters[c.COUNTER_TIDY_AT] = counters[c.COUNTER_SERIAL] + max(SMALLEST_UNSORTED, len(order) // 4)
         tables["buckets"] = np.empty(capacity, dtype=np.int32)
-        self.packed = STORE.pack(Store(**tables))
+        self.packed.replace(Store(**tables))
         rebuild(self.packed.handle)
 
 

@@ -5,14 +5,14 @@ between the last two of them; its place is the last one, carried on with that ve
 """
 
 from abc import abstractmethod
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
 from selforg.arrays import Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Handle
+from selforg.compiler.records import Handle, Packed
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
@@ -48,6 +48,10 @@ class SteeringMechanism(Mechanism):
     @abstractmethod
     def steer(self, now: float, rows: Ints, commands: Handle[Commanded]) -> None:
         """Change the commands of `rows` (K,), all different, at `now` [s]; rows without a command stay without one."""
+
+    def steering(self, commands: Packed[Commanded]) -> tuple[Any, ...]:
+        """Return the kernel of a step that does as `steer` does, and its records; nothing if there is none."""
+        return ()
 
     def reset(self, rows: Ints) -> None:
         """Forget what `rows` (K,) did; most mechanisms remember nothing."""

@@ -4,14 +4,14 @@ Van den Berg, Guy, Lin & Manocha (2011), doi:10.1007/978-3-642-19457-3_1; equati
 half-plane is a row of a table, float64 (M, LINE_COLUMNS): a point on its border, and the unit normal into it.
 """
 
-from typing import Annotated, NamedTuple, Unpack
+from typing import Annotated, Any, NamedTuple, Unpack
 
 import numpy as np
 
 from selforg.arrays import SCRATCH, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import kernel, lean_kernel, part
-from selforg.compiler.records import Handle, Recording
+from selforg.compiler.records import Handle, Packed, Recording
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import MOST_WALLS, OwnPoses
 from selforg.gradients.store.records import Poses, open_poses
@@ -101,6 +101,10 @@ class ORCA(SteeringMechanism):
         """Change the commands of `rows` (K,), all different, at `now` [s]."""
         avoid_rows(now, rows, commands, self._planes.handle, self.poses.packed.handle)
 
+    def steering(self, commands: Packed[Commanded]) -> tuple[Any, ...]:
+        """Return the kernel of `steer` with its records."""
+        return avoid_rows, commands, self._planes, self.poses.packed
+
     def weigh(self, now: float, rows: Ints, wishes: Floats, causes: Causes) -> None:
         """Note the others by how far the wish lies outside of what they permit [m/s]."""
         weigh_planes(now, rows, wishes, causes.who, causes.weights, self._planes.handle, self.poses.packed.handle)
@@ -129,8 +133,8 @@ def weigh_planes(
 @lean_kernel
 def avoid_rows(
     now: float, rows: Ints, commands: Handle[Commanded], planes: Handle[HalfPlanes], poses: Handle[Poses]
-) -> None:
-    """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
+) -> int:
+    """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it. A step."""
     m, h, p = open_commanded(commands), open_half_planes(planes), open_poses(poses)
     for row in rows:
         speed = speed_to_change(row, commands, poses)
@@ -146,6 +150,7 @@ def avoid_rows(
         if count > 0:
             choose_velocity(count, m.vectors[row, 0], m.vectors[row, 1], speed, planes)
             m.vectors[row, 0], m.vectors[row, 1] = h.found[0], h.found[1]
+    return 0
 
 
 @part

@@ -4,14 +4,14 @@ A velocity promises progress in the wanted direction, less what turning costs, l
 would come too near if it kept its velocity.
 """
 
-from typing import Annotated, NamedTuple, Unpack
+from typing import Annotated, Any, NamedTuple, Unpack
 
 import numpy as np
 
 from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.elementary import direction, unit_vectors
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import MOST_WALLS, OwnPoses
@@ -156,9 +156,12 @@ class PredictiveSteering(SteeringMechanism):
 
     def steer(self, now: float, rows: Ints, commands: Handle[Commanded]) -> None:
         """Change the commands of `rows` (K,), all different, at `now` [s]."""
-        if self._directions.low[0]:
-            self._directions.refill()
+        self._directions.refill()
         foresee_rows(now, rows, commands, self._foresight.handle, self.poses.packed.handle)
+
+    def steering(self, commands: Packed[Commanded]) -> tuple[Any, ...]:
+        """Return the kernel of `steer` with its records."""
+        return foresee_rows, commands, self._foresight, self.poses.packed
 
     def weigh(self, now: float, rows: Ints, wishes: Floats, causes: Causes) -> None:
         """Note the others by how much they threaten the wish."""
@@ -192,9 +195,14 @@ def weigh_threats(
 @lean_kernel
 def foresee_rows(
     now: float, rows: Ints, commands: Handle[Commanded], foresight: Written[Foresight], poses: Handle[Poses]
-) -> None:
-    """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
+) -> int:
+    """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it.
+
+    This is a step, see `selforg.program`. If there are too few random directions nothing changes, and the result is 1.
+    """
     m, f = open_commanded(commands), open_foresight(foresight)
+    if f.low[0]:
+        return 1
     own = open_poses(poses).own
     for row in rows:
         speed = speed_to_change(row, commands, poses)
@@ -211,6 +219,7 @@ def foresee_rows(
         share, cosine, sine = f.candidates[best, OF_SPEED], f.candidates[best, AHEAD], f.candidates[best, ASIDE]
         m.vectors[row, 0] = share * speed * (cosine * x - sine * y)
         m.vectors[row, 1] = share * speed * (sine * x + cosine * y)
+    return 0
 
 
 @part

@@ -98,13 +98,20 @@ PACKED_MODEL = Recording(PackedModel)
 open_model = PACKED_MODEL.open
 
 
+SENSE_AND_DECIDE, DECIDE_ONLY = range(2)
+"""Phases of a step: the whole step, or the rest of it after a missing plan was made."""
 POSITIVE, NEGATIVE, EITHER, COUNTS = range(4)
 """Rows of counts: operational behaviours with an effect up, down, any."""
 
 
 class Scratch(NamedTuple):
-    """Memory overwritten for each row, or for one that differs from the row before; the axes are those of the model."""
+    """A way to decide, and memory overwritten for each row, or for one that differs from the row before.
 
+    The axes are those of the model.
+    """
+
+    phase: int  # SENSE_AND_DECIDE or DECIDE_ONLY
+    guarantee: int  # 1: selection is repeated until some behaviour runs, or none is able to
     leaf_satisfaction: Annotated[Floats, "L", SCRATCH]
     leaf_wish: Annotated[Floats, "L", SCRATCH]
     node_satisfaction: Annotated[Floats, "C", SCRATCH]
@@ -121,13 +128,15 @@ STEP_SCRATCH = Recording(Scratch)
 open_scratch = STEP_SCRATCH.open
 
 
-def scratch_for(model: PackedModel) -> Packed[Scratch]:
-    """Return the scratch memory of a network."""
+def scratch_for(model: PackedModel, phase: int, guarantee: int) -> Packed[Scratch]:
+    """Return a way to decide of a network, with its scratch memory."""
     sensors, behaviours, goals = len(model.is_fact), len(model.priority), len(model.goal_permanent)
     leaves, nodes = len(model.leaf_kind), len(model.node_kind)
     effects = len(model.effect_owner)
     return STEP_SCRATCH.pack(
         Scratch(
+            phase=phase,
+            guarantee=guarantee,
             leaf_satisfaction=np.zeros(leaves),
             leaf_wish=np.zeros(leaves),
             node_satisfaction=np.zeros(nodes),

@@ -63,7 +63,7 @@ class PlanMemory:
         key_words: K, length of a key.
         count: plans in the memory.
         reach: grid steps beyond which readings of used-up numbers share their plans.
-        packed: the record for compiled code; another one whenever the table is replaced.
+        packed: the record for compiled code, replaced whenever the table is.
 
     """
 
@@ -94,14 +94,14 @@ class PlanMemory:
         self._facts: Ints = np.array(facts, dtype=np.int64)
         self._bounds: Ints = np.array(bounds, dtype=np.int64).reshape(len(bounds), 5)
         self._coordinators: Ints = np.array(coordinators, dtype=np.int64)
+        self.packed: Packed[KnownPlans] = KNOWN_PLANS.pack(self._empty(FIRST_SIZE))
         self._clamp()
-        self._clear(FIRST_SIZE)
 
     def insert(self, key: Ints, behaviours: Sequence[int] | None) -> None:
         """Remember the plan (None: there is none) for `key` (K,), which has none so far."""
         if 2 * (self.count + 1) > len(self._entries):
             old = self._entries[self._entries[:, ENTRY_USED] == 1]
-            self._clear(2 * len(self._entries))
+            self.packed.replace(self._empty(2 * len(self._entries)))
             for entry in old:
                 self._entries[self._free_slot(entry[KEY_BEGIN:])] = entry
         entry = self._entries[self._free_slot(key)]
@@ -116,7 +116,7 @@ class PlanMemory:
         """Double `reach`, and delete all plans, because their keys have another meaning now."""
         self.reach = max(2 * self.reach, 1)
         self._clamp()
-        self._clear(FIRST_SIZE)
+        self.packed.replace(self._empty(FIRST_SIZE))
         self.count = 0
 
     def _clamp(self) -> None:
@@ -127,12 +127,10 @@ class PlanMemory:
                 limit = number.edge + (1 if number.above else -1) * self.reach * number.grid
                 bound[BOUND_HIGH if number.above else BOUND_LOW] = limit
 
-    def _clear(self, size: int) -> None:
-        """Take an empty table of `size` entries."""
+    def _empty(self, size: int) -> KnownPlans:
+        """Return the record of an empty table of `size` entries."""
         self._entries: Ints = np.zeros((size, KEY_BEGIN + self.key_words), dtype=np.int64)
-        self.packed: Packed[KnownPlans] = KNOWN_PLANS.pack(
-            KnownPlans(self._goals, self._facts, self._bounds, self._coordinators, self._entries)
-        )
+        return KnownPlans(self._goals, self._facts, self._bounds, self._coordinators, self._entries)
 
     def _free_slot(self, key: Ints) -> int:
         slot = int(hashed(key)) & (len(self._entries) - 1)

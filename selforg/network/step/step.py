@@ -6,7 +6,7 @@ from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined, long_kernel
 from selforg.compiler.records import Handle, Written
 from selforg.network import state as st
-from selforg.network.model.packed import PackedModel, Scratch
+from selforg.network.model.packed import SENSE_AND_DECIDE, PackedModel, Scratch, open_scratch
 from selforg.network.planning.memory import KnownPlans, recall, write_key
 from selforg.network.state import RowStates, open_states
 from selforg.network.step.activation import activate_row, share_row
@@ -15,24 +15,22 @@ from selforg.network.step.plan_monitoring import monitor_plan
 from selforg.network.step.readings import find_wrong
 from selforg.network.step.satisfaction import satisfy_row
 
-SENSE_AND_DECIDE, DECIDE = range(2)
-"""Phases of a step: the whole step, or the rest of it after a missing plan was made."""
-
 
 @long_kernel
 def step_rows(
+    now: float,
     rows: Ints,
     model: Handle[PackedModel],
     states: Written[RowStates],
     known: Handle[KnownPlans],
     scratch: Handle[Scratch],
-    phase: int,
-    guarantee: bool,
 ) -> int:
     """Step `rows` (K,); return how many of them need a plan that is not known and have not decided yet.
 
-    If a reading is wrong, nothing is changed, and the result is -1 - (what `find_wrong` returns).
+    If a reading is wrong, nothing is changed, and the result is -1 - (what `find_wrong` returns). This is a step, see
+    `selforg.program`.
     """
+    phase, guarantee = open_scratch(scratch).phase, open_scratch(scratch).guarantee > 0
     if phase == SENSE_AND_DECIDE:
         wrong = find_wrong(rows, model, states)
         if wrong >= 0:

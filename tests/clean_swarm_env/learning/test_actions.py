@@ -10,6 +10,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from clean_swarm_env.tasks.cleaning.learning.around import PHASES
 from selector.documents.errors import DocumentError
+from selforg.program import STEER, Rows, Step
 from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
 
 SERVES = ActionConfig(
@@ -137,13 +138,12 @@ def test_a_zero_correction_changes_nothing_and_another_one_moves_who_stands():
 def test_a_correction_is_added_to_what_behaviours_command():
     batch = begun(Batch(action={"mode": "both"}), [1])
     worlds, before = batch.worlds, np.zeros((5, 2))
-    commands, act, headings = worlds.minds.commands, worlds.minds.robots.act, worlds.physics.headings.copy()
+    commands, steps, headings = worlds.minds.commands, worlds.minds.robots.steps, worlds.physics.headings.copy()
 
-    def act_and_note(*given):
-        act(*given)
+    def note(now, rows):
         before[:] = commands.vectors * (commands.commanded & ~commands.in_place)[:, None]
 
-    worlds.minds.robots.act = act_and_note
+    worlds.minds.robots.steps = lambda commands: [*steps(commands), Step(STEER, note, Rows.of(np.arange(5)))]
     ahead, left = np.array([np.cos(headings), np.sin(headings)]), np.array([-np.sin(headings), np.cos(headings)])
     correction = batch.mission.robots.max_speed * (0.5 * ahead - 0.25 * left).T
     for _ in batch.ticks(np.tile([0.0, 0.5, -0.25], (5, 1))):

@@ -98,13 +98,13 @@ def _expected(batch, row, idle, spread):
 @pytest.mark.parametrize("name", ["table1", "reference"])
 def test_every_term_is_what_its_name_says(name, monkeypatch):
     batch, rng, idle = Batch(mission(name), 2), np.random.default_rng(1), np.zeros(10)
-    spread, own = [], batch.worlds.minds.spread_poses
+    spread, own, physics = [], batch.worlds.task.start_tick, batch.worlds.physics
 
-    def noted(positions, headings, now):
-        spread.append((positions.copy(), headings.copy()))
-        own(positions, headings, now)
+    def noted():
+        spread.append((physics.positions.copy(), physics.headings.copy()))
+        return own()
 
-    monkeypatch.setattr(batch.worlds.minds, "spread_poses", noted)
+    monkeypatch.setattr(batch.worlds.task, "start_tick", noted)
     seen = batch.reset([1, 2])
     met = np.zeros(batch.observer.width)
     for _ in range(90):

@@ -5,6 +5,7 @@ import numpy as np
 from clean_swarm_env.physics.collisions import CollisionCounter, count_world
 from clean_swarm_env.physics.drive import DifferentialDrive
 from selforg.commands import Commands
+from selforg.program import Program
 
 
 def substep(physics, speed, turn_rate):
@@ -13,7 +14,7 @@ def substep(physics, speed, turn_rate):
     drive = DifferentialDrive(rows)
     drive.speed[:], drive.turn_rate[:] = speed, turn_rate
     counter = CollisionCounter(settings.worlds, settings.robots, settings.width, settings.height)
-    physics.tick(0.0, 1, Commands(rows, 2).packed, drive, counter)
+    Program(lambda: [physics.ticking(1, Commands(rows, 2).packed, drive, counter)]).run(0.0)
 
 
 def count(counter, positions, present=True):

@@ -11,6 +11,7 @@ from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.motion import ALWAYS_TOUCHING, ROBOT_MOTION
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
 from selforg.commands import COMMANDED, Commanded
+from selforg.program import Program
 from tests.clean_swarm_env.physics.substeps import substep
 
 SIZE = 11.0
@@ -136,12 +137,12 @@ def test_robots_pass_through_each_other_only_where_they_may():
 def test_free_motion_and_pymunk_are_one_integrator(seed):
     """Calling pymunk in every substep gives the same as calling it only while robots touch."""
     sparing, always = (placed(1, 2, seed, width=2.0, height=2.0) for _ in range(2))
-    always._motion = ROBOT_MOTION.pack(always._motion.record._replace(search=ALWAYS_TOUCHING))
+    always.motion = ROBOT_MOTION.pack(always.motion.record._replace(search=ALWAYS_TOUCHING))
     engaged = []
     for walk in range(20):
         apart = shorter(wander(sparing, 20, walk) - wander(always, 20, walk), 2.0)
         np.testing.assert_allclose(apart, 0.0, atol=1e-9)
-        engaged.append(bool(sparing._motion.record.patience[0]))
+        engaged.append(bool(sparing.motion.record.patience[0]))
     assert True in engaged
     assert False in engaged
 
@@ -209,7 +210,7 @@ def drive_about(physics, ticks, seed):
     history = []
     for tick in range(ticks):
         commands.record.vectors[:] = rng.normal(0.0, 1.0, (rows, 2))
-        physics.tick(0.2 * tick, 4, commands, drive, counter)
+        Program(lambda: [physics.ticking(4, commands, drive, counter)]).run(0.2 * tick)
         history.append(np.hstack([physics.positions, physics.bodies[:, 2:]]))
     return np.array(history)
 
@@ -218,7 +219,7 @@ def test_a_robot_that_was_taken_away_leaves_no_motion_behind():
     physics = placed(1, 3, 4)
     wander(physics, 20, 5)
     physics.remove(1)
-    wanted = physics._motion.record.wanted
+    wanted = physics.motion.record.wanted
     assert not wanted[1].any()
     assert not physics.bodies[1, 2:].any()
     assert wanted[[0, 2]].all()

@@ -77,8 +77,8 @@ def test_a_world_has_the_same_bits_alone_and_in_a_batch_and_no_address_is_left_b
         substep(alone, speed[:8], turn[:8])
         substep(batch, speed, turn)
         assert np.array_equal(alone.bodies, batch.bodies[:8])
-        touched |= bool(alone._motion.record.patience[0])
-        assert not batch._motion.record.walls.any()
+        touched |= bool(alone.motion.record.patience[0])
+        assert not batch.motion.record.walls.any()
     assert touched
 
 

@@ -139,7 +139,6 @@ WRONG = {
         lambda self, commands: put(commands.vectors, np.nan, 0),
         lambda self, commands: setattr(commands, "vectors", np.zeros(3)),
     ],
-    "before_moving": [lambda self, commands: put(commands.vectors, np.nan)],
     "after_moving": [lambda self: put(self.around[0].places, np.nan), lambda self: put(self.world.positions, np.nan)],
     "done": [lambda self: None, lambda self: np.zeros(self.world.worlds), lambda self: np.zeros(9, bool)],
     "observe": [lambda self: None, lambda self: {"near": 1.0}, lambda self: {7: np.zeros(self.world.rows)}],

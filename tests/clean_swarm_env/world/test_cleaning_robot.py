@@ -37,7 +37,7 @@ def _read(robot, items, stage, cargo=NOTHING, recycled=0):
     floor = floor_record(garbage, np.array([robot], float), EXTENT, stations=STATIONS[None], **distances)
     minds = minds_record(1)
     minds.readings[:] = 9.0
-    read_sensors(FLOOR.pack(floor).handle, MINDS.pack(minds).handle, no_walls().handle)
+    read_sensors(0.0, np.arange(1), FLOOR.pack(floor).handle, MINDS.pack(minds).handle, no_walls().handle)
     return dict(zip((sensor.name for sensor in OWN_SENSORS), minds.readings[0].tolist(), strict=True))
 
 

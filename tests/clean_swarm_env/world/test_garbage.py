@@ -25,7 +25,9 @@ def _handle(garbage, robots, started):
     floor = floor_record(garbage, places, EXTENT, nearest=np.array(nearest), pick_distance=0.6, cells=cells)
     minds = minds_record(len(robots), behaviours=4, handling=COLUMNS)
     minds.marks[:, STARTED] = started
-    count = handle_cargo_as_decided(FLOOR.pack(floor).handle, MINDS.pack(minds).handle, no_walls().handle)
+    count = handle_cargo_as_decided(
+        0.0, np.arange(len(robots)), FLOOR.pack(floor).handle, MINDS.pack(minds).handle, no_walls().handle
+    )
     return floor.picked[:count].tolist()
 
 

@@ -14,7 +14,6 @@ from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
 from selector.documents.errors import DocumentError, validated
 from selector.knowledge import knowledge_from, load_knowledge
-from selforg.commands import Commands
 from selforg.components import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
@@ -23,6 +22,7 @@ from selforg.gradients.settings import BufferSettings
 from selforg.randomness import DirectionStream
 from selforg.space import Euclidean
 from tests.selector.refusing import refusal
+from tests.selforg.programs import Alone
 
 EVERYTHING = """
 parameters: {sight: 5.0}
@@ -321,11 +321,9 @@ def test_a_sum_asks_its_parts_once_for_all_who_read_them(tmp_path):
         spec, Host(poses, {"gradients": SoBuffer(BufferSettings(), poses.space, poses)}, drawn), ""
     )
     walk, away, _ = (made._movements[name] for name in ("walk", "away", "both"))
+    alone = Alone(made.robots, guarantee=True)
     for tick in range(1, 12):
-        commands = Commands(3, 2)
-        made.robots.sense(0.2 * tick, np.arange(3))
-        made.network.step(guarantee=True)
-        made.robots.act(0.2 * tick, np.arange(3), commands)
+        commands = alone.tick(0.2 * tick)
         assert commands.commanded.all()
         assert np.array_equal(commands.vectors, 0.5 * walk.vectors + -2.0 * away.vectors)
         assert drawn.cursor.tolist() == [1 + (tick - 1) // 5] * 3

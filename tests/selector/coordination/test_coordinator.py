@@ -1,5 +1,7 @@
 """The coordinator: the network above sees what it would see without the nesting; the content runs inside."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.tasks.cleaning.robot import robot_network
 from selector.configurations.host import Host
 from selector.configurations.library import Library
-from selector.coordination.coordinator import Coordinator, list_turns
+from selector.coordination.coordinator import TURNING, Coordinator, Turning, list_turns
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
@@ -15,10 +17,14 @@ from selforg.commands import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
+from selforg.mechanisms import MovementMechanism
+from selforg.network.model.behaviours import Behaviour, Sensor
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import Planner
+from selforg.program import DECIDE, SENSE, Program, Rows
 from selforg.space import Euclidean
+from tests.selforg.programs import run
 
 ROWS, GOAL = 20, "AvoidCollision"
 MINE = """
@@ -38,6 +44,7 @@ class Fixed:
     def __init__(self, mechanism, vectors):
         self.vectors, self.asked = vectors, []
         mechanism.move_into = self.move_into
+        mechanism.moving = partial(MovementMechanism.moving, mechanism)
 
     def move_into(self, now, rows, vectors, active):
         self.asked.append(np.asarray(rows).tolist())
@@ -90,7 +97,7 @@ def _coordinator(avoidance, vectors):
 def test_only_the_mechanisms_held_are_asked_and_only_by_their_rows(avoidance):
     coordinator, _, made = _coordinator(avoidance, np.zeros((ROWS, 2)))
     coordinator.hold(np.arange(ROWS), np.where(np.arange(ROWS) < 15, 0, 2))
-    coordinator.sense(0.0)
+    run(coordinator.steps(Commands(ROWS, 2)), 0.0, SENSE)
     assert [mechanism.asked for mechanism in made] == [[list(range(15))], [], [list(range(15, 20))]]
 
 
@@ -98,7 +105,7 @@ def test_presence_and_length_of_the_vector_are_read_and_forgotten_when_the_optio
     vectors = np.zeros((ROWS, 2))
     vectors[3], vectors[4] = (0.3, 0.4), (1e-10, 0.0)
     coordinator, network, _ = _coordinator(avoidance, vectors)
-    coordinator.sense(0.0)
+    run(coordinator.steps(Commands(ROWS, 2)), 0.0, SENSE)
     presence, length = (network.model.sensor_index[name] for name in ("rep_bool", "rep_len"))
     assert np.flatnonzero(network.readings[:, presence]).tolist() == [3]
     assert network.readings[3, length] == pytest.approx(0.5)
@@ -113,12 +120,12 @@ def test_a_running_coordinator_moves_its_rows_by_the_vector_of_the_option_they_h
     coordinator.hold(np.arange(ROWS), np.arange(ROWS) % 2 * 2)
     ran = np.zeros(ROWS, np.bool_)
     network.read({"garbage_found": True})  # nothing else is ready: there is nothing to patrol for
+    commands = Commands(ROWS, 2)
+    steps = [*coordinator.steps(commands), network.deciding(DECIDE, Rows.of(np.arange(ROWS)), False)]
+    program = Program(lambda: steps)
     for _ in range(60):
-        coordinator.sense(0.0)
-        network.step()
-        commands = Commands(ROWS, 2)
-        coordinator.act(0.0, commands)
-        coordinator.leave(0.0)
+        commands.clear()
+        program.run(0.0)
         moved, commanded = commands.vectors, commands.commanded
         running = network.executing[:, coordinator.index] == 1
         assert np.array_equal(commanded, running)
@@ -154,8 +161,14 @@ def test_options_that_do_not_exist_are_refused(avoidance):
 
 
 def test_a_network_inside_is_listed_as_stale_once():
-    rows, stale, turns = np.array([0, 2]), np.array([1, 1, 0]), np.zeros((2, 3), dtype=np.int64)
-    outer, inner = (np.zeros((3, 20, behaviours), dtype=np.int64) for behaviours in (0, 2))
-    assert list_turns(rows, outer, np.zeros(0, dtype=np.int64), inner, stale, turns) == (2, 1)
-    assert (turns[0, :2].tolist(), turns[1, 0], stale.tolist()) == ([0, 2], 0, [0, 1, 0])
-    assert list_turns(rows, outer, np.zeros(0, dtype=np.int64), inner, stale, turns) == (2, 0)
+    model = NetworkModel([Sensor("near", "fact")], [Behaviour("Go")], [])
+    outer, inner = BehaviourNetwork(model, 3), BehaviourNetwork(model, 3)
+    none = np.zeros(0, dtype=np.int64)
+    turning = Turning(none, np.array([1, 1, 0]), *(np.zeros(size, dtype=np.int64) for size in (3, 1, 3)))
+    inner.state.values[:] = 1.0
+    records = (TURNING.pack(turning), outer.packed, model.packed, inner.packed)
+    for reset in ([0.0, 1.0, 1.0], [1.0, 1.0, 1.0]):
+        list_turns(0.0, np.array([0, 2]), *(packed.handle for packed in records))
+        assert (turning.acting[:2].tolist(), turning.length[0], turning.stale.tolist()) == ([0, 2], 2, [0, 1, 0])
+        assert inner.state.values[:, 0, 0].tolist() == reset
+        inner.state.values[:] = 1.0

@@ -42,8 +42,10 @@ from selforg.mechanisms import (
     WeightedSum,
 )
 from selforg.network.step.readings import ReadingError
+from selforg.program import ACT, LEAVE, Rows
 from selforg.randomness import DirectionStream
 from selforg.space import Euclidean
+from tests.selforg.programs import run
 
 ALL, SOME = np.arange(3), np.array([2, 0])
 PLACES = np.array([[0.0, 0.0], [1.2, 0.0], [9.0, 0.0]])
@@ -200,7 +202,8 @@ def test_what_cannot_be_known_is_refused():
 def test_move_and_turn_command_what_their_source_says(buffer):
     source = asked(MovementSource(RepulsionGradient(buffer)))
     commands = Commands(3, 2)
-    Move(source).act(1.0, np.array([0, 2]), np.array([0]), commands)
+    some = Rows.of(np.array([0, 2]))
+    run(Move(source).steps(some, some, commands), 1.0)
     np.testing.assert_array_equal(commands.vectors[[0, 1]], [source.vectors[0], [0.0, 0.0]])
     assert commands.commanded.tolist() == [True, False, False]
     Turn(target=asked(GoalSource(buffer))).act(1.0, np.array([1, 2]), ALL, commands)
@@ -229,7 +232,8 @@ def test_a_part_of_a_sum_deposits(buffer):
     trail = Pheromone("trail", -1, 1.0, 0.9, 30.0)
     patrol = asked(MovementSource(Patrol(buffer, pheromone=trail, channels=("trail",))))
     move = Move(MovementSource(WeightedSum(buffer, of={patrol: 1.0})))
-    move.leave(1.0, np.array([1]))
+    one = Rows.of(np.array([1]))
+    run(move.steps(one, one, Commands(3, 2)), 1.0, LEAVE)
     assert FollowAll(buffer, channels=("trail",)).move(1.0)[1].any()
 
 
@@ -237,7 +241,9 @@ def test_a_depositing_mechanism_deposits_when_all_movements_are_known(buffer):
     trail = Pheromone("trail", -1, 1.0, 0.9, 30.0)
     move = Move(asked(MovementSource(Patrol(buffer, pheromone=trail, channels=("trail",)))))
     seen = FollowAll(buffer, channels=("trail",))
-    move.act(1.0, np.array([1]), ALL, Commands(3, 2))
+    one = Rows.of(np.array([1]))
+    steps = move.steps(one, one, Commands(3, 2))
+    run(steps, 1.0, ACT)
     assert not seen.move(1.0)[1].any()
-    move.leave(1.0, np.array([1]))
+    run(steps, 1.0, LEAVE)
     assert seen.move(1.0)[1].tolist() == [True, True, False]

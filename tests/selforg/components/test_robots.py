@@ -29,6 +29,7 @@ from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import Planner
 from selforg.space import Euclidean
+from tests.selforg.programs import Alone
 
 STARTS = np.array([[0.0, 0.0], [0.6, 0.1], [0.0, 4.0], [0.5, 4.5]])
 PERIOD = 0.2
@@ -89,7 +90,8 @@ def travellers(starts):
 
 
 def travel(starts, ticks=300):
-    poses, robots, memory = travellers(starts)
+    poses, organised, memory = travellers(starts)
+    robots = Alone(organised)
     positions, course = starts.copy(), []
     for tick in range(1, ticks + 1):
         now = tick * PERIOD
@@ -121,7 +123,7 @@ def test_a_lone_robot_does_as_one_far_from_the_others():
 
 def test_only_the_rows_asked_for_act():
     _, robots, _ = travellers(STARTS)
-    commands = robots.tick(0.2, np.array([2]))
+    commands = Alone(robots).tick(0.2, np.array([2]))
     assert not commands.commanded[[0, 1, 3]].any()
     assert (robots.network.readings[[0, 1, 3]] == 0.0).all()
 
@@ -135,8 +137,9 @@ def test_a_host_function_is_called_when_its_behaviour_starts():
         BehaviourNetwork(model, 3), {}, {"Do": Act(lambda now, rows: called.append((now, rows.tolist())))}
     )
     robots.network.readings[1, 0] = 1.0
-    robots.tick(0.2)
-    robots.tick(0.4)
+    alone = Alone(robots)
+    alone.tick(0.2)
+    alone.tick(0.4)
     assert called == [(0.2, [1])]
 
 

@@ -1,0 +1,118 @@
+"""Compiled steps called by address, one after the other, from one compiled loop.
+
+A step is a kernel `(now, rows, *handles) -> int`. A table has a row of words for each step, so that a call costs a
+tenth of one from Python (docs/decisions/0226-a-tick-is-a-program.md).
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final, cast
+
+from numba import types
+from numba.extending import intrinsic
+from numba.np import arrayobj
+
+from selforg.arrays import Ints
+from selforg.compiler.decorators import long_kernel
+from selforg.compiler.intrinsics import LLVM, Compiler, int_at
+from selforg.compiler.records import Packed
+
+MOST_RECORDS: Final = 6
+"""Records that a step may take."""
+_ADDRESS, _COUNT, _LISTED, _RECORDS, _ALWAYS, _FIRST_RECORD = range(6)
+"""Columns of the table: the address of the step, 0 for one in Python; of the number of its rows, and of their list; how
+many records it takes; 1 if it is called without rows, too; and the addresses of the words of its records."""
+STEP_COLUMNS: Final = _FIRST_RECORD + MOST_RECORDS
+WORDS: Compiler = types.Array(types.int64, 1, "C")
+FILL: Compiler = arrayobj.populate_array
+
+
+def words_of_step(kernel: Any, rows: tuple[Ints, Ints], records: Sequence[Packed[Any]], always: bool) -> list[int]:  # noqa: ANN401
+    """Return the row of the table for a kernel, or for Python with None, with a list of rows and their number.
+
+    Raises:
+        TypeError: the kernel returns no int.
+
+    """
+    given: list[Any] = [packed.handle for packed in records]
+    head = 0 if kernel is None else address_of(kernel, len(given)), rows[1].ctypes.data, rows[0].ctypes.data
+    addresses = [handle.ctypes.data for handle in given] + [0] * (MOST_RECORDS - len(given))
+    return [*head, len(given), int(always), *addresses]
+
+
+def address_of(kernel: Any, records: int) -> int:  # noqa: ANN401
+    """Return the address of the compiled code of a step that takes so many records."""
+    kinds = _kinds_of(records)
+    kernel.compile(kinds)
+    compiled, unliteral = kernel.overloads[kinds], cast("Compiler", types.unliteral)
+    if unliteral(compiled.signature.return_type) != types.int64:
+        raise TypeError(f"step {kernel.__name__}: expected a result of int64, got {compiled.signature.return_type}")
+    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
+
+
+def _kinds_of(records: int) -> tuple[Compiler, ...]:
+    """Return the types of the arguments of a step that takes so many records."""
+    return types.float64, WORDS, *(WORDS,) * records
+
+
+@intrinsic
+def call_step(typing: Compiler, table: Compiler, at: Compiler, now: Compiler) -> Compiler:
+    """Call the step in row `at` of the table, and return its result."""
+
+    def generate(context: Compiler, builder: Compiler, signature: Compiler, arguments: Compiler) -> Compiler:
+        whole = context.make_array(signature.args[0])(context, builder, arguments[0])
+        width, one = context.get_constant(types.int64, STEP_COLUMNS), context.get_constant(types.intp, 1)
+        step = builder.gep(whole.data, [builder.mul(arguments[1], width)])
+
+        def word(column: int) -> Compiler:
+            return builder.load(LLVM.gep(builder, step, column))
+
+        def words_at(address: Compiler, count: Compiler) -> Compiler:
+            array, size = context.make_array(WORDS)(context, builder), context.get_constant(types.intp, 8)
+            data = builder.inttoptr(address, array.data.type)
+            FILL(array, data, shape=[count], strides=[size], itemsize=size, meminfo=None)
+            return array._getvalue()
+
+        rows = words_at(word(_LISTED), builder.load(builder.inttoptr(word(_COUNT), whole.data.type)))
+        result, end = LLVM.alloca_once(builder, LLVM.ir.IntType(64)), builder.append_basic_block("end")
+        none = builder.append_basic_block("none")
+        chosen = builder.switch(word(_RECORDS), none)
+        for records in range(MOST_RECORDS + 1):
+            kinds = _kinds_of(records)
+            block = builder.append_basic_block(f"records.{records}")
+            chosen.add_case(context.get_constant(types.int64, records), block)
+            builder.position_at_end(block)
+            given = [arguments[2], rows, *(words_at(word(_FIRST_RECORD + k), one) for k in range(records))]
+            shape = context.call_conv.get_function_type(types.int64, kinds)
+            function = builder.inttoptr(word(_ADDRESS), shape.as_pointer())
+            status, answer = context.call_conv.call_function(builder, function, types.int64, kinds, given)
+            with builder.if_then(status.is_error, likely=False):
+                context.call_conv.return_status_propagate(builder, status)
+            builder.store(answer, result)
+            builder.branch(end)
+        builder.position_at_end(none)
+        builder.unreachable()
+        builder.position_at_end(end)
+        return builder.load(result)
+
+    return types.int64(table, types.int64, types.float64), generate
+
+
+_call: Callable[[Ints, int, float], int] = cast("Any", call_step)
+
+
+@long_kernel
+def run_steps(now: float, begin: int, table: Ints) -> tuple[int, int]:
+    """Run the steps of `table` (S, STEP_COLUMNS) from `begin` on at `now` [s], until one needs Python.
+
+    Returns which one does, S if none, and its result, 0 for one that is in Python.
+    """
+    for at in range(begin, table.shape[0]):
+        step = table[at]
+        if int_at(step[_COUNT]) == 0 and step[_ALWAYS] == 0:
+            continue
+        if step[_ADDRESS] == 0:
+            return at, 0
+        result = _call(table, at, now)
+        if result != 0:
+            return at, result
+    return table.shape[0], 0
