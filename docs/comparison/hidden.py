@@ -1,8 +1,8 @@
 """One try for a family that no rule names: `python -m docs.comparison.hidden [--judge]` judges hidden.yaml.
 
-What collisions do and cost is hidden there. The table stands in docs/families.md. Missions are kept in hidden.jsonl; only
-those that it lacks are done, with `--judge` none. The machines of `train design` are kept in docs/comparison/machines,
-with the command in hidden.yaml.
+What collisions do and cost is hidden there. The table stands in docs/families.md. Missions are kept in hidden.jsonl;
+only those that it lacks are done, with `--judge` none. The machines of `train design` are kept in
+docs/comparison/machines, with the command in hidden.yaml.
 """
 
 import sys
