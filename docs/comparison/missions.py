@@ -84,10 +84,11 @@ def do_missions(
     asked = [(family, label) for family in manifest.families for label in manifest.run_on(family)]
     for family, label in sorted(asked, key=lambda each: _turn(manifest, each[1])):
         if (family, label) not in found:
+            begun = 1 + sum(each in found for each in asked)
+            print(f"{begun} of {len(asked)}: {label} on {family}", file=sys.stderr)
             found[family, label] = _judged(manifest, family, label)
             lines = [json.dumps(asdict(found[each])) for each in asked if each in found]
             write_whole(file, ("\n".join(lines) + "\n").encode())
-            print(f"{len(lines)} of {len(asked)}: {label} on {family}", file=sys.stderr)
     return found
 
 
