@@ -46,7 +46,7 @@ MOMENT = "#t=64&robot=7&run=1"
 SIZE = (1500, 900)
 FAST, PLAYED = 10.0, 10.4
 """Speed of the mission that is played, and the moment of its picture [s]."""
-REPORT = (1000, 1700)
+REPORT = (1366, 1000)
 """Width and height of the picture of a report [pixels]."""
 SCENARIOS = 6
 SIDE = 400
