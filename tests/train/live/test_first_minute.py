@@ -61,10 +61,10 @@ def test_a_play_begins_when_its_page_is_there(session, opened):
 
 def test_figures_are_of_the_same_moment_while_it_runs(session, opened):
     """Also where the charts are drawn seldom, as those of long runs are."""
-    with served(session, speed=20.0, playing=True) as server:
+    with served(session, playing=True) as server:
         page = opened(server)
         page.evaluate("replay.page.chartsAt = Infinity")
-        until(page, "() => replay.page.run.frames > 150")
+        until(page, "() => replay.page.run.frames > 60")
         read = "(() => { const now = parseFloat(document.querySelector('#now').textContent);"
         read += " return [now, document.querySelector('.score').textContent]; })()"
         for _ in range(5):

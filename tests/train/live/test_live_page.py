@@ -127,7 +127,7 @@ def test_options_strategies_and_losses_are_switched(session, page):
 
 @pytest.mark.long
 def test_what_was_is_looked_at_while_the_world_goes_on(session, opened):
-    with served(session, playing=True) as server:
+    with served(session, speed=1.0, playing=True) as server:
         page = opened(server)
         until(page, "() => replay.page.run.frames > 20")
         page.evaluate("replay.page.go(2)")
