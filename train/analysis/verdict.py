@@ -36,7 +36,7 @@ TIMES = 1.5
 """Ratio from which on a difference is said by a factor, not in per cent."""
 LOG_FROM = 8.0
 """Ratio of the largest to the least value from which the scale of a table or a figure is logarithmic."""
-MOST_TIMES = 1_000
+LARGEST_RATIO = 1_000
 """Ratios and ends of their intervals beyond this one say nothing: there are too few scenarios."""
 MOST_NAMED = 3
 """Most strategies that a sentence lists by name."""
@@ -242,14 +242,14 @@ def amount(value: float) -> str:
 
 
 def ratio_words(ratio: float) -> str:
-    """Return a ratio with two digits behind the point, none from 10 on; those beyond `MOST_TIMES` say nothing more.
+    """Return a ratio with two digits behind the point, none from 10 on; those beyond `LARGEST_RATIO` say nothing more.
 
     >>> ratio_words(1.3478), ratio_words(263.1), ratio_words(1116.15)
     ('1.35', '263', 'over 1,000')
 
     """
-    if ratio > MOST_TIMES:
-        return f"over {MOST_TIMES:,}"
+    if ratio > LARGEST_RATIO:
+        return f"over {LARGEST_RATIO:,}"
     return f"{ratio:.2f}" if ratio < 9.995 else f"{ratio:.0f}"
 
 

@@ -105,7 +105,7 @@ def progress(
 
         def update(**changed: Any) -> None:  # noqa: ANN401  (as rich has it)
             came: dict[str, Any] = {"latest": task.elapsed} if changed.keys() & {"advance", "completed"} else {}
-            bar.update(number, **came, **changed)
+            bar.update(number, **{**came, **changed})
 
         if log is not None:
             Thread(target=_keep_log, args=(task, what, log / LOG, ended), daemon=True).start()

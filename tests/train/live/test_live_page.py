@@ -136,7 +136,7 @@ def test_what_was_is_looked_at_while_the_world_goes_on(session, opened):
         page.click("#head")
         until(page, "() => replay.page.atHead && replay.page.time > 5")
         page.keyboard.press(" ")
-        until(page, "() => !replay.page.state.playing")
+        until(page, "() => !replay.page.state.playing && replay.page.run.ahead && !replay.page.waiting")  # it is drawn
         frames = session.ticks
         page.keyboard.press("ArrowRight")
         until(page, "([frames]) => replay.page.run.frames === frames + 1", frames)
