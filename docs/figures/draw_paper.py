@@ -31,10 +31,7 @@ from selector.knowledge import load_knowledge
 from train.reports.network_content import robot_panels
 from train.reports.network_picture import draw_panels
 
-DIRECTORY = Path(__file__).parents[1] / "pictures"
-ROBOT = "cleaning"
-"""The robot of the paper's experiment, in `configs/robots` and `configs/knowledge`."""
-PATH, KNOWLEDGE = find_file("robots", ROBOT), load_knowledge(ROBOT)
+PATH, KNOWLEDGE = find_file("robots", "cleaning"), load_knowledge("cleaning")
 COORDINATORS = {m.goal: m for m in coordinator_models(coordinated_goals(PATH), KNOWLEDGE, Library())}
 
 
@@ -79,7 +76,7 @@ def draw_network() -> Figure:
 
 def main() -> None:
     """Draw and save all figures."""
-    directory = Path(sys.argv[1]) if len(sys.argv) > 1 else DIRECTORY
+    directory = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "pictures"
     figures = {
         "paper_1_patterns": draw_patterns,
         "paper_2_architecture": draw_architecture,
@@ -87,7 +84,6 @@ def main() -> None:
     }
     for name, draw in figures.items():
         draw().savefig(directory / f"{name}.png", dpi=110)
-        print(directory / f"{name}.png")
 
 
 if __name__ == "__main__":
