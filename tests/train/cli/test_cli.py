@@ -49,7 +49,7 @@ def test_the_default_is_table_1_on_its_five_start_configurations_in_a_new_direct
     ]
     assert {r["experiment"] for r in found} == {"table1"}
     assert "846.7" in out
-    assert "1484.70" in (directory / "table.md").read_text()
+    assert "| 1484.7 |" in (directory / "table.md").read_text()
     manifest = json.loads((directory / "manifest.json").read_text())
     assert manifest["identity"]["seed"] == 0
     assert manifest["command"] == ["clean-swarm", "evaluate", "--workers", "1"]  # as it was typed
