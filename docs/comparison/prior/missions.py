@@ -64,9 +64,8 @@ def do_missions(manifest: PriorManifest, file: Path) -> None:
     done = read_missions(file)
     for study in (manifest.effort, manifest.learned):
         fixed = {option: Entrant(strategy=f"Fixed:option={option}") for option in manifest.fixed}
-        alike = dict.fromkeys(
-            {ROLES, MIXTURE} & {label for pair in study.compared for label in pair}, Entrant(strategy="ByShares")
-        )
+        asked = {label for pair in study.compared for label in pair}
+        alike = {label: Entrant(strategy=ByShares.__name__) for label in (ROLES, MIXTURE) if label in asked}
         for name, place in study.places.items():
             for label, entrant in (fixed | study.entrants | alike).items():
                 if (name, label) not in done:
