@@ -78,6 +78,13 @@ class Acceptance:
         return dict(zip((*self._figures, OVERALL), zip(values, lows, highs, strict=True), strict=True))
 
     @property
+    def without_one(self) -> dict[str, float]:
+        """Family -> the geometric mean over all others."""
+        logs = {name: np.log(ratio) for name, (ratio, *_) in self.ratios.items() if name != OVERALL}
+        total = sum(logs.values())
+        return {name: float(np.exp((total - own) / (len(logs) - 1))) for name, own in logs.items()}
+
+    @property
     def seeds(self) -> int:
         """S."""
         return len(next(iter(self._figures.values())).excesses[self._label])
@@ -125,6 +132,11 @@ def _cell(bounded: Bounded) -> str:
     return f"{bounded[0]:.3f} {interval_cell(bounded[1:])}"
 
 
+def _range_without_one(judged: Acceptance) -> str:
+    means = sorted((mean, family) for family, mean in judged.without_one.items())
+    return " to ".join(f"{mean:.3f} (`{family}`)" for mean, family in (means[0], means[-1]))
+
+
 def acceptances(manifest: Manifest, figures: Mapping[str, FamilyFigures]) -> dict[str, Acceptance]:
     """Return label -> what is known of a strategy, or of all trainings of a learner."""
     labels = dict.fromkeys(label for one in figures.values() for label in one.excesses)
@@ -139,13 +151,21 @@ def acceptance_tables(manifest: Manifest, tables: Tables) -> dict[str, str]:
     """Return name -> table: what decides, and ratios to the best pairs and to the rules."""
     figures = tables.figures
     judged, families = acceptances(manifest, figures), list(figures)
-    heads = ["strategy", "seeds", "geometric mean", "families told dearer", "missions more unfinished"]
+    heads = [
+        "strategy",
+        "seeds",
+        "geometric mean",
+        "without one family",
+        "families told dearer",
+        "missions more unfinished",
+    ]
     heads += [f"`{family}`, at most {most}" for family, most in manifest.at_most.items()]
     decided = [
         [
             f"`{label}`",
             str(one.seeds),
             _cell(one.ratios[OVERALL]),
+            _range_without_one(one),
             str(len(one.dear)),
             "{:+.1f}, p {:.2g}".format(*one.unfinished),
             *(f"{one.ratios[family][0]:.3f}" for family in manifest.at_most),
