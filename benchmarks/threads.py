@@ -30,7 +30,7 @@ def stepping(worlds: int, robots: int, threads: int) -> Callable[[], float]:
     """Return a contestant that gives the wall seconds of a decision period."""
     joined = Joined(batches_of(mission_of(robots), worlds, threads), threads)
     joined.reset(range(worlds))
-    drawn = np.random.default_rng(1).integers(0, joined.counts[0], (PERIODS, joined.rows))
+    drawn = np.random.default_rng(1).integers(0, joined.batches[0].choices.counts[0], (PERIODS, joined.rows))
 
     def step() -> float:
         begin = perf_counter()
