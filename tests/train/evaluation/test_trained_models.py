@@ -8,6 +8,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
 from clean_swarm_env.deciders.models import ModelDecider, TrainedOn, remembered, write_names
 from clean_swarm_env.deciders.named import decider_named
@@ -65,9 +66,8 @@ def task(request):
 
 
 def settings_of(kind, name):
-    given = {kind: name}
-    tori = {"unseen": (8.0, 8.0), "unseen-bumpers": (8.0, 8.0), "unseen-exploring": (15.0, 15.0)}
-    return given | ({"size": tori[name]} if name in tori else {})
+    tori = load_family(name).tori if kind == "family" else ()
+    return {kind: name} | ({"size": tori[0]} if len(tori) > 1 else {})
 
 
 @pytest.mark.parametrize(("kind", "name"), SHIPPED)
