@@ -130,6 +130,7 @@ def test_ctrl_c_ends_it_and_the_recording_is_whole(tmp_path):
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     process = subprocess.Popen(command, cwd=tmp_path, env=environment, start_new_session=True, **pipes)
     address = process.stdout.readline().strip()
+    urlopen(address.replace("/?", "/do?"), json.dumps({"do": "play"}).encode()).close()  # no page does
     with urlopen(address.replace("/?", "/stream?")) as source:
         frames = frames_from(RecordedParts(blocks_in(source, "stream"), "stream"))
         for _ in range(10):
