@@ -67,7 +67,7 @@ def test_storing_changes_nothing(copy):
         ("docs/choosing.md", "**0.603** [0.506, 0.717] | **0.571**", "**0.602** [0.506, 0.717] | **0.571**", "main"),
         ("docs/results.md", "6.36 [5.92, 6.8]", "6.36 [5.93, 6.8]", "tasks"),
         ("docs/results.md", "468 [374, 563]", "469 [374, 563]", "table1"),
-        ("docs/benchmarks.md", "| tick / floor, 1 x 5 | 1.74 |", "| tick / floor, 1 x 5 | 1.84 |", "measured"),
+        ("docs/benchmarks.md", "| tick / floor, 1 x 5 | ", "| tick / floor, 1 x 5 | 9", "measured"),  # whatever it is
         ("docs/tutorials/learn.md", "| 49.9 s | 8.8 |", "| 49.9 s | 8.7 |", "drivers"),
         ("docs/models.md", "0.96 [0.88, 1.04]", "0.96 [0.88, 1.05]", "options"),
         ("docs/tutorials/selector.md", "19 % [12, 25]", "19 % [13, 25]", "saved"),
