@@ -12,8 +12,10 @@ from docs.figures.stored import ROOT, parts
 from examples.conflicts import AtMeetings, ByShares, EffortLadder
 from selector.documents.reading import read_mapping
 from selector.strategies.problem import Problem
-from selector.strategies.registry import create
+from selector.strategies.registry import STRATEGIES, create
 
+OURS = {kind.__name__: STRATEGIES._classes.pop(kind.__name__) for kind in (EffortLadder, ByShares)}
+"""Strategies of the example; tests of the library's own collect all that are registered."""
 PROBLEM = Problem("AvoidCollision", ("wide", "other", "never", "narrow"), np.array([0.0, 1.0, 0.0, 0.0]))
 LADDER = {"rungs": "never/narrow/wide", "up": 1.0, "down": 0.5}
 NOTHING = np.zeros((2, 0))
@@ -35,6 +37,11 @@ TRIED = {
         "places": {"learned": SMALL | {"practice": 1}},
     },
 }
+
+
+@pytest.fixture(autouse=True)
+def strategies_of_the_example(monkeypatch):
+    monkeypatch.setattr(STRATEGIES, "_classes", STRATEGIES._classes | OURS)
 
 
 @pytest.mark.parametrize("kind", [EffortLadder, ByShares])
