@@ -214,7 +214,7 @@ class Task(StagedTask, ABC, Generic[S, T]):
 
     def steps(self, commands: Commands) -> list[Step]:
         """Return the steps of a tick that are the task's, by their stages; see ARCHITECTURE.md."""
-        everyone = Rows.of(np.arange(self.world.rows))
+        everyone = Rows.of(self.world.every_row)
         return [
             Step(SENSE, lambda now, _: self.sense(), everyone),
             Step(COMMANDING, lambda now, _: self.command(commands), everyone),

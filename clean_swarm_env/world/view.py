@@ -45,6 +45,7 @@ class TaskView:
         ground: the ground, with its metric.
         period: length of a control period [s].
         max_speed: (R, 1) of the robots [m/s].
+        every_row: (R,) all rows, 0..R-1.
         of_row: (R,) the world of each row.
         missions: (W,) those of the worlds until their next resets.
         limits: (W,) control periods after which these missions end.
@@ -54,6 +55,7 @@ class TaskView:
     """
 
     max_speed: Annotated[Floats, "R 1", READ]
+    every_row: Annotated[Ints, "R", READ]
     of_row: Annotated[Ints, "R", READ]
     _targets: Annotated[list[Floats], "K", READ]
     limits: Annotated[Ints, "W", KEPT]
@@ -65,6 +67,7 @@ class TaskView:
         self.ground: Ground = floor.ground
         self.period = clock.period
         self.max_speed = self.of_each("max_speed")[:, None]
+        self.every_row = np.arange(self.rows)
         self.of_row = np.repeat(np.arange(self.worlds), self.robots)
         self.limits = np.full(self.worlds, tick_limit(self.mission))
         self.by_baseline = False
@@ -91,8 +94,7 @@ class TaskView:
 
     def finding_ways(self) -> list[Step]:
         """Return the steps that compute the ways to things of worlds that have begun, before robots sense."""
-        everyone = Rows.of(np.arange(self.rows))
-        return [] if self._aims is None else [Step(SENSE, lambda now, _: self.find_ways(), everyone)]
+        return [] if self._aims is None else [Step(SENSE, lambda now, _: self.find_ways(), Rows.of(self.every_row))]
 
     def find_ways(self) -> None:
         """Compute the ways to things of worlds that have begun."""

@@ -212,17 +212,16 @@ class Worlds:
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
-        task = self.task
+        task, now = self.task, self._clock.now
         self.agendas.apply_due()
         able = task.start_tick()
         self._able.fill(self._all if able is None else able)
         if self.world.by_baseline:
-            self._led.run(self._clock.now)
+            self._led.run(now)
         elif task.thinks_when_driven or not self._driving.length[0]:
-            self._thinking.run(self._clock.now)
+            self._thinking.run(now)
         else:
-            self._following.run(self._clock.now)
-        now = self._clock.now
+            self._following.run(now)
         self._clock.advance()
         task.after_moving()
         if self.minds.facts:

@@ -74,10 +74,10 @@ class CoordinatedRobots:
         self._leave_out(self._all)
 
     def steps(self, commands: Commands) -> list[Step]:
-        """Return the steps of a tick but for the decision of the network; movements go into `commands`."""
-        everyone, readings = Rows.of(self._all), self.network.readings
-        steps = [Step(STEER, lambda now, _: np.copyto(commands.wishes, commands.vectors), everyone)]
-        steps = steps if self.network.explained else []
+        """Return all steps of a tick except the decision of the network; movements go into `commands`."""
+        everyone, readings, steps = Rows.of(self._all), self.network.readings, list[Step]()
+        if self.network.explained:
+            steps.append(Step(STEER, lambda now, _: np.copyto(commands.wishes, commands.vectors), everyone))
         for column, sensor in self._sensors:
             steps += [step for source in sensor.sources for step in source.asking(SENSE, everyone)]
             steps.append(sensor.reading(everyone, readings, column, readings, column))

@@ -40,7 +40,7 @@ def words_of_step(kernel: Any, rows: tuple[Ints, Ints], records: Sequence[Packed
 
 
 def address_of(kernel: Any, records: int) -> int:  # noqa: ANN401
-    """Return the address of the compiled code of a step that takes so many records."""
+    """Return the address of the compiled code of a step that takes a number of records."""
     kinds = _kinds_of(records)
     kernel.compile(kinds)
     compiled, unliteral = kernel.overloads[kinds], cast("Compiler", types.unliteral)
@@ -50,7 +50,7 @@ def address_of(kernel: Any, records: int) -> int:  # noqa: ANN401
 
 
 def _kinds_of(records: int) -> tuple[Compiler, ...]:
-    """Return the types of the arguments of a step that takes so many records."""
+    """Return the types of the arguments of a step that takes a number of records."""
     return types.float64, WORDS, *(WORDS,) * records
 
 

@@ -105,7 +105,7 @@ class Move(Action):
 
 @lean_kernel
 def command_movements(now: float, rows: Ints, moved: Handle[Moved], commands: Handle[Commanded]) -> int:
-    """Command `rows` (K,) to move by what a mechanism moved them; a step, see `selforg.program`."""
+    """Command `rows` (K,) to make the movements of a mechanism; a step, see `selforg.program`."""
     m, given = open_commanded(commands), open_moved(moved)
     for row in rows:
         for axis in range(given.vectors.shape[1]):

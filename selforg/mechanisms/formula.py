@@ -136,9 +136,9 @@ class FormulaMechanism(MovementMechanism):
     @property
     def _packed(self) -> Packed[Rule]:
         """The record of the mechanism, with room for as many boids as pairs, packed when it moves."""
-        boids = np.empty((len(self._room.pairs), self.boid_columns))
-        if self._rule is not None and len(self._rule.record.boids) < len(boids):
-            self._rule.replace(self._rule.record._replace(boids=boids))
+        pairs = len(self._room.pairs)
+        if self._rule is not None and len(self._rule.record.boids) < pairs:
+            self._rule.replace(self._rule.record._replace(boids=np.empty((pairs, self.boid_columns))))
         if self._rule is None:
             self._rule = RULE.pack(
                 Rule(
@@ -160,7 +160,7 @@ class FormulaMechanism(MovementMechanism):
                     cursor=self.directions.cursor,
                     low=self.directions.low,
                     parameters=self.parameters,
-                    boids=boids,
+                    boids=np.empty((pairs, self.boid_columns)),
                     velocity=np.zeros(3),
                     change=np.zeros(3),
                     total=np.zeros(3),

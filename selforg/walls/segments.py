@@ -4,6 +4,7 @@ On a torus, segments near a seam have images one world size away, so that no sea
 """
 
 from collections.abc import Sequence
+from functools import cache
 from itertools import product
 from typing import Annotated, Final, NamedTuple
 
@@ -70,8 +71,9 @@ def packed_walls(segments: Floats, low: Sequence[float], high: Sequence[float], 
     )
 
 
+@cache
 def no_walls() -> Packed[Walls]:
-    """Return the walls of a world without any."""
+    """Return the walls of a world without any; all such worlds share them."""
     return packed_walls(np.zeros((0, 4)), (0.0, 0.0), (1.0, 1.0))
 
 

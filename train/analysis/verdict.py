@@ -209,10 +209,8 @@ def unfinished_sentence(left: Mapping[str, Floats], ranking: Ranking, word: str 
     `left`: label -> 1 where a mission was not completed (S, K, V).
     """
     missions, counts = sum(own.size for own in left.values()), {label: int(own.sum()) for label, own in left.items()}
-    lost, blamed = (
-        sum(counts.values()),
-        sorted((label for label in counts if counts[label]), key=counts.__getitem__, reverse=True),
-    )
+    lost = sum(counts.values())
+    blamed = sorted((label for label in counts if counts[label]), key=counts.__getitem__, reverse=True)
     if not missions:
         return ""
     if not lost or lost == missions:

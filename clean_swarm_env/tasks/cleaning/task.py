@@ -150,8 +150,8 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         return self.consequences.start_tick(self.world.team.at_work)
 
     def steps(self, commands: Commands) -> list[Step]:
-        """Return the steps of a tick, compiled but for what few missions need."""
-        everyone, given, site = Rows.of(np.arange(self.world.rows)), commands.packed, self.site
+        """Return the steps of a tick; only those that few missions need are in Python."""
+        everyone, given, site = Rows.of(self.world.every_row), commands.packed, self.site
         records = floor, minds, _ = site.packed, self.movers.packed, self.world.floor.walls
         steps = [
             Step(SENSE, read_sensors, everyone, read_sensors, records),
@@ -175,7 +175,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
     def follow(self, vectors: Floats, working: Flags) -> None:
         """Drive robots by vectors (R, 2) [m/s]; those `working` (R,) pick, recycle and dump wherever they can."""
         floor, minds, walls = self.site.packed.handle, self.movers.packed.handle, self.world.floor.walls.handle
-        read_sensors(self.world.now, np.arange(self.world.rows), floor, minds, walls)
+        read_sensors(self.world.now, self.world.every_row, floor, minds, walls)
         self.site.hide_picked(handle_cargo_in_reach(floor, minds, working, walls))
 
     def _hand_over(self, asked: Floats) -> None:

@@ -26,8 +26,8 @@ class EXP3(DecisionStrategy):
     """EXP3 (Auer, Cesa-Bianchi, Freund & Schapire 2002, doi:10.1137/S0097539701398375, figure 1).
 
     Weights are kept as logarithms, whose largest is 0, so that they never overflow. The same formula is used for the
-    options that can serve if others cannot. A hundred robots that learn together soon
-    take the better option, and go on to try the other in a share `gamma` / 2 of decisions:
+    options that can serve if others cannot. A hundred robots that learn together soon take the better option, and go on
+    to try the other in a share `gamma` / 2 of decisions:
 
     >>> import numpy as np
     >>> from selector.strategies.registry import create
