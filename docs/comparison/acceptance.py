@@ -156,7 +156,7 @@ def acceptance_tables(manifest: Manifest, tables: Tables) -> dict[str, str]:
         "seeds",
         "geometric mean",
         "without one family",
-        "families told dearer",
+        "dearer families",
         "missions more unfinished",
     ]
     heads += [f"`{family}`, at most {most}" for family, most in manifest.at_most.items()]

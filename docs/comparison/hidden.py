@@ -12,12 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.deciders.named import FIXED
-from docs.comparison.manifest import BEST, TOLD, Manifest
-from docs.comparison.missions import do_missions, read_missions
-from docs.comparison.write_choosing import JUDGE, inputs_of, put_tables
+from docs.comparison.manifest import BEST, TOLD
+from docs.comparison.write_choosing import asked_missions, inputs_of, put_tables
 from docs.figures.stored import ROOT
-from selector.documents.errors import validated
-from selector.documents.reading import read_mapping
 from selforg.arrays import Floats
 from train.analysis.intervals import Ratio
 from train.analysis.strategy_comparison import BestFixed
@@ -30,10 +27,7 @@ DRAWN = OWN.with_name("families") / OWN.name
 
 def main(arguments: list[str]) -> None:
     """Do the missions that are missing, and record the table."""
-    manifest, file = validated(Manifest, read_mapping(OWN), str(OWN)), OWN.with_suffix(".jsonl")
-    if JUDGE not in arguments:
-        do_missions(manifest, file)
-    found = read_missions(file, manifest)
+    _, manifest, file, found = asked_missions(arguments, OWN)
     labels = manifest.run_on(FAMILY)
     excesses = {label: np.array(found[FAMILY, label].excess_s)[None, :, None] for label in labels}
     best = BestFixed.of(excesses, [f"{FIXED}:{options}" for options in manifest.families[FAMILY].fixed])
