@@ -185,7 +185,12 @@ EVIL = {"observation": {"terms": [{"name": "evil.py:Evil"}]}, "terms": []}
             MACHINE + "probing: {robots: 9, option: ORCA+LevyWalk, until: heard_x}\n",
             "expected at most|heard_x",
         ),
-        ("m.onnx", onnx_model()[:40], r"m\.onnx: expected a model of \d+ numbers and \d+ options, got .*"),
+        pytest.param(
+            "m.onnx",
+            onnx_model()[:40],
+            r"m\.onnx: expected a model of \d+ numbers and \d+ options, got .*",
+            marks=pytest.mark.extra,
+        ),
         ("m.zip", b"PK no zip", r"m\.zip: expected a zip of policy\.json and policy\.safetensors, of .*not a zip file"),
         ("m.zip", of_policy()[:-30], r"m\.zip: expected a zip of policy\.json and .*not a zip file"),
         ("m.zip", of_policy("--_"), r"m\.zip: expected a zip of policy\.json and .*got \{'\.\./policy\.json': \d+, "),
@@ -205,6 +210,8 @@ EVIL = {"observation": {"terms": [{"name": "evil.py:Evil"}]}, "terms": []}
     ],
 )
 def test_what_is_damaged_or_hostile_is_one_line(name, content, line, small, tmp_path, capsys, monkeypatch):
+    if name == "m.onnx":
+        pytest.importorskip("onnxruntime")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "evil.py").write_text("raise RuntimeError('this runs')")
     if content is not None:
