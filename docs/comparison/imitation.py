@@ -25,9 +25,8 @@ from clean_swarm_env.deciders.strategies import PolicyDecider
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.joined import Joined
 from clean_swarm_env.learning.observation.config import TermConfig
-from docs.comparison.headroom import scenario_kinds
 from docs.comparison.manifest import Imitation, Manifest, Taught
-from docs.comparison.missions import SEASON
+from docs.comparison.missions import SEASON, scenario_kinds
 from selector.documents.fields import JOINT
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy, save_policy
 from selector.strategies.probing import Probing

@@ -6,7 +6,7 @@ A line of the file is one strategy on all test scenarios of a family. Lines that
 import json
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import chain
 from pathlib import Path
@@ -17,7 +17,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.tasks import items_keep_coming
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.named import FIXED, MACHINE, POLICY
-from docs.comparison.headroom import scenario_kinds
+from clean_swarm_env.world.task import task_class
 from docs.comparison.manifest import OFF, TOLD, Manifest, Taught, Trained
 from docs.comparison.running import run, written
 from docs.figures.stored import ROOT
@@ -148,6 +148,12 @@ def _members(manifest: Manifest, family: str, label: str, scenarios: list[Scenar
     if label == TOLD:
         known[TOLD] = f"{MACHINE}:{_told_machine(manifest, family, compared.told_by)}"
     return [known.get(label, label)] * len(scenarios)
+
+
+def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
+    """Return the kind (K,) of each scenario: its numbers of spots and of stations, and what collisions do."""
+    missions = [scenario.mission for scenario in scenarios]
+    return [task_class(mission).kind_of(mission) for mission in missions]
 
 
 def _told_machine(manifest: Manifest, family: str, told: Mapping[str, str]) -> Path:

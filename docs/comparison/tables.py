@@ -16,7 +16,7 @@ from docs.comparison.manifest import BEST, OFF, TOLD, Manifest
 from docs.comparison.missions import Judged
 from selforg.arrays import Floats
 from train.analysis.flips import ALPHA
-from train.analysis.intervals import Interval, Ratio, heavy_tailed, share_interval
+from train.analysis.intervals import Interval, Ratio, heavy_tailed
 from train.analysis.strategy_comparison import BestFixed
 from train.analysis.verdict import RANDOM
 from train.reports.text_table import EMPTY_CELL, interval_cell, markdown_table
@@ -109,26 +109,23 @@ class Tables:
 
     def tables(self) -> dict[str, str]:
         """Return name -> table."""
-        found = {"main": self._main(), "chance": self._chance(), "unfinished": self._unfinished(), "both": self._both()}
+        found = {"main": self._main(), "both": self._both()}
         return found | ({"told": self._told()} if any(TOLD in own for own in self._excesses.values()) else {})
 
     def _main(self) -> str:
-        """Return the claimed strategy and the others beside the best options, a row for each family."""
+        """Return the claimed strategy, the others, chance and no avoidance beside the best options of each family."""
         claimed, *others = self._manifest.strategies or self._manifest.trained
         rows = []
         for family, excesses in self._excesses.items():
             options = self.figures[family].best.label.replace(f"{FIXED}:", "").replace("+", ", ")
             cells = [f"`{family}`", str(excesses[BEST].size), options, f"{excesses[BEST].mean():.1f}"]
             cells += [self.cell(family, label) for label in (claimed, *others)]
-            rows.append([*cells, *(self.cell(family, claimed, other) for other in others)])
+            cells += [self.cell(family, claimed, other) for other in others]
+            rows.append([*cells, *(self.cell(family, label) for label in (RANDOM, OFF))])
         heads = ["family", "scenarios", "best options", "their excess s"]
         heads += [f"`{label}` / best" for label in (claimed, *others)]
-        return markdown_table([*heads, *(f"`{claimed}` / `{other}`" for other in others)], rows)
-
-    def _chance(self) -> str:
-        """Return chance and options that never avoid beside the best options."""
-        rows = [[f"`{f}`", *(self.cell(f, label) for label in (RANDOM, OFF))] for f in self._excesses]
-        return markdown_table(["family", f"`{RANDOM}` / best", f"{OFF} / best"], rows)
+        heads += [f"`{claimed}` / `{other}`" for other in others]
+        return markdown_table([*heads, f"`{RANDOM}` / best", f"{OFF} / best"], rows)
 
     def _told(self) -> str:
         """Return a told team, other trainings and shares of the way from the best options to the told team."""
@@ -144,18 +141,6 @@ class Tables:
         ]
         heads = ["family", "told / best", *(f"`{label}` / best" for label in trained)]
         return markdown_table([*heads, *(f"way of `{label}`" for label in ways)], rows)
-
-    def _unfinished(self) -> str:
-        """Return the unfinished missions, and how many there may be of a hundred, where missions end."""
-        own = self._manifest.strategies or self._manifest.trained
-        labels = [BEST, *own, RANDOM, OFF]
-        rows = [
-            [f"`{family}`", str(left[BEST].size), *(_unfinished_cell(left.get(label)) for label in labels)]
-            for family, left in self._left.items()
-            if left
-        ]
-        heads = [f"`{label}`" if label in (*own, RANDOM) else label for label in labels]
-        return markdown_table(["family", "missions", *heads], rows)
 
     def _both(self) -> str:
         """Return the ratios over missions that both finish, where one of the two leaves some unfinished."""
@@ -205,11 +190,3 @@ def by_scenario(values: Floats) -> Floats:
 def _flags(judged: Judged) -> Floats:
     """Return 1 for each mission (1, K, 1) that was not completed, else 0."""
     return np.isin(np.arange(len(judged.excess_s)), judged.unfinished or []).astype(float)[None, :, None]
-
-
-def _unfinished_cell(left: Floats | None) -> str:
-    """Return how many missions were not completed, and the upper bound of their share."""
-    if left is None:
-        return EMPTY_CELL
-    most = share_interval(float(left.mean()), left.shape[1])[1]
-    return f"{left.sum():.0f}, up to {most:.0%}".replace("%", " %")

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from clean_swarm_env.config.types import ConfigurationError
-from docs.comparison.frequencies import frequencies_table
 from docs.comparison.manifest import Manifest
 from docs.comparison.missions import Missions, do_missions, read_missions
 from docs.comparison.tables import Tables
@@ -30,8 +29,7 @@ def main(arguments: list[str]) -> int:
     tables = Tables(manifest, missions)
     if manifest.page:
         inputs = [*inputs_of(given, manifest.families), file.resolve().relative_to(ROOT).as_posix()]
-        options = {} if JUDGE in arguments else {"frequencies": frequencies_table(manifest)}
-        put_tables(manifest.name, tables.tables() | options, COMMAND, inputs)
+        put_tables(manifest.name, tables.tables(), COMMAND, inputs)
     else:
         print("\n\n".join(tables.tables().values()))
     for claim in tables.claims.values():

@@ -33,8 +33,6 @@ COMMAND = "python -m docs.figures.numbers"
 EXEMPT = {
     "docs/environment.md: infos": "keys and their meaning; a test compares it with the code",
     "docs/environment.md: rewards": "weights and their defaults; a test compares it with the code",
-    "docs/environment.md: terms": "what a term says and how many components it has; a test compares it with the code",
-    "docs/exploring.md: | family | what happens | why the choice should matter |": "how a family is made",
     "docs/recordings.md: channels": "a format; a test compares it with the code",
     "docs/walls.md: | setting | unless given | what |": "settings and their defaults",
     "docs/tasks.md: tasks": "names, options and targets; a test compares it with the code",

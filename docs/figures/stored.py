@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from docs.figures.printed import NUMBER, Figure, parsed, shown
-from selector.documents.reading import as_yaml
+from selector.documents.reading import as_yaml, read_mapping
 from selector.knowledge import load_knowledge
 
 ROOT = Path(__file__).parents[2]
@@ -164,9 +164,11 @@ def input_files(inputs: Iterable[str], root: Path) -> list[Path]:
 
 
 def content_of(path: Path, root: Path) -> bytes:
-    """Return what a file decides: all of it, but of expert knowledge the options with what the library says of them."""
-    if path.parent != root / "configs" / "knowledge":
+    """Return what a file decides: what YAML says, and of expert knowledge what the library says of its options."""
+    if path.suffix != ".yaml":
         return path.read_bytes()
+    if path.parent != root / "configs" / "knowledge":
+        return as_yaml(read_mapping(path)).encode()
     known = load_knowledge(str(path), [root / "configs"])
     return as_yaml({goal: [one.model_dump() for one in known.options(goal)] for goal in known.goals}).encode()
 

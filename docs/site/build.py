@@ -22,14 +22,14 @@ GROUPS = {
     ),
     "Do": (
         "README", "commands", "keys", "play", "recordings", "environment", "tasks", "own_task", "own_plugins",
-        "learning", "strategies", "machines", "knowledge", "clusters",
+        "learning", "strategies", "knowledge", "clusters",
     ),
     "Understand": (
-        "ARCHITECTURE", "glossary", "selector", "network", "walls", "models", "transport", "cost",
+        "ARCHITECTURE", "glossary", "selector", "network", "walls", "models", "transport", "families",
         "paper", "quirks", "versions", "compared",
     ),
     "Results": (
-        "results", "choosing", "protocol", "exploring", "families", "robustness", "benchmarks",
+        "results", "choosing", "protocol", "benchmarks",
     ),
     "Reference": CATALOGUE,
     "API": API,
@@ -42,10 +42,11 @@ RECORD = HOW_IT_CAME.replace("---\n", "---\norphan: true\n", 1)
 """Head of the page of a decision."""
 
 FOUND = {
-    "environment": ("reward", "action space", "observation", "PettingZoo", "vectorised environment", "Gymnasium"),
-    "results": ("Table 1",),
-    "families": ("headroom",),
-    "walls": ("walls", "lidar", "zones"),
+    "environment": ("reward", "action space", "observation", "PettingZoo", "vector environment", "Gymnasium", "cost"),
+    "results": ("Table 1", "robustness", "disturbance"),
+    "families": ("family", "headroom"),
+    "strategies": ("state machine", "bandit", "policy"),
+    "walls": ("walls", "lidar", "zones", "collision"),
     "selector": ("sensor", "action", "knowledge", "pheromone", "gradient", "mechanism"),
     "own_plugins": ("plug-in", "plugin"),
     "recordings": ("recording", "replay"),

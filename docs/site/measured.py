@@ -8,10 +8,7 @@ from pathlib import Path
 
 from docs.site.stage import ROOT
 
-PAGES = (
-    "results", "choosing", "families", "exploring", "transport", "learning", "robustness", "models",
-    "walls", "strategies", "environment",
-)  # fmt: skip
+PAGES = ("results", "choosing", "families", "transport", "learning", "models", "walls", "strategies", "environment")
 """Pages of docs/ whose tables are read, in the order in which their rows are shown."""
 
 

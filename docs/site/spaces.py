@@ -70,8 +70,9 @@ def paid(task: type[Task]) -> Iterator[str]:
     if task.priced:
         weight = RewardConfig().cost
         yield (
-            f"A robot gets {weight:g} for each second by which the [cost of the mission](../../cost.md) grew. Results "
-            "are the cost, the duration [s], and collisions [1/s]; less is better."
+            f"A robot gets {weight:g} for each second by which the "
+            "[cost of the mission](../../environment.md#what-a-mission-costs) grew. "
+            "Results are the cost, the duration [s], and collisions [1/s]; less is better."
         )
         return
     yield "A reward is how much each measure improved in the period, in units of its target. The baseline is: " \

@@ -24,15 +24,6 @@ from tests.pages import table, text_of
 OURS = {cls.__name__: cls for cls in STRATEGIES if cls.__module__.startswith("selector.strategies.")}
 
 
-def test_terms_of_the_environment():
-    rows = {row[0].strip("`"): row[1:] for row in table("docs/environment.md", "terms")}
-    assert list(rows) == list(Cleaning.terms)
-    for name, (meaning, components, *_) in rows.items():
-        term = TERMS.find(name)
-        assert meaning == term.meaning()
-        assert not term.components or re.findall(r"`(\w+)`", components) == list(term.components)
-
-
 def test_weights_of_rewards():
     rows = {row[0].strip("`"): row[1:] for row in table("docs/environment.md", "rewards")}
     about = descriptions(RewardConfig)

@@ -1,6 +1,6 @@
 """What a cleaning mission costs: seconds, the price of its collisions, and items that are left.
 
-`docs/cost.md` says why. The reward of learners adds up to the same numbers.
+`docs/environment.md#what-a-mission-costs` says why. The reward of learners adds up to the same numbers.
 """
 
 from typing import Final, NamedTuple

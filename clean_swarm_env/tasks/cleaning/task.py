@@ -50,7 +50,7 @@ from selforg.program import AFTER_DECIDING, AFTER_LEAVING, COMMANDING, LEAD, MOV
 
 @TASKS.register
 class Cleaning(Task[CleaningSettings, TaskState]):
-    """All garbage has to be recycled and dumped; see `docs/cost.md` for what a mission costs.
+    """All garbage has to be recycled and dumped; see `docs/environment.md` for what a mission costs.
 
     Attributes:
         site: items and stations; its `garbage` and `stations` are attributes here, too.
@@ -215,7 +215,7 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         return self.done()
 
     def cost(self, world: int, values: Mapping[str, Floats]) -> float:
-        """Return what the mission of a world costs [s]; see `docs/cost.md`."""
+        """Return what the mission of a world costs [s]; see `docs/environment.md`."""
         counts, done = self.world.floor.collisions, int(self.garbage.done[world])
         events, samples = int(counts.events[world, 0]), int(counts.samples[world, 0])
         return mission_cost(self.world.missions[world], self.duration(world), events, samples, done)

@@ -53,10 +53,10 @@ def test_a_machine_that_goes_to_the_state_of_its_situation_is_a_rule(tmp_path):
 
 
 def test_the_guide_shows_a_machine_for_the_options_that_ship():
-    (block,) = blocks("docs/machines.md", "yaml")
+    _, block = blocks("docs/strategies.md", "yaml")
     shown = StateMachine.model_validate(yaml_value(block.text, "guide"))
     batch = Batch(load_family("crowded").scenario(0, 0, "test").mission)
-    shown.check_fits(DecidedGoal(batch).problem, "docs/machines.md")
+    shown.check_fits(DecidedGoal(batch).problem, "docs/strategies.md")
     assert len(shown.ways) == 3
 
 

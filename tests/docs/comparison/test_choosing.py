@@ -9,7 +9,6 @@ import pytest
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.types import ConfigurationError
 from docs.comparison import missions, write_choosing
-from docs.comparison.frequencies import frequencies_table
 from docs.comparison.manifest import BEST, OFF, TOLD, Manifest
 from docs.comparison.missions import Judged, do_missions, family_of, read_missions
 from docs.comparison.tables import Tables, share_of_way
@@ -86,7 +85,7 @@ def test_tables_have_the_cheaper_fixed_option_ratios_and_bold_what_sign_flips_te
     assert main.startswith("| `random` | 20 | ORCA | 19.5 | **0.800** [0.800, 0.800] | 0.998 [")
     assert tables.told("random", "one") == tables.told("random", "one", "rule") == -1.0
     assert tables.told("random", "rule") == 0.0
-    assert "**2.000** [2.000, 2.000] | **3.000** [3.000, 3.000] |" in shown["chance"]
+    assert main.endswith("**2.000** [2.000, 2.000] | **3.000** [3.000, 3.000] |")
     assert "| **0.600** [0.600, 0.600] | 50 % [50, 50] |" in shown["told"]
     assert tables.broken() == []
     few = Tables(*example(scenarios=6))
@@ -105,7 +104,6 @@ def test_unfinished_missions_have_a_test_of_their_own_and_heavy_tails_are_named(
     tables = Tables(manifest, found)
     shown = tables.tables()
     assert tables.told("random", "one") == 1.0  # it is cheaper wherever both finish, but leaves twelve unfinished
-    assert "| `random` | 20 | 0, up to 17 % | 12, up to 81 % | 0, up to 17 %" in shown["unfinished"]
     assert "| `random` | one / best | 8 of 20 | 0.800 [0.800, 0.800] |" in shown["both"]
     assert "rule / best" not in shown["both"]
     assert [cell.endswith("heavy ") for cell in shown["main"].splitlines()[2].split("|")[5:8]] == [False, True, True]
@@ -128,7 +126,7 @@ def test_shares_of_the_way_have_intervals_that_hold_the_truth():
     assert 52 <= held < 60
 
 
-@pytest.mark.parametrize("name", ["choosing", "learning", "protocol", "hidden"])
+@pytest.mark.parametrize("name", ["choosing", "learning", "protocol"])
 def test_manifests_that_ship_name_what_there_is(name):
     manifest = Manifest(**read_mapping(write_choosing.OWN.with_name(f"{name}.yaml")))
     assert manifest.name == name
@@ -161,9 +159,3 @@ def test_nothing_is_run_to_judge_and_what_is_missing_is_named(tmp_path, capsys, 
     kept.write_text("\n".join(lines[1:]))
     with pytest.raises(ConfigurationError, match="expected missions of one on random, got none"):
         write_choosing.main(["--judge", str(given)])
-
-
-@pytest.mark.long
-def test_options_that_are_taken_are_counted_by_the_state_of_the_world():
-    table = frequencies_table(Manifest(**TRIED | {"families": {"random": SIZES}}))
-    assert "| `random` | anywhere | ORCA-distance0.8 " in table
