@@ -19,7 +19,16 @@ from selector.documents.errors import check_unique, impossible
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive
 from selforg.arrays import Floats, Ints
 
-SUMMED_UP: Final = ("radius", "max_speed", "max_turn_rate", "pose_goal_radius", "pose_diffusion", "pose_noise")
+SUMMED_UP: Final = (
+    "radius",
+    "max_speed",
+    "max_turn_rate",
+    "pose_goal_radius",
+    "pose_diffusion",
+    "pose_noise",
+    "pose_drift",
+    "slip",
+)
 """Settings of which a team of groups has the largest value."""
 
 
@@ -52,6 +61,13 @@ class RobotModel(Closed):
     """Standard deviation of each coordinate of where a robot takes itself to be, anew in each control period [m].
 
     Its mechanisms begin at that place, and others see its pose there.
+    """
+    pose_drift: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=100.0)] = 0.0
+    """Standard deviation of a further error of that place, which changes slowly: it falls to 1/e in 20 s [m]."""
+    slip: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1.0)] = 0.0
+    """Standard deviation of the speed, and of the turn rate, that wheels give as a share of what is commanded [-].
+
+    It is drawn anew in each control period.
     """
     document: DocumentName | Literal[""] = ""
     """Name of the document of these robots in `configs/robots`; empty: that of `network.robot`."""

@@ -97,7 +97,8 @@ def _features(missions: Sequence[MissionConfig]) -> set[str]:
             "walls": bool(mission.world.walls),
             "zones": bool(mission.world.zones),
             "lost messages": mission.delivery.loss > 0.0,
-            "wrong poses": mission.robots.pose_noise > 0.0,
+            "wrong poses": mission.robots.pose_noise + mission.robots.pose_drift > 0.0,
+            "slipping wheels": mission.robots.slip > 0.0,
             "robots of several models": len(mission.robots.groups) > 1,
             f"{mission.world.ground} ground": True,
         }.items()

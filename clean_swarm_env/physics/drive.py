@@ -6,7 +6,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from clean_swarm_env.physics.motion import wrapped_angle
-from selforg.arrays import CLOCKED, KEPT, READ, Flags, Floats, Ints
+from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed, Recording, Written
 from selforg.elementary import direction, length_of
@@ -20,6 +20,7 @@ class DriveState(NamedTuple):
     speed: Annotated[Floats, "R", KEPT]  # along the heading [m/s]
     turn_rate: Annotated[Floats, "R", KEPT]  # [rad/s]
     commanded_at: Annotated[Floats, "R", CLOCKED]  # time of the last command [s]; undefined for a robot at rest
+    grip: Annotated[Floats, "R 2", SCRATCH]  # share of a commanded speed, and of a turn rate, that a robot gets [-]
     max_speed: Annotated[Floats, "R", READ]  # [m/s]
     max_turn_rate: Annotated[Floats, "R", READ]  # [rad/s]
     turn_gain: Annotated[Floats, "R", READ]  # turn rate per heading error [1/s]
@@ -36,6 +37,7 @@ class DifferentialDrive:
 
     speed: (R,) float64 [m/s] along the heading; the same array all the time.
     turn_rate: (R,) float64 [rad/s]; the same array all the time.
+    grip: (R, 2) float64 [-], 1 at first: what robots get of a commanded speed and turn rate; written by the owner.
     max_speed: (R,) float64 [m/s]; read only.
     packed: the record that compiled code takes; its settings are the arguments, each a number or (R,).
 
@@ -62,9 +64,9 @@ class DifferentialDrive:
         limits = [np.full(rows, setting, dtype=np.float64) for setting in settings]
         self.max_speed = limits[0]
         self.packed: Packed[DriveState] = DRIVE.pack(
-            DriveState(np.zeros(rows), np.zeros(rows), np.zeros(rows), *limits)
+            DriveState(np.zeros(rows), np.zeros(rows), np.zeros(rows), np.ones((rows, 2)), *limits)
         )
-        self.speed, self.turn_rate, self._commanded_at = self.packed.record[:3]
+        self.speed, self.turn_rate, self._commanded_at, self.grip = self.packed.record[:4]
 
     def reset(self, rows: Ints | slice) -> None:
         """Stop the robots in `rows`, as at the beginning."""
@@ -92,8 +94,9 @@ def update_drives(
             if length > 0.0:
                 error = wrapped_angle(direction(y, x) - headings[row])
                 most = d.max_turn_rate[row]
-                d.turn_rate[row] = min(max(d.turn_gain[row] * error, -most), most)
-                d.speed[row] = min(length, d.max_speed[row]) if abs(error) < d.turn_in_place_beyond[row] else 0.0
+                d.turn_rate[row] = d.grip[row, 1] * min(max(d.turn_gain[row] * error, -most), most)
+                straight = abs(error) < d.turn_in_place_beyond[row]
+                d.speed[row] = d.grip[row, 0] * min(length, d.max_speed[row]) if straight else 0.0
             else:
                 d.speed[row] = 0.0
                 d.turn_rate[row] = 0.0

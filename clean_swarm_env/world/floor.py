@@ -12,6 +12,7 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive
+from clean_swarm_env.physics.errors import Errors
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
 from clean_swarm_env.physics.zones import slow_down
 from clean_swarm_env.world.ground import Ground, walls_of, zones_of
@@ -20,6 +21,9 @@ from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.elementary import directions
 from selforg.program import MOVE, Rows, Step
+
+SLIP = 0xFFFFFFF6
+"""Spawn key of the streams of slipping wheels in a world; other streams have other keys."""
 
 
 class Floor:
@@ -71,6 +75,7 @@ class Floor:
             turn_in_place_beyond=each("turn_in_place_beyond"),
             command_timeout=each("command_timeout"),
         )
+        self._slip = Errors(SLIP, each("slip"))
         wider = each("radius") - mission.robots.models[0].radius
         self.collisions = CollisionCounter(worlds, mission.rows, width, height, mission.counted_distances, wider)
         holonomic = np.array([model.drive == "holonomic" for model in mission.robots.models])
@@ -82,6 +87,10 @@ class Floor:
         """Return the rows (N,) of the robots of a world."""
         return np.arange(world * self.robots, (world + 1) * self.robots)
 
+    def reset(self, rows: Ints, seed: np.random.SeedSequence) -> None:
+        """Restart what is random in the bodies of a world's `rows` (N,)."""
+        self._slip.reset(rows, seed)
+
     def moving(self, commands: Packed[Commanded]) -> list[Step]:
         """Return the steps that move the robots by their commands for one control period, and count collisions."""
         rows, moving = Rows.of(np.arange(self.worlds * self.robots)), []
@@ -91,6 +100,8 @@ class Floor:
             places, fastest = self.physics.positions, self.drive.max_speed
             zones = places, fastest, self._zones.corners, self._zones.speeds
             moving.append(Step(MOVE, lambda now, _: slow_down(commands.handle, *zones), rows))
+        if not self._slip.none:
+            moving.append(Step(MOVE, lambda now, _: np.add(1.0, self._slip.draw(), out=self.drive.grip), rows))
         return [*moving, self.physics.ticking(self._substeps, commands, self.drive, self.collisions)]
 
     def _turn_at_once(self, given: Commanded) -> None:

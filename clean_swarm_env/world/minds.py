@@ -12,11 +12,12 @@ from typing import Annotated, Any
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.errors import Errors
 from clean_swarm_env.physics.motion import RobotMotion, open_robot_motion
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.rays import BodiesAround
 from clean_swarm_env.world.ground import Ground, walls_of
-from clean_swarm_env.world.reception import Localisation, Reception, pose_history
+from clean_swarm_env.world.reception import Reception, pose_history
 from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
@@ -36,6 +37,11 @@ from selforg.network.planning.planner import planner_named
 from selforg.program import BEGINNING, Rows, Step
 from selforg.randomness import DirectionStream
 from selforg.registry import unknown
+
+POSE_NOISE, POSE_DRIFT = 0xFFFFFFFC, 0xFFFFFFF7
+"""Spawn keys of the streams of errors of poses in a world; other streams have other keys."""
+POSE_DRIFT_TIME = 20.0
+"""Time in which a drift falls to 1/e [s]."""
 
 
 class Minds:
@@ -80,7 +86,10 @@ class Minds:
     def _build_buffers(self, mission: MissionConfig, worlds: int, task: Any) -> None:  # noqa: ANN401
         space = Ground.of(mission).space
         self.reception = Reception(mission, worlds, self.rows)
-        self._localisation = Localisation(mission, self.rows)
+        noise, drift = (np.tile(mission.of_each(key), worlds) for key in ("pose_noise", "pose_drift"))
+        lasting = POSE_DRIFT_TIME * mission.world.control_rate
+        each = Errors(POSE_NOISE, noise), Errors(POSE_DRIFT, drift, lasting)
+        self._pose_errors = [one for one in each if not one.none]
         self.poses = OwnPoses(
             space,
             self.rows,
@@ -170,7 +179,8 @@ class Minds:
         self.directions.reset(rows, streams[: len(rows)])
         self._chances[rows[0] : rows[-1] + 1] = streams[len(rows) :]
         self.reception.reset(world, mission, seed)
-        self._localisation.reset(rows, seed)
+        for errors in self._pose_errors:
+            errors.reset(rows, seed)
 
     def reset_rows(self, rows: Ints) -> None:
         """Clear the networks and the knowledge of `rows` (K,), and what they alone have received."""
@@ -185,7 +195,9 @@ class Minds:
     def spread_poses(self, positions: Floats, headings: Floats, now: float) -> None:
         """Spread the poses that robots at positions (R, 2) [m] with headings (R,) [rad] take for their own."""
         self.reception.locate(positions)
-        self.poses.update(self._localisation.believed(positions), headings, now)
+        for errors in self._pose_errors:
+            positions = positions + errors.draw()
+        self.poses.update(positions, headings, now)
 
     def receive(self, now: float) -> None:
         """Deliver the messages that arrive now, by the delivery of each mission."""
@@ -202,7 +214,7 @@ class Minds:
             self.spread_poses(physics.positions, physics.headings, now)
 
         steps = [Step(BEGINNING, spread, rows)]
-        if self._localisation.exact and not self.reception.in_zones:
+        if not self._pose_errors and not self.reception.in_zones:
             records = physics.motion, self.poses.packed
             steps = [Step(BEGINNING, spread, rows, spread_bodies, records), *self.poses.noting_walls(rows)]
         if self.reception.own_contents:

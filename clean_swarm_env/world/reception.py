@@ -1,4 +1,4 @@
-"""What each world asks of delivery: ranges, losses, streams, errors of poses; `gradients.delivery` has the rules.
+"""What each world asks of delivery: ranges, losses, streams; `gradients.delivery` has the rules.
 
 Messages are poses, and the pheromones of the patrol.
 
@@ -16,13 +16,14 @@ from typing import Annotated
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.errors import generators_of
 from clean_swarm_env.physics.zones import write_losses
 from clean_swarm_env.world.ground import walls_of, zones_of
-from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Floats
 from selforg.gradients.delivery import Delivery
 
-LOSSES, ERRORS = 0xFFFFFFFD, 0xFFFFFFFC
-"""Spawn keys of the streams of losses and of errors of poses in a world; other streams have other keys."""
+LOSSES = 0xFFFFFFFD
+"""Spawn key of the streams of losses in a world; other streams have other keys."""
 
 
 def pose_history(mission: MissionConfig) -> int:
@@ -88,36 +89,3 @@ class Reception:
         if not self.own_contents:
             raise ValueError("delivery: expected a mission with delivery.own_contents, got one whose robots share all")
         self.reaches[world], self.losses[world] = reach, loss
-
-
-class Localisation:
-    """Errors of the positions that R robots believe, drawn again in each control period."""
-
-    _generators: Annotated[list[np.random.Generator], "R", KEPT]
-    _errors: Annotated[Floats, "R 2", SCRATCH]
-    _deviation: Annotated[Floats, "R 1", READ]  # [m]
-
-    def __init__(self, mission: MissionConfig, rows: int) -> None:
-        self._deviation = np.tile(mission.of_each("pose_noise"), rows // mission.rows)[:, None]
-        self.exact = not self._deviation.any()
-        self._generators = [np.random.default_rng(0)] * rows
-        self._errors = np.zeros((rows, 2))
-
-    def reset(self, rows: Ints, seed: np.random.SeedSequence) -> None:
-        """Restart the draws of `rows` (N,)."""
-        if not self.exact:
-            self._generators[rows[0] : rows[-1] + 1] = generators_of(seed, ERRORS, len(rows))
-
-    def believed(self, positions: Floats) -> Floats:
-        """Return where robots that are at `positions` (R, 2) [m] take themselves to be, not wrapped."""
-        if self.exact:
-            return positions
-        for row, generator in enumerate(self._generators):
-            generator.standard_normal(out=self._errors[row])
-        return positions + self._deviation * self._errors
-
-
-def generators_of(seed: np.random.SeedSequence, key: int, robots: int) -> list[np.random.Generator]:
-    """Return generators for one purpose, one for each robot of a world that begins from `seed`."""
-    streams = np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, key)).spawn(robots)
-    return [np.random.default_rng(stream) for stream in streams]

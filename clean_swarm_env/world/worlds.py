@@ -140,6 +140,7 @@ class Worlds:
         self.collisions.reset(world)
         rows = self.rows_of(world)
         own = slice(int(rows[0]), int(rows[-1]) + 1)
+        self.floor.reset(rows, stream)
         self.minds.reset(world, mission, rows, stream)
         self.task.state.reset(world, own)
         placed = slice(own.start, own.start + mission.robots.count)

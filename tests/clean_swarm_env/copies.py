@@ -33,7 +33,9 @@ MISSIONS = {
     "two goals": mission("cleaning-patrol"),
     "stations": mission("transport"),
     "own contents": mission(delivery={"reach": 4.0, "loss": 0.3, "own_contents": True, "pose_memory": 1.0}),
-    "late and noisy": mission(delivery={"delay": 0.6, "loss": 0.2}, robots={"pose_noise": 0.1}),
+    "late and noisy": mission(
+        delivery={"delay": 0.6, "loss": 0.2}, robots={"pose_noise": 0.1, "pose_drift": 0.1, "slip": 0.1}
+    ),
     "models": mission(
         robots=[
             {"model": "small", "count": 4, "radius": 0.15},

@@ -112,6 +112,19 @@ def test_a_pose_that_came_late_is_kept_for_its_time_from_then_on():
     assert _spread(worlds) == [0, 0, 0]
 
 
+def test_a_drift_of_poses_begins_at_the_start_has_its_size_and_changes_slowly():
+    worlds = _still({"own_contents": True}, robots={"pose_drift": 0.2})
+    errors = []
+    for _ in range(8000):
+        _spread(worlds)
+        errors.append(worlds.minds.poses.positions - worlds.physics.positions)
+    assert np.abs(errors[0]).max() < 0.1
+    assert np.std(errors) == pytest.approx(0.2, rel=0.25)
+    later = [np.corrcoef(np.ravel(errors[:-lag]), np.ravel(errors[lag:]))[0, 1] for lag in (1, 100, 1000)]
+    assert later == pytest.approx([np.exp(-1.0 / 100.0), np.exp(-1.0), 0.0], abs=0.2)
+    assert later[0] == pytest.approx(np.exp(-1.0 / 100.0), abs=0.003)
+
+
 def test_errors_of_poses_have_their_size_and_are_those_that_all_see():
     worlds = _still({"own_contents": True}, robots={"pose_noise": 0.2})
     errors = []

@@ -1,0 +1,35 @@
+"""Wheels that slip: how far robots get, and that others are not touched."""
+
+import numpy as np
+import pytest
+
+from tests.clean_swarm_env.courses import mission, worlds_at_start
+
+
+def _ways(ticks=600, **robot):
+    """How far two robots get in each tick that drive straight on with 0.5 m/s, and how far they turn."""
+    worlds = worlds_at_start(mission(robots={"count": 2, **robot}, garbage={"count": 0}), [1])
+    worlds.drive(np.array([[0.5, 0.0], [0.5, 0.0]]))
+    for _ in range(50):
+        worlds.tick()
+    ways, turns = [], []
+    for _ in range(ticks):
+        places, headings = worlds.physics.positions.copy(), worlds.physics.headings.copy()
+        worlds.tick()
+        ways.append(np.linalg.norm(worlds.floor.ground.space.offsets(places, worlds.physics.positions), axis=1))
+        turns.append(worlds.physics.headings - headings)
+    return np.array(ways) / worlds.period, np.array(turns)
+
+
+def test_wheels_that_slip_give_the_mean_speed_with_errors_of_their_size():
+    ways, turns = _ways(slip=0.2)
+    assert ways.mean() == pytest.approx(0.5, rel=0.03)
+    assert ways.std() == pytest.approx(0.1, rel=0.15)
+    assert abs(np.corrcoef(ways[:-1, 0], ways[1:, 0])[0, 1]) < 0.15
+    assert abs(np.corrcoef(ways.T)[0, 1]) < 0.15
+    assert np.abs(turns).max() < 1e-9  # a turn rate of nothing slips by nothing
+
+
+def test_wheels_do_not_slip_unless_they_are_told_to():
+    ways, _ = _ways(ticks=20)
+    assert ways == pytest.approx(0.5)
