@@ -13,6 +13,8 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.load import load_family, random_starts
 from clean_swarm_env.config.tasks import items_keep_coming
@@ -26,6 +28,7 @@ from selector.documents.find import files_of
 from selector.documents.writing import write_whole
 from selector.knowledge import Knowledge, Option
 from selforg.plugins import PluginError
+from train.advising import perturbed
 from train.advising.opening import OpenedMission, document_of, open_mission, variants_of, without
 from train.advising.rounds import BROKE, CPU, Lacking, broke_off, needed, seconds_of
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
@@ -83,6 +86,7 @@ class Advising(Evaluation):
         minutes: time of processors for all missions [min].
         missions: number of missions in place of that; then the same advice comes again on any machine.
         kinds: whether to find what is best for each kind of scenario, too.
+        robust: whether to do what is judged in perturbed worlds, too; the time for it is not part of the budget.
 
     Attributes:
         budget: what all missions may take: time of processors [s], or their number.
@@ -92,7 +96,15 @@ class Advising(Evaluation):
 
     """
 
-    def __init__(self, request: Request, minutes: float, missions: int | None = None, *, kinds: bool = False) -> None:
+    def __init__(
+        self,
+        request: Request,
+        minutes: float,
+        missions: int | None = None,
+        *,
+        kinds: bool = False,
+        robust: bool = False,
+    ) -> None:
         super().__init__(request)
         assert request.output is not None
         self.folder = request.output
@@ -114,6 +126,9 @@ class Advising(Evaluation):
         self.nothing_to_choose = self.opened.combinations == 1
         self.of_family = family.description != random_starts(family.mission).description
         self.goal = JOINT.join(self.opened.goals)
+        self.robust = robust and not self.nothing_to_choose
+        for number in self.worlds:
+            perturbed.perturbed(self.family, request.seed, number).scenario(request.seed, 0, "test")
         self.stem, self.scenarios, self.context = self.family.name, [], ""
         self.varied: dict[str, list[Option]] = {}
         options = {goal: [one.model_dump(mode="json") for one in own] for goal, own in self.opened.known.table.items()}
@@ -121,6 +136,7 @@ class Advising(Evaluation):
             "minutes": minutes,
             "missions": missions,
             "kinds": kinds,
+            "robust": robust,
             "options": options,
             "learned": bool(self.opened.known.learned),
         }
@@ -150,7 +166,9 @@ class Advising(Evaluation):
         self._write(OPTIONS_FILE, document_of(self.opened.known.table, self.directories))
         search = self.search(done)
         try:
-            self.judged(search.run(), done)
+            found = search.run()
+            going, _ = self.judged(found, done)
+            self.robustness(found.winner, going, done)
         except Lacking as lacking:
             self.so_far = f"; {search.leads}" if search.rounds else ""
             return [task for arm, own in lacking.missing.items() for task in self.tasks_of(arm, own)]
@@ -202,6 +220,24 @@ class Advising(Evaluation):
         }
         needed(every, done)
         return going, stopped
+
+    @property
+    def worlds(self) -> range:
+        """Numbers of the perturbed worlds; none unless they are asked for."""
+        return range(1, perturbed.WORLDS + 1 if self.robust else 1)
+
+    def robustness(self, winner: str, arms: Sequence[str], done: Done) -> perturbed.Robustness | None:
+        """Return what arms cost in perturbed worlds, if they are asked for; Lacking if missions are missing."""
+        if not self.robust:
+            return None
+        names = [scenario_name("test", k) for k in range(perturbed.STARTS)]
+        labels = {arm: [f"{arm}{perturbed.IN_WORLD}{number}" for number in self.worlds] for arm in arms}
+        runs = needed({one: [(name, one) for name in names] for own in labels.values() for one in own}, done)
+        costs = {
+            arm: np.array([[run.result.excess_s for run in runs[one]] for one in own]) for arm, own in labels.items()
+        }
+        usual = np.array([done[name, winner].result.excess_s for name in names])
+        return perturbed.Robustness(winner, costs, usual)
 
     def expected(self, done: Done) -> int:
         """Return how many missions the budget lasts for, at the mean price of those so far."""
@@ -276,8 +312,10 @@ class Advising(Evaluation):
         return self.folder.resolve() / (NUMBERS_FILE if varied or kind in (MACHINE, POLICY) else OPTIONS_FILE)
 
     def tasks_of(self, arm: str, names: Sequence[str]) -> list[TrialTask]:
-        """Return the tasks of scenarios of an arm."""
-        family = self.opened.with_knowledge(self.file_of(arm))
-        seed, own = self.request.seed, self.directories
+        """Return the tasks of scenarios of an arm, or of one in a perturbed world."""
+        member, _, number = arm.partition(perturbed.IN_WORLD)
+        family, seed = self.opened.with_knowledge(self.file_of(member)), self.request.seed
+        if number:
+            family = perturbed.perturbed(family, seed, int(number))
         drawn = tuple(family.scenario_named(seed, name) for name in names)
-        return AdviceTask(family.name, seed, drawn, arm, arm, self.goal, directories=own).parts()
+        return AdviceTask(family.name, seed, drawn, arm, member, self.goal, directories=self.directories).parts()

@@ -22,6 +22,7 @@ from clean_swarm_env.deciders.unseen import untrained
 from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT
 from selforg.arrays import Floats
+from train.advising import perturbed
 from train.advising.advice import Advising
 from train.advising.rounds import broke_off, seconds_of
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
@@ -111,6 +112,11 @@ class Advice:
         return {kind: self.found.kinds.get(kind, self.found.winner) for kind in sorted(set(self.kinds))}
 
     @cached_property
+    def robustness(self) -> perturbed.Robustness | None:
+        """What the arms of the last round cost in perturbed worlds, if asked."""
+        return self.evaluation.robustness(self.found.winner, list(self.costs), self.done)
+
+    @cached_property
     def by_kind(self) -> Ratio | None:
         """The ratio of the best of each kind to the best of all, where kinds are asked for."""
         if not self.evaluation.kinds:
@@ -154,7 +160,7 @@ class Advice:
             short = f"the time limit of {limit:g} s may be too short."
             hopeless = f"So nothing that was tried does this mission, and no selector is judged: {short}"
             return [self._hold, *self._remarks, hopeless]
-        parts = (self._hold, self._beside, self._on_the_way, self._of_kinds, self._worth)
+        parts = (self._hold, self._beside, self._on_the_way, self._of_kinds, self._perturbed, self._worth)
         return [*filter(None, (*parts, *self._remarks))]
 
     @property
@@ -228,6 +234,42 @@ class Advice:
         return f"By kind: {held}. To tell the kind gains {saved}."
 
     @property
+    def _perturbed(self) -> str:
+        if (robust := self.robustness) is None:
+            return ""
+        worlds, holds = len(robust.best), int(robust.holds.sum())
+        begin = f"In {worlds} perturbed worlds it costs {times(robust.ratio, 'times as much')} and holds in {holds}"
+        failed = [
+            f"in world {number} {self._words(best)} costs {own[best]:.2f} of it"
+            for number, best, holding, own in self._of_worlds(robust)
+            if not holding
+        ]
+        return f"{'; '.join([begin, *failed])}."
+
+    def _of_worlds(self, robust: perturbed.Robustness) -> list[tuple[int, str, bool, dict[str, float]]]:
+        """Return number, best arm, whether the choice holds, and the costs of all arms by those of the choice."""
+        held = robust.means[self.found.winner]
+        shares = [
+            {arm: float(own[place] / held[place]) for arm, own in robust.means.items()} for place in range(len(held))
+        ]
+        return list(zip(self.evaluation.worlds, robust.best, robust.holds.tolist(), shares, strict=True))
+
+    @property
+    def _world_grids(self) -> list[Grid]:
+        """The table of the perturbed worlds, if they were asked for."""
+        if (robust := self.robustness) is None:
+            return []
+        seed, arms = self.evaluation.request.seed, list(robust.means)
+        rows = []
+        for number, _, holding, shares in self._of_worlds(robust):
+            drawn = perturbed.drawn_world(seed, number)
+            costs = [f"{shares[arm]:.2f}" for arm in arms]
+            rows.append([str(number), *(f"{value:g}" for value in drawn.values()), "yes" if holding else "no", *costs])
+        heads = ("world", *perturbed.drawn_world(seed, 1), "holds", *arms)
+        title = f"perturbed worlds: mean excess of {perturbed.STARTS} starts by that of the choice"
+        return [Grid(title, heads, rows)]
+
+    @property
     def _worth(self) -> str:
         learn = "`--learn` trains one for this mission and judges it the same way"
         if (self.better or self.gains) and (why := self.unjudged):
@@ -256,7 +298,7 @@ class Advice:
         for name in self.found.choosers:
             if new := untrained(name, decider_named(name, own), self.runs.missions, own):
                 told.append(f"{new}.")
-        spent = sum(map(self.evaluation.price, self.done.values()))
+        spent = sum(self.evaluation.price(run) for run in self.done.values() if perturbed.IN_WORLD not in run.condition)
         if spent > OVER * budget:
             unit, word = (1.0, "missions") if self.evaluation.missions else (60.0, "min of processors")
             took = f"{amount(spent / unit)} {word} in place of {amount(budget / unit)}"
@@ -288,7 +330,7 @@ class Advice:
             )
             for done in self.search.rounds
         ]
-        grids = [*family_tables(report), *races]
+        grids = [*family_tables(report), *self._world_grids, *races]
         return Publication(evaluation.family.name, about, self.sentences, grids, self.content, draw_family(report))
 
     @property
@@ -303,6 +345,7 @@ class Advice:
             "hindsight": None if self.hindsight is None else self.hindsight.content,
             "kinds": self.best_of_kinds if self.evaluation.kinds else {},
             "by_kind": None if self.by_kind is None else self.by_kind.content,
+            "robust": None if self.robustness is None else self.robustness.content,
             "stopped": dict(self.stopped),
             "better": self.better,
             "worth_it": bool(self.better or self.gains) and not self.unjudged,

@@ -42,6 +42,12 @@ def advise_command(
     kinds: Annotated[
         bool, typer.Option("--kinds", help="Of a family: also say what is best for each kind of its scenarios.")
     ] = False,
+    robust: Annotated[
+        bool,
+        typer.Option(
+            "--robust", help="Also do what is judged in ten perturbed worlds: lost and late messages, slip, errors."
+        ),
+    ] = False,
     learn: Annotated[
         bool,
         typer.Option("--learn", help="Then train a selector for the mission, judge it, and ship it if it is better."),
@@ -67,7 +73,7 @@ def advise_command(
 
         check_installed("ppo")
     request = with_other_starts(given.request(mission, output=output))
-    evaluation = AdviceEvaluation(request, minutes, missions, kinds=kinds)
+    evaluation = AdviceEvaluation(request, minutes, missions, kinds=kinds, robust=robust)
     console = wide_console()
     code = pipeline.evaluate(evaluation, console)
     if code == FINISHED and not evaluation.nothing_to_choose:

@@ -14,11 +14,12 @@ from rich.console import Console
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.mission import MissionConfig
 from selector.knowledge import library_options, load_knowledge
 from selector.strategies.problem import Problem
 from selforg.plugins import PluginError
 from tests.train.commands import command, done, refused
-from train.advising import advice, opening, search
+from train.advising import advice, opening, perturbed, search
 from train.advising.evaluation import AdviceEvaluation
 from train.advising.report import RANDOM, Advice, Ratio
 from train.advising.rounds import CPU
@@ -107,9 +108,53 @@ def test_what_is_best_for_each_kind_of_start_is_judged_on_the_last_round(tmp_pat
     assert f" ({kinds.count('spots 1 stations 2')} starts). To tell the kind gains " in out
 
 
+def test_what_is_held_is_judged_in_perturbed_worlds_on_the_same_starts(tmp_path, monkeypatch):
+    few(monkeypatch)
+    monkeypatch.setattr(perturbed, "WORLDS", 3)
+    monkeypatch.setattr(perturbed, "STARTS", 4)
+    out = done("advise", "yard.yaml", "--robust", *QUICK)
+    said = json.loads((tmp_path / "advice/yard/summary.json").read_text())
+    runs = {one.key: one.result.excess_s for one in runs_of(tmp_path / "advice/yard/runs.jsonl")}
+    held = "fixed:" + "+".join(said["held"].values())
+    starts = [f"test-{k + 1}" for k in range(4)]
+    own = [np.mean([runs[start, f"{held}, world {number}"] for start in starts]) for number in (1, 2, 3)]
+    assert said["robust"]["excess_s"][held] == pytest.approx(own, abs=0.001)
+    usual = np.mean([runs[start, held] for start in starts])
+    assert said["robust"]["ratio"]["ratio"] == pytest.approx(np.mean(own) / usual)
+    holds = said["robust"]["holds"]
+    least = np.min([*said["robust"]["excess_s"].values()], axis=0)
+    assert holds == [bool(cost <= 1.1 * best) for cost, best in zip(own, least, strict=True)]
+    assert f"In 3 perturbed worlds it costs {np.mean(own) / usual:.2f} times as much" in out
+    assert f" and holds in {sum(holds)}" in out
+    assert "In place of" not in out
+    assert "| world | delay |" in (tmp_path / "advice/yard/table.md").read_text()
+    assert "advice.robust: expected False, got True" in refused("advise", "yard.yaml", *QUICK, "--resume")
+
+
+def test_a_perturbed_world_has_errors_beside_those_of_the_mission():
+    robots = [{"model": "a", "count": 1, "radius": 0.1, "slip": 0.3}, {"model": "b", "count": 2, "max_speed": 2.0}]
+    family = load_family("table1")
+    whole = family.mission.model_dump() | {"robots": robots, "delivery": {"loss": 0.5}}
+    own = family.model_copy(update={"mission": MissionConfig.model_validate(whole)})
+    for number in range(1, 11):
+        drawn, mission = perturbed.drawn_world(7, number), perturbed.perturbed(own, 7, number).mission
+        first, second = mission.robots.groups
+        assert mission.delivery.loss == pytest.approx(1.0 - 0.5 * (1.0 - drawn["loss"]))
+        assert mission.delivery.delay == pytest.approx(0.2 * drawn["delay"])
+        assert first.slip == pytest.approx(np.hypot(0.3, drawn["slip"]))
+        assert first.pose_noise == pytest.approx(0.1 * drawn["pose_noise"])
+        assert second.pose_noise == pytest.approx(0.25 * drawn["pose_noise"])
+        assert (first.max_speed, second.max_speed) == pytest.approx((drawn["speed"], 2.0 * drawn["speed"]))
+        assert (first.count, second.count, first.radius) == (1, 2, 0.1)
+    worlds = [tuple(perturbed.drawn_world(7, number).values()) for number in range(1, 11)]
+    assert len(set(worlds)) == 10
+    assert worlds[0] != tuple(perturbed.drawn_world(8, 1).values())
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
+        (["late.yaml", "--robust"], "world 2: delivery.delay: expected less than or equal to 60, got 60.4"),
         (["nowhere"], "unknown mission, family, experiment or task 'nowhere'"),
         (["table1", "--minutes", 0], "--minutes: expected a positive number"),
         (["table1", "--minutes", "nan"], "--minutes: expected a positive number"),
@@ -121,6 +166,7 @@ def test_what_is_best_for_each_kind_of_start_is_judged_on_the_last_round(tmp_pat
     ],
 )
 def test_what_cannot_be_asked_is_one_line_and_leaves_nothing(words, told, tmp_path):
+    (tmp_path / "late.yaml").write_text(yaml.safe_dump({**YARD, "name": "late", "delivery": {"delay": 60.0}}))
     assert told in refused("advise", *words)
     assert not (tmp_path / "advice").exists()
 
