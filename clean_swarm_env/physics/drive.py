@@ -6,7 +6,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from clean_swarm_env.physics.motion import wrapped_angle
-from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints
+from selforg.arrays import CLOCKED, KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed, Recording, Written
 from selforg.elementary import direction, length_of
@@ -20,7 +20,7 @@ class DriveState(NamedTuple):
     speed: Annotated[Floats, "R", KEPT]  # along the heading [m/s]
     turn_rate: Annotated[Floats, "R", KEPT]  # [rad/s]
     commanded_at: Annotated[Floats, "R", CLOCKED]  # time of the last command [s]; undefined for a robot at rest
-    grip: Annotated[Floats, "R 2", SCRATCH]  # share of a commanded speed, and of a turn rate, that a robot gets [-]
+    grip: Annotated[Floats, "R 2", READ]  # share of a commanded speed, and of a turn rate, that a robot gets [-]
     max_speed: Annotated[Floats, "R", READ]  # [m/s]
     max_turn_rate: Annotated[Floats, "R", READ]  # [rad/s]
     turn_gain: Annotated[Floats, "R", READ]  # turn rate per heading error [1/s]

@@ -5,7 +5,7 @@ Rows are robots, R = W * N.
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import sqrt
 from typing import Annotated
 
 import numpy as np
@@ -19,7 +19,7 @@ class Errors:
     Args:
         key: spawn key of their streams in a world.
         deviations: (R,).
-        lasting: control periods in which an error falls to 1/e; 0: each one is drawn for itself.
+        lasting: control periods in which an error falls to 1/e, coarsely; 1: each one is drawn for itself.
 
     Attributes:
         none: whether all errors are zero; then nothing is drawn.
@@ -30,9 +30,9 @@ class Errors:
     _errors: Annotated[Floats, "R 2", KEPT]  # in standard deviations
     _deviations: Annotated[Floats, "R 1", READ]
 
-    def __init__(self, key: int, deviations: Floats, lasting: float = 0.0) -> None:
+    def __init__(self, key: int, deviations: Floats, lasting: float = 1.0) -> None:
         self._key, self._deviations, self.none = key, deviations[:, None], not deviations.any()
-        self._kept = exp(-1.0 / lasting) if lasting > 0.0 else 0.0
+        self._kept = 1.0 - 1.0 / max(lasting, 1.0)
         self._generators = [np.random.default_rng(0)] * len(deviations)
         self._errors = np.zeros((len(deviations), 2))
 

@@ -24,11 +24,11 @@ from train.analysis.intervals import Ratio
 
 WORLDS, STARTS = 10, 10
 """Perturbed worlds, and starts in each."""
-NEAR = 1.1
+HOLDS_UP_TO = 1.1
 """Times the cost of the best of a world up to which a choice holds there."""
 MOST_DELAY = 2
 """Control periods by which messages are late at most."""
-MOST = {"loss": 0.5, "pose_noise": 0.2, "pose_drift": 0.8, "slip": 0.2, "speed": 0.2}
+STRONGEST = {"loss": 0.5, "pose_noise": 0.2, "pose_drift": 0.8, "slip": 0.2, "speed": 0.2}
 """Largest value of what is drawn evenly from 0 on: errors of poses in radii of the robot, others as shares; robots are
 faster or slower by `speed`."""
 DRAWN = 0xFFFFFFF5
@@ -40,7 +40,7 @@ IN_WORLD = ", world "
 def drawn_world(seed: int, number: int) -> dict[str, float]:
     """Return the numbers of world `number` (from 1); `delay` in control periods, `speed` as a factor."""
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(DRAWN, number)))
-    own = {name: float(np.round(rng.uniform(0.0, most), 3)) for name, most in MOST.items()}
+    own = {name: float(np.round(rng.uniform(0.0, most), 3)) for name, most in STRONGEST.items()}
     side = float(rng.choice((-1.0, 1.0)))
     return {"delay": float(rng.integers(MOST_DELAY + 1)), **own, "speed": round(1.0 + side * own["speed"], 3)}
 
@@ -92,7 +92,7 @@ class Robustness:
     def holds(self) -> Flags:
         """(P,) whether the held arm costs about as little as the best one of the world."""
         least = np.min(list(self.means.values()), axis=0)
-        return np.asarray(self.means[self.held] <= NEAR * least)
+        return np.asarray(self.means[self.held] <= HOLDS_UP_TO * least)
 
     @property
     def ratio(self) -> Ratio:
