@@ -12,7 +12,7 @@ import pickle
 from collections.abc import Mapping
 from typing import Any, Final
 
-STATE_VERSION: Final = 9
+STATE_VERSION: Final = 1
 SEAL: Final = 24
 """Bytes of the length and of the checksum."""
 

@@ -16,7 +16,7 @@ from selector.knowledge import Definition, Knowledge, LearnedScore, LearnedScore
 from selector.store.exact_sums import NO_REWARDS, Moments
 from selforg.registry import unknown
 
-FORMAT = {"format": "clean-swarm knowledge store", "version": 2}
+FORMAT = {"format": "clean-swarm knowledge store", "version": 1}
 """What an exported store says that it is."""
 
 Whole = Annotated[str, StringConstraints(strict=True, pattern=r"^-?[0-9]{1,40}$")]
@@ -103,7 +103,7 @@ class _Document(Closed):
 
     format: Literal["clean-swarm knowledge store"]
     """Kind of the file."""
-    version: Literal[2]
+    version: Literal[1]
     """Version of this format."""
     entries: tuple[Entry, ...]
     """What the store holds."""

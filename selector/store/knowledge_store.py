@@ -25,7 +25,7 @@ from selector.store.contents import (
 )
 from selector.store.exact_sums import NO_REWARDS, Moments, RewardSums
 
-APPLICATION, SCHEMA = 0x436C5377, 3
+APPLICATION, SCHEMA = 0x436C5377, 1
 """Kind of the file in its header (`application_id`, "ClSw"), and version of its table (`user_version`)."""
 BUSY_S = 60.0
 """Time for which a writer waits for the others [s]."""

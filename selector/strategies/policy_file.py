@@ -42,7 +42,7 @@ ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}
 class PolicySpec(Closed):
     """The problem that a policy was trained for, and the shape of its network."""
 
-    version: Literal[2] = 2
+    version: Literal[1] = 1
     """Version of this form."""
     goals: dict[JointName, Annotated[tuple[JointName, ...], Field(min_length=1)]] = Field(default_factory=dict)
     """Goal of self-organisation -> names of its options, in the order of the network's outputs; none if it only drives.

@@ -26,7 +26,7 @@ except ImportError:  # Windows: two commands on one directory are not noticed
     fcntl = None  # type: ignore[assignment]
 
 MANIFEST = "manifest.json"
-RESULTS_FORMAT = 2
+RESULTS_FORMAT = 1
 """Version of the files in a run folder, which the manifest has as `format`; one without it is taken as of this."""
 MOST_STEM = 200
 """Length of the name of a directory; file systems allow 255, and a number may follow."""

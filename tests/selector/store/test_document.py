@@ -65,7 +65,7 @@ def changed(entry=LEARNED, **changes):
         (changed(EXPERT, context="far"), r"entries\.0: expert: expected neither context nor rewards"),
         (changed(EXPERT, count=1), r"entries\.0: expert: expected neither context nor rewards"),
         (changed() | {"entries": changed()["entries"] * 2}, r"entries\.1: the entry of G, a, , run is given twice"),
-        (changed() | {"version": 1}, r"version: expected 2, got 1"),
+        (changed() | {"version": 2}, r"version: expected 1, got 2"),
         (changed() | {"format": "something"}, r"format: expected 'clean-swarm knowledge store', got"),
         (FORMAT, "entries: missing key"),
     ],

@@ -49,7 +49,7 @@ def test_results_of_another_format_are_left_alone(tmp_path, other):
     before = held.read_bytes()
     for read in (read_manifest, lambda path: RunFolder(path, MANIFEST, resume=True)):
         with pytest.raises(
-            ConfigurationError, match=r"manifest\.json: format: expected 2, got .* use the Clean Swarm"
+            ConfigurationError, match=r"manifest\.json: format: expected 1, got .* use the Clean Swarm"
         ) as refused:
             read(tmp_path)
         assert "\n" not in str(refused.value)
