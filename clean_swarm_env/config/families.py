@@ -184,10 +184,8 @@ class FamilyConfig(Closed):
         self._check_scenarios()
         check_unique("disturbances", [UNDISTURBED, *(disturbance.name for disturbance in self.disturbances)])
         for k, disturbance in enumerate(self.disturbances):
-            try:
+            with within(f"disturbances.{k}"):
                 self._under(disturbance)._check_scenarios()
-            except ValueError as error:
-                raise ValueError(f"disturbances.{k}: {error}") from error
         return self
 
     @property
@@ -225,10 +223,9 @@ class FamilyConfig(Closed):
             own = _of_split(np.random.SeedSequence([own, world]), split)
         return Scenario(scenario_name(split, index, world), own, mission, start)
 
-    def with_knowledge(self, name: str | None, directories: Sequence[Path] = (), terms: Sequence[str] = ()) -> Self:
-        """Return the family with the expert knowledge of a name, None: its own, and with further terms."""
-        mission = knowing(self.mission, name, directories)
-        return self.model_copy(update={"mission": mission.model_copy(update={"terms": (*mission.terms, *terms)})})
+    def with_knowledge(self, name: str | None, directories: Sequence[Path] = ()) -> Self:
+        """Return the family with the expert knowledge of a name, None: its own."""
+        return self.model_copy(update={"mission": knowing(self.mission, name, directories)})
 
     @property
     def largest(self) -> MissionConfig:
@@ -300,11 +297,8 @@ class FamilyConfig(Closed):
             expected = "none where events are drawn (changes.number, changes.phases)"
             raise impossible("mission.events", expected, len(self.mission.events))
         for size in self.tori:
-            try:
+            with within("sizes" if self.sizes else "mission"):
                 self._largest_on(size)
-            except DocumentError as error:
-                where = "sizes" if self.sizes else "mission"
-                raise ValueError(f"{where}: {error}") from error
         self.scenario(0, 0, "train")
 
     def _largest_on(self, size: Point) -> MissionConfig:

@@ -13,7 +13,7 @@ from typing import Any
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.task_names import COMPARED, OF_EXPERIMENTS, OF_ROBUSTNESS, named_file
+from clean_swarm_env.config.task_names import COMPARED, OF_ROBUSTNESS, named_file
 from clean_swarm_env.config.tasks import find_task, with_changes
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
@@ -22,23 +22,18 @@ from selector.documents.reading import read_mapping
 from selector.documents.trust import reading_files
 
 
-def load_compared(name_or_path: str, directories: Sequence[Path] = ()) -> ExperimentConfig | FamilyConfig:
-    """Return the experiment of a name or path, or the family where no experiment has the name; see `load_family`."""
-    path = named_file(name_or_path, directories, kinds=COMPARED)
-    found = own_mission(name_or_path) if path is None else _document(read_mapping(path), path, directories)
-    return random_starts(found) if isinstance(found, MissionConfig) else found
-
-
 def load_experiment(
     name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False
 ) -> ExperimentConfig | FamilyConfig:
     """Return the experiment of a name or of a path to a YAML file, its mission and start configurations resolved.
 
     It has conditions, or it is a family with strategies, and maybe with disturbances, each of which has its mission.
+    Where no experiment has the name it is that of a family; see `load_family`.
     """
-    path = find_file("experiments", name_or_path, directories)
+    path = named_file(name_or_path, directories, kinds=COMPARED)
     with reading_files(trust=trust):
-        return _experiment(read_mapping(path), path, directories)
+        found = own_mission(name_or_path) if path is None else _document(read_mapping(path), path, directories)
+    return random_starts(found) if isinstance(found, MissionConfig) else found
 
 
 def load_family(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> FamilyConfig:
@@ -96,17 +91,12 @@ def _document(
     content: dict[str, Any], path: Path, directories: Sequence[Path]
 ) -> ExperimentConfig | FamilyConfig | MissionConfig:
     """Return what a file holds, by its keys."""
-    if OF_EXPERIMENTS & content.keys():
-        return _experiment(content, path, directories)
-    if content.keys() & {"mission", "description"}:
+    keys = content.keys()
+    if "conditions" in keys and not OF_ROBUSTNESS & keys:
+        return validated(ExperimentConfig, _resolved(content, path, directories), shown(path))
+    if keys & {"mission", "description", *OF_ROBUSTNESS}:
         return validated(FamilyConfig, _resolved(content, path, directories), shown(path))
     return validated(MissionConfig, _with_own_knowledge(content, path), shown(path))
-
-
-def _experiment(content: dict[str, Any], path: Path, directories: Sequence[Path]) -> ExperimentConfig | FamilyConfig:
-    compares = content.keys() & OF_ROBUSTNESS
-    content, where = _resolved(content, path, directories), shown(path)
-    return validated(FamilyConfig, content, where) if compares else validated(ExperimentConfig, content, where)
 
 
 def _resolved(content: dict[str, Any], path: Path, directories: Sequence[Path]) -> dict[str, Any]:

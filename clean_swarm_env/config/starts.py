@@ -121,23 +121,18 @@ def _positions_apart(mission: MissionConfig, size: Floats, radii: Floats | None,
     return positions
 
 
-def has_room(point: Floats, radius: float, others: Floats, radii: Floats, size: Floats, gap: float = START_GAP) -> bool:
-    """Return whether a disc of a radius [m] at `point` (2,) is a `gap` [m] or more away from all others on the torus.
+def has_room(point: Floats, radius: float, others: Floats, radii: Floats, size: Floats) -> bool:
+    """Return whether a disc of a radius [m] at `point` (2,) is START_GAP or more away from all others on the torus.
 
     Their middles are `others` (K, 2) and their radii (K,) [m].
     """
-    return bool((distances(point, others, size) >= radius + radii + gap).all())
+    return bool((distances(point, others, size) >= radius + radii + START_GAP).all())
 
 
 def distances(point: Floats, others: Floats, size: Floats) -> Floats:
     """Return the distances (K,) [m] of `point` (2,) to `others` (K, 2) on the torus."""
     offsets = Torus(float(size[0]), float(size[1])).offsets(point, others)
     return np.asarray(np.sqrt((offsets * offsets).sum(axis=1)))
-
-
-def nearest_distance(point: Floats, others: Floats, size: Floats) -> float:
-    """Return the distance [m] of `point` (2,) to the nearest of `others` (N, 2) on the torus; infinite without any."""
-    return float(distances(point, others, size).min(initial=np.inf))
 
 
 def run_seed(seed: int, scenario: str) -> int:
@@ -176,12 +171,13 @@ def _check_apart(mission: MissionConfig, scenario: str, places: Floats, size: Fl
     """Raise ConfigurationError for the first of the solid robots at places (N, 2) [m] that lies in another."""
     radii = of_each(mission.robots, models_of_rows(mission.robots, (), len(places)), "radius")
     for row in range(1, len(places)):
-        others = places[:row]
-        if not has_room(places[row], radii[row], others, radii[:row], size, gap=0.0):
-            nearest = int((distances(places[row], others, size) - radii[:row]).argmin())
-            away = distances(places[row], others, size)[nearest]
+        away = distances(places[row], places[:row], size)
+        if (away < radii[row] + radii[:row]).any():
+            nearest = int((away - radii[:row]).argmin())
             expected = f"solid robots at least {radii[row] + radii[nearest]:g} m apart"
-            raise ConfigurationError(f"scenario {scenario}: robots.{row}: expected {expected}, got {away:.3g} m")
+            raise ConfigurationError(
+                f"scenario {scenario}: robots.{row}: expected {expected}, got {away[nearest]:.3g} m"
+            )
 
 
 class StartsCase(StartConfiguration, extra="ignore"):

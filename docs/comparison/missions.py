@@ -132,7 +132,9 @@ def _identity(manifest: Manifest, label: str, members: list[str]) -> str:
 def family_of(name: str, compared: Taught) -> FamilyConfig:
     """Return a family, with the season in its observations where a team is told it."""
     file = str(Path(__file__).with_name("families") / compared.file) if compared.file else name
-    return load_family(file).with_knowledge(None, (), (SEASON,) if compared.told_by else ())
+    family = load_family(file)
+    terms = (*family.mission.terms, *((SEASON,) if compared.told_by else ()))
+    return family.model_copy(update={"mission": family.mission.model_copy(update={"terms": terms})})
 
 
 def _members(manifest: Manifest, family: str, label: str, scenarios: list[Scenario]) -> list[str]:

@@ -16,7 +16,7 @@ import numpy as np
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.known import knowledge_of, mission_context
-from clean_swarm_env.config.load import load_compared, load_family
+from clean_swarm_env.config.load import load_experiment, load_family
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.task_names import COMPARED, KIND_WORDS, named_file
@@ -64,7 +64,6 @@ class Comparing(Evaluation):
     Args:
         request: the request.
         document: the experiment or the family, unless it is the one that the request names.
-        terms: terms of the observation beside those of the mission.
         settings: what the identity says besides of the evaluation.
 
     Attributes:
@@ -85,11 +84,10 @@ class Comparing(Evaluation):
         self,
         request: Request,
         document: ExperimentConfig | FamilyConfig | None = None,
-        terms: Sequence[str] = (),
         **settings: object,
     ) -> None:
         super().__init__(request)
-        self.document, self.starts = (document, Starts()) if document is not None else asked_of(request, terms)
+        self.document, self.starts = (document, Starts()) if document is not None else asked_of(request)
         document, where = self.document, request.name if request.starts is None else shown(request.starts)
         strategies = request.strategies
         if isinstance(document, FamilyConfig):
@@ -223,14 +221,14 @@ def _check_planner(mission: MissionConfig) -> None:
         raise ConfigurationError(f"mission.network.planner: {error}") from error
 
 
-def asked_of(request: Request, terms: Sequence[str] = ()) -> tuple[ExperimentConfig | FamilyConfig, Starts]:
+def asked_of(request: Request) -> tuple[ExperimentConfig | FamilyConfig, Starts]:
     """Return what a request compares on: the experiment of its name unless it compares strategies, else the family."""
     directories = request.directories
     if request.compares or Path(request.name).is_dir():
-        return load_family(request.name, directories).with_knowledge(request.knowledge, directories, terms), Starts()
-    found = load_compared(request.name, directories)
+        return load_family(request.name, directories).with_knowledge(request.knowledge, directories), Starts()
+    found = load_experiment(request.name, directories)
     if isinstance(found, FamilyConfig):
-        return found.with_knowledge(None, directories, terms), Starts()
+        return found, Starts()
     known = [condition.name for condition in found.conditions]
     for name in request.conditions:
         if name not in known:

@@ -8,7 +8,7 @@ import numpy as np
 from clean_swarm_env.config.families import ChangesConfig
 from clean_swarm_env.config.free_places import free_ground
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import MOST_DRAWS, nearest_distance
+from clean_swarm_env.config.starts import MOST_DRAWS, distances
 from clean_swarm_env.config.types import ConfigurationError, Point
 from clean_swarm_env.config.world import WorldConfig
 from clean_swarm_env.tasks.cleaning.settings import settings_of
@@ -127,6 +127,6 @@ def random_stations(number: int, room: Room, rng: np.random.Generator) -> tuple[
         if len(places) == number:
             return tuple(places)
         place = room.draw(rng)
-        if nearest_distance(place, np.array(places).reshape(-1, 2), extent) >= gap:
+        if (distances(place, np.array(places).reshape(-1, 2), extent) >= gap).all():
             places.append((float(place[0]), float(place[1])))
     raise ConfigurationError(f"stations: expected room for {number} stations {gap:g} m apart, found none")

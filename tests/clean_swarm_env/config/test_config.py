@@ -128,7 +128,7 @@ def test_conditions_with_one_name_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("tabel1", r"unknown experiment 'tabel1' .*table1, table1-reference.*mean 'table1'"),
+        ("tabel1", r"unknown mission, family, experiment or task 'tabel1' .*table1, table1-reference.*mean 'table1'"),
         ("x/y.yaml", r"x/y\.yaml: no such file"),
     ],
 )

@@ -7,8 +7,8 @@ import pytest
 
 from clean_swarm_env.config.families import SPLITS, FamilyConfig, place_of, seed_of
 from clean_swarm_env.config.frames import check_frame, grouped
-from clean_swarm_env.config.load import load_compared, load_experiment, load_family, load_mission
-from clean_swarm_env.config.starts import for_start, nearest_distance
+from clean_swarm_env.config.load import load_experiment, load_family, load_mission
+from clean_swarm_env.config.starts import distances, for_start
 from clean_swarm_env.config.task_names import family_ids, task_names
 from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
@@ -141,7 +141,7 @@ def test_families_draw_places_for_as_many_stations_as_the_mission_has():
     for stations in drawn:
         assert stations.kinds == (0, 1, 0, 1, 1, 1)
         places = np.array(stations.places)
-        apart = [nearest_distance(p, np.delete(places, k, axis=0), np.array(size)) for k, p in enumerate(places)]
+        apart = [distances(p, np.delete(places, k, axis=0), np.array(size)).min() for k, p in enumerate(places)]
         assert min(apart) >= 2.0
 
 
@@ -225,8 +225,9 @@ def test_each_alternative_is_drawn_as_often():
 
 
 def test_alternatives_keep_what_the_family_is_given(tmp_path):
-    changed = load_family("rooms-1").with_knowledge("exploring", terms=("crowd",))
-    assert {mission.terms for mission in changed.missions} == {("finds", "crowd")}
+    changed = load_family("rooms-1").with_knowledge("exploring")
+    assert {mission.knowledge for mission in changed.missions} == {"exploring"}
+    assert {mission.terms for mission in changed.missions} == {("finds",)}
     assert {tuple(mission.size) for mission in changed.missions} == set(changed.tori)
     assert changed.largest.world.walls == changed.missions[0].world.walls
 
@@ -237,7 +238,7 @@ def test_families_have_ids():
     assert family_ids()["CleanSwarm-StoppingOrNot-v1"] == "stopping-or-not-1"
     for name, own in {"rooms-1": "CleanSwarm-Rooms-v1", "clustered": "CleanSwarm-Clustered-v1"}.items():
         assert load_family(own) == load_family(name)
-        assert load_compared(own) == load_family(name)
+        assert load_experiment(own) == load_family(name)
 
 
 def test_an_own_family_has_an_id(tmp_path):

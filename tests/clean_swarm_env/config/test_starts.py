@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from clean_swarm_env.config.frames import frame_of
 from clean_swarm_env.config.load import load_experiment, load_mission, random_starts
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.starts import Places, for_start, nearest_distance, random_start, run_seed
+from clean_swarm_env.config.starts import Places, distances, for_start, random_start, run_seed
 from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
@@ -196,11 +196,11 @@ def test_robots_that_pass_through_may_start_on_each_other():
     assert for_start(load_mission("reference"), start).robots.count == 2
 
 
-def test_nearest_distance_crosses_the_seam():
+def test_distances_cross_the_seam():
     size = np.array([11.0, 11.0])
     others = np.array([[5.0, 5.0], [10.9, 10.9]])
-    assert nearest_distance(np.array([0.1, 0.1]), others, size) == pytest.approx(0.2 * np.sqrt(2))
-    assert nearest_distance(np.array([0.1, 0.1]), others[:0], size) == np.inf
+    assert distances(np.array([0.1, 0.1]), others, size).min() == pytest.approx(0.2 * np.sqrt(2))
+    assert distances(np.array([0.1, 0.1]), others[:0], size).shape == (0,)
 
 
 class Stacking(TaskSettings):

@@ -8,7 +8,8 @@ import pytest
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.starts import nearest_distance, random_start
+from clean_swarm_env.config.starts import distances as torus_distances
+from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.physics.cells import nearest_of_kind
 from clean_swarm_env.tasks.cleaning.garbage import DONE
 from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING
@@ -76,7 +77,7 @@ def test_a_mission_with_three_stations_of_a_kind_uses_all_of_them_and_no_other_p
         rows = {RECYCLING: (recycled == 0) & (worlds.task.garbage.recycled == 1), DUMP: np.isin(cargo, dumped)}
         for kind, chosen in rows.items():
             for place in standing[chosen]:
-                away = [nearest_distance(place, station[None], worlds.extent) for station in places]
+                away = [torus_distances(place, station[None], worlds.extent).min() for station in places]
                 at = [k for k in np.flatnonzero(kinds == kind) if away[k] <= mission.task.stations.reach]
                 assert at
                 used[kind].update(at)
@@ -125,7 +126,7 @@ def test_who_queues_waits_before_a_station_and_goes_on_when_it_is_free():
         worlds.team.fail(np.array([1]))
         worlds.minds.poses.silence(np.array([1]), False)
         run(worlds, 10.0)
-        distances[option] = nearest_distance(worlds.physics.positions[0], np.array([[3.0, 10.0]]), worlds.extent)
+        distances[option] = torus_distances(worlds.physics.positions[0], np.array([[3.0, 10.0]]), worlds.extent).min()
         assert bool(worlds.task.garbage.recycled[0]) is (option == "Nearest")
     assert 2.8 < distances["Queue"] < 2.91  # it was nearer than 4 m at the start
     worlds.minds.poses.silence(np.array([1]))
@@ -173,6 +174,6 @@ def test_an_environment_has_actions_for_all_goals_and_a_state_with_all_stations(
     np.testing.assert_allclose(env.state()[[env.state_names.index(name) for name in kinds]], stations, atol=1e-6)
     world = env.unwrapped.batch.worlds
     own = world.physics.positions[0]
-    away = min(nearest_distance(own, np.array([p]), world.extent) for p in world.task.stations[0, [0, 2, 3]])
+    away = min(torus_distances(own, np.array([p]), world.extent).min() for p in world.task.stations[0, [0, 2, 3]])
     seen = observations["robot_0"][env.observation_names.index("recycling_distance")]
     assert seen == pytest.approx(away / (10.0 * np.sqrt(2.0)), abs=1e-6)
