@@ -6,6 +6,7 @@ as differences in time. `docs/recordings.md` describes the bytes.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import prod
 from typing import Annotated, Final, Literal, NamedTuple, Self
 
@@ -13,7 +14,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, model_validator
 from pydantic.dataclasses import dataclass
 
-from clean_swarm_env.recording.stepping import WholeNumbers, round_values
+from clean_swarm_env.recording.stepping import WholeNumbers
 from clean_swarm_env.world.parts.shown import AnyArray
 
 LARGEST_WHOLE: Final = 2**30 - 1
@@ -60,10 +61,8 @@ class Channel:
         flat = values.reshape(len(values), self.columns)
         if flat.dtype.kind in "bi" and self.scale == 1:
             return flat.astype(np.int32)
-        whole = np.empty(flat.shape, dtype=np.int32)
-        numbers = np.ascontiguousarray(flat, dtype=np.float64)
-        round_values(numbers.reshape(-1), float(self.scale), LARGEST_WHOLE, whole.reshape(-1))
-        return whole
+        steps = np.nan_to_num(flat * float(self.scale), posinf=LARGEST_WHOLE, neginf=-LARGEST_WHOLE)
+        return np.rint(steps).clip(-LARGEST_WHOLE, LARGEST_WHOLE).astype(np.int32)
 
     def values(self, whole: WholeNumbers) -> AnyArray:
         """Return whole numbers (T, K) as values (T, ...): floats, or whole numbers where the scale is 1."""
@@ -71,9 +70,11 @@ class Channel:
         return shaped if self.scale == 1 else shaped / self.scale
 
 
-def whole_channel(name: str, axis: tuple[str, int], about: str) -> Channel:
-    """Return a channel of whole numbers."""
-    return Channel(name, (axis[0],), (axis[1],), 1, 1, "-", about)
+def channel_of(
+    name: str, axes: Mapping[str, int], about: str, scale: int = 1, unit: str = "-", order: Literal[1, 2] = 1
+) -> Channel:
+    """Return a channel by its axes with their lengths; of whole numbers unless a scale is given."""
+    return Channel(name, tuple(axes), tuple(axes.values()), scale, order, unit, about)
 
 
 class PackedFrames(NamedTuple):

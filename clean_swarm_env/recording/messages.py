@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import whole_channel
+from clean_swarm_env.recording.channels import channel_of
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
@@ -60,12 +60,12 @@ class MessageLog:
 
     def arrays(self) -> Iterator[Sampled]:
         """Yield the arrays, both of one tick."""
-        robots = ("robot", self._worlds.robots)
-        deposit = whole_channel("deposit", robots, "kinds of gradients that the robot leaves here, a bit for each")
-        yield Sampled(deposit, self.deposits)
+        robots = {"robot": self._worlds.robots}
+        about = "kinds of gradients that the robot leaves here, a bit for each"
+        yield Sampled(channel_of("deposit", robots, about), self.deposits)
         if self._worlds.minds.reception.own_contents:
-            missed = whole_channel("missed", robots, "poses of others that the robot misses: lost, or out of range")
-            yield Sampled(missed, self._missed, None, self._count)
+            about = "poses of others that the robot misses: lost, or out of range"
+            yield Sampled(channel_of("missed", robots, about), self._missed, None, self._count)
 
     def _count(self) -> None:
         """Count the poses that each row missed in this tick."""

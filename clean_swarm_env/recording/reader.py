@@ -141,10 +141,8 @@ class RecordedParts(Iterator[RecordedStretch]):
             raise ConfigurationError(f"{where}: damaged: the sizes of channels do not fit the content")
         found = {}
         for channel, size in zip(columns, sizes, strict=True):
-            try:
+            with within(f"{where}: damaged: channel {channel.name}"):
                 whole, used = unpacked_frames(rest, size, channel.order)
-            except ValueError as error:
-                raise ConfigurationError(f"{where}: damaged: channel {channel.name}: {error}") from error
             rest = rest[used:]
             found[channel.name] = whole
         self.frames += frames

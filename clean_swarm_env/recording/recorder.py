@@ -14,7 +14,7 @@ from typing import Any, NoReturn, SupportsIndex
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import MILLI, Channel
+from clean_swarm_env.recording.channels import MILLI, channel_of
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
 from clean_swarm_env.recording.sampled import (
@@ -97,8 +97,9 @@ class MissionRecorder:
         sampled += mind_arrays(worlds) if settings.minds else []
         self._inputs: Floats = np.zeros((worlds.rows, len(settings.inputs)))
         if settings.inputs:
-            about, shape = "what a policy saw when it last decided", (worlds.robots, len(settings.inputs))
-            sampled.append(Sampled(Channel("input", ("robot", "input"), shape, MILLI, 1, "-", about), self._inputs))
+            axes = {"robot": worlds.robots, "input": len(settings.inputs)}
+            saw = channel_of("input", axes, "what a policy saw when it last decided", MILLI)
+            sampled.append(Sampled(saw, self._inputs))
         names = [one.channel.name for one in sampled]
         if twice := next((name for name in names if names.count(name) > 1), ""):
             raise broken(worlds.task, "shown", f"expected names that no other channel of a recording has, got {twice}")
@@ -221,19 +222,18 @@ class MissionRecorder:
         self._messages.close()
 
     def _pose_arrays(self) -> list[Sampled]:
-        robots, poses = ("robot", self.worlds.robots), self._poses
-        heading = Channel("heading", robots[:1], robots[1:], MILLI, 1, "rad", "where the robot looks")
-        places = points("", (robots,), poses[:, :2], "where the robot is", order=2)
-        moved = points("thing", (("thing", self._moved.shape[1]),), self._moved, "where a thing is that moves")
+        robots, poses = {"robot": self.worlds.robots}, self._poses
+        heading = channel_of("heading", robots, "where the robot looks", MILLI, "rad")
+        places = points("", robots, poses[:, :2], "where the robot is", order=2)
+        moved = points("thing", {"thing": self._moved.shape[1]}, self._moved, "where a thing is that moves")
         return [*places, Sampled(heading, poses[:, 2]), *(moved if self._moving else ())]
 
     def _opinion(self, coordinator: Coordinator) -> Sampled:
         worlds, model, goal = self.worlds, coordinator.model, coordinator.model.goal
         self._opinions[goal] = np.tile(model.scores, (worlds.rows, 1))
         about = "what the chooser of options thinks of each: a score, an estimate or a probability"
-        shape = (worlds.robots, len(model.options))
-        channel = Channel(f"opinion/{goal}", ("robot", "option"), shape, MILLI, 1, "-", about)
-        return Sampled(channel, self._opinions[goal])
+        axes = {"robot": worlds.robots, "option": len(model.options)}
+        return Sampled(channel_of(f"opinion/{goal}", axes, about, MILLI), self._opinions[goal])
 
     def _note_poses(self) -> None:
         """Keep the poses at the end of a tick, and the places of things that move: those of the next frame."""

@@ -5,14 +5,14 @@ Shapes: W worlds, N robots a world, R = W * N rows, M items a world, O options, 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 
 from clean_swarm_env.config.free_places import segments_of
-from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
+from clean_swarm_env.recording.channels import MILLI, Channel, channel_of
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.explaining import Movements
 from clean_swarm_env.world.parts.shown import ROBOT, Shown
@@ -62,11 +62,11 @@ def floor_arrays(worlds: Worlds, shown: Iterable[Shown]) -> Iterator[Sampled]:
     serves = "the option that serves the goal in the robot"
     own += [Shown(f"held/{c.model.goal}", ROBOT, c.held, serves) for c in worlds.coordinators]
     for one in (*own, *shown):
-        axis = (one.axis, one.values.reshape(worlds.worlds, -1, *one.values.shape[2:]).shape[1])
+        axis = {one.axis: one.values.reshape(worlds.worlds, -1, *one.values.shape[2:]).shape[1]}
         if one.values.ndim == 3:
-            yield from points(one.name, (axis,), one.values, one.about)
+            yield from points(one.name, axis, one.values, one.about)
         else:
-            yield Sampled(whole_channel(one.name, axis, one.about), one.values, None, one.note)
+            yield Sampled(channel_of(one.name, axis, one.about), one.values, None, one.note)
 
 
 def things_of(worlds: Worlds, world: int, *, moving: bool = False) -> Iterator[dict[str, Any]]:
@@ -99,13 +99,12 @@ def zones_shown(worlds: Worlds) -> list[tuple[str, float, float, float, float]]:
 
 
 def points(
-    name: str, axes: tuple[tuple[str, int], ...], places: Floats, about: str, order: Literal[1, 2] = 1
+    name: str, axes: Mapping[str, int], places: Floats, about: str, unit: str = "m", order: Literal[1, 2] = 1
 ) -> Iterator[Sampled]:
-    """Yield the channels of the coordinates x and y of points (..., 2) [m]."""
-    names, shape = tuple(axis for axis, _ in axes), tuple(length for _, length in axes)
+    """Yield the channels of the coordinates x and y of points or vectors (..., 2)."""
     for k, coordinate in enumerate("xy"):
         full = f"{name}_{coordinate}" if name else coordinate
-        yield Sampled(Channel(full, names, shape, MILLI, order, "m", about), places[..., k])
+        yield Sampled(channel_of(full, axes, about, MILLI, unit, order), places[..., k])
 
 
 def mind_arrays(worlds: Worlds) -> Iterator[Sampled]:
@@ -124,19 +123,14 @@ def mind_arrays(worlds: Worlds) -> Iterator[Sampled]:
 
 
 def _movements(robots: int, movements: Movements) -> Iterator[Sampled]:
-    """Yield what robots were told to drive, what they wanted, and who counts; the first one brings all up to date."""
-    both = {
-        "command": (movements.commands, "what the robot was told to drive"),
-        "wish": (movements.wishes, "the same without what keeps it away from others, 0 where that is all it does"),
-    }
-    for name, (vectors, about) in both.items():
-        for k, coordinate in enumerate("xy"):
-            channel = Channel(f"{name}_{coordinate}", ("robot",), (robots,), MILLI, 1, "m/s", about)
-            yield Sampled(channel, vectors[:, k], prepare=movements.note if channel.name == "command_x" else None)
-    axes, shape = ("robot", "cause"), (robots, MOST_CAUSES)
+    """Yield what robots were told to drive, what they wanted, and who counts; this one brings all up to date."""
+    without = "the same without what keeps it away from others, 0 where that is all it does"
+    yield from points("command", {ROBOT: robots}, movements.commands, "what the robot was told to drive", "m/s")
+    yield from points("wish", {ROBOT: robots}, movements.wishes, without, "m/s")
+    causes = {ROBOT: robots, "cause": MOST_CAUSES}
     about = "robots because of whom it does not do what it wanted, the one that counts most first; -1 for none"
-    yield Sampled(Channel("cause", axes, shape, 1, 1, "-", about), movements.who)
-    yield Sampled(Channel("cause_share", axes, shape, MILLI, 1, "-", "how much each of them counts"), movements.shares)
+    yield Sampled(channel_of("cause", causes, about), movements.who, prepare=movements.note)
+    yield Sampled(channel_of("cause_share", causes, "how much each of them counts", MILLI), movements.shares)
 
 
 def _heard(worlds: Worlds, fact: SharedFact) -> Iterator[Sampled]:
@@ -147,7 +141,7 @@ def _heard(worlds: Worlds, fact: SharedFact) -> Iterator[Sampled]:
         "value": (fact.values, MILLI, "-", "the number that was told, 0 where nothing was heard"),
     }
     for name, (values, scale, unit, about) in each.items():
-        channel = Channel(f"heard/{fact.name}/{name}", ("robot",), (worlds.robots,), scale, 1, unit, about)
+        channel = channel_of(f"heard/{fact.name}/{name}", {ROBOT: worlds.robots}, about, scale, unit)
         note = (lambda: fact.note(worlds.now - worlds.period)) if name == "age" else None
         yield Sampled(channel, values, prepare=note)
 
@@ -174,32 +168,29 @@ def _network(
 ) -> Iterator[Sampled]:
     """Yield the arrays of one network, under names that begin with `prefix`."""
     model, state = network.model, network.state
-    behaviours = len(model.behaviours)
+    behaviours, terms = {"behaviour": len(model.behaviours)}, {"term": len(BEHAVIOUR_TERMS)}
 
-    def channel(name: str, axes: tuple[str, ...], shape: tuple[int, ...], scale: int, about: str) -> Channel:
-        return Channel(f"{prefix}/{name}", ("robot", *axes), (robots, *shape), scale, 1, "-", about)
+    def channel(name: str, about: str, axes: Mapping[str, int], scale: int = 1) -> Channel:
+        return channel_of(f"{prefix}/{name}", {ROBOT: robots, **axes}, about, scale)
 
-    shape = len(BEHAVIOUR_TERMS), behaviours
-    terms = channel("values", ("term", "behaviour"), shape, MILLI, "the terms of each behaviour")
-    yield Sampled(terms, state.values, option)
+    yield Sampled(channel("values", "the terms of each behaviour", terms | behaviours, MILLI), state.values, option)
     for name, (layer, about) in MARKS.items():
-        yield Sampled(channel(name, ("behaviour",), (behaviours,), 1, about), state.marks[:, layer], option)
+        yield Sampled(channel(name, about, behaviours), state.marks[:, layer], option)
     if option is None:  # the sensors of an option are among those of the robot
+        sensors = {"sensor": len(model.sensors)}
         about = "threshold, total activation before the step, and the threshold by which it decided"
-        yield Sampled(channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about), state.row_values)
-        readings = channel("readings", ("sensor",), (len(model.sensors),), MILLI, "what the sensors read")
-        yield Sampled(readings, state.readings)
+        yield Sampled(channel("thresholds", about, {"term": len(THRESHOLDS)}, MILLI), state.row_values)
+        yield Sampled(channel("readings", "what the sensors read", sensors, MILLI), state.readings)
     if model.goals:
-        goals = channel("goals", ("goal",), (len(model.goals),), MILLI, "how far each goal is satisfied")
-        yield Sampled(goals, state.goal_satisfaction, option)
+        goals = {"goal": len(model.goals)}
+        yield Sampled(channel("goals", "how far each goal is satisfied", goals, MILLI), state.goal_satisfaction, option)
     if state.planned:
-        steps = channel("plan", ("step",), (PLAN_STEPS,), 1, "behaviours of the plan; those after its end mean nothing")
-        length = channel("plan_length", (), (), 1, "number of steps of the plan, -1 without one")
-        due = channel("plan_due", (), (), 1, "the step that is due, -1 without a plan")
+        about = "behaviours of the plan; those after its end mean nothing"
         known: Ints = np.zeros((len(state.plan_marks), 2), dtype=np.int64)
-        yield Sampled(steps, state.plan[:, :PLAN_STEPS], option, partial(note_plans, state.plan_marks, known))
-        yield Sampled(length, known[:, 0], option)
-        yield Sampled(due, known[:, 1], option)
+        note = partial(note_plans, state.plan_marks, known)
+        yield Sampled(channel("plan", about, {"step": PLAN_STEPS}), state.plan[:, :PLAN_STEPS], option, note)
+        yield Sampled(channel("plan_length", "number of steps of the plan, -1 without one", {}), known[:, 0], option)
+        yield Sampled(channel("plan_due", "the step that is due, -1 without a plan", {}), known[:, 1], option)
 
 
 @lean_kernel

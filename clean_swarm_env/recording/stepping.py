@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from selforg.arrays import Floats, Ints
-from selforg.compiler.decorators import kernel, lean_kernel, part
+from selforg.compiler.decorators import lean_kernel, part
 
 WholeNumbers = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
@@ -19,13 +19,6 @@ def rounded(value: float, scale: float, largest: int) -> int:
     if scaled <= -largest:
         return -largest
     return int(np.rint(scaled)) if scaled == scaled else 0
-
-
-@kernel
-def round_values(values: Floats, scale: float, largest: int, whole: WholeNumbers) -> None:
-    """Fill `whole` (K,) with `values` (K,), `rounded`."""
-    for k in range(values.shape[0]):
-        whole[k] = rounded(values[k], scale, largest)
 
 
 @lean_kernel

@@ -5,7 +5,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from clean_swarm_env.recording.channels import whole_channel
+from clean_swarm_env.recording.channels import channel_of
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.recording.taking import LEAST_FRAMES, WAITING_BYTES, Sampled, WaitingFrames
 from clean_swarm_env.world.mission import Course
@@ -15,7 +15,7 @@ from tests.clean_swarm_env.recording.test_recorder import run_of
 @pytest.mark.parametrize(("worlds", "robots"), [(1, 5), (64, 5), (1, 10_000), (64, 10_000)])
 def test_frames_that_wait_have_a_bounded_size(worlds, robots):
     numbers = np.zeros(worlds * robots, dtype=np.int64)
-    sampled = [Sampled(whole_channel(f"number {k}", ("robot", robots), ""), numbers) for k in range(12)]
+    sampled = [Sampled(channel_of(f"number {k}", {"robot": robots}, ""), numbers) for k in range(12)]
     steps = WaitingFrames(sampled, worlds).steps
     assert steps.shape[:2] == (worlds, 12 * robots)
     assert steps.nbytes <= max(WAITING_BYTES, LEAST_FRAMES * steps.nbytes // steps.shape[2])
