@@ -16,7 +16,7 @@ Shapes: S seeds, K scenarios, B resamples.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 
@@ -25,7 +25,7 @@ import numpy as np
 from clean_swarm_env.deciders.named import FIXED
 from docs.comparison.manifest import BEST, Manifest
 from docs.comparison.missions import Judged
-from docs.comparison.tables import FamilyFigures, Tables
+from docs.comparison.tables import FamilyFigures
 from docs.comparison.write_choosing import asked_missions, inputs_of, put_tables
 from docs.figures.stored import ROOT
 from selforg.arrays import Floats
@@ -40,8 +40,6 @@ RESAMPLES = 10_000
 OVERALL = "all families"
 Bounded = tuple[float, float, float]
 """A figure with the ends of its 95 % interval."""
-RULES = ("recent-finds", "told-bumpers")
-"""Labels of the rules beside which strategies are reported."""
 
 
 class Acceptance:
@@ -147,9 +145,13 @@ def acceptances(manifest: Manifest, figures: Mapping[str, FamilyFigures]) -> dic
     }
 
 
-def acceptance_tables(manifest: Manifest, tables: Tables) -> dict[str, str]:
-    """Return name -> table: what decides, and ratios to the best pairs and to the rules."""
-    figures = tables.figures
+def figures_of(manifest: Manifest, missions: Mapping[tuple[str, str], Judged]) -> dict[str, FamilyFigures]:
+    """Return family -> missions of all strategies."""
+    return {family: FamilyFigures.of(manifest, family, missions) for family in manifest.families}
+
+
+def acceptance_tables(manifest: Manifest, figures: Mapping[str, FamilyFigures]) -> dict[str, str]:
+    """Return name -> table: what decides, and ratios to the best pairs."""
     judged, families = acceptances(manifest, figures), list(figures)
     heads = [
         "strategy",
@@ -179,31 +181,21 @@ def acceptance_tables(manifest: Manifest, tables: Tables) -> dict[str, str]:
         [f"`{label}`", *(_cell(one.ratios[family]) if family in one.ratios else EMPTY_CELL for family in families)]
         for label, one in judged.items()
     ]
-    compared = dict.fromkeys((label, rule) for _, label, rule in tables.claims)
-    beside = [[f"`{family}`", *(tables.cell(family, *pair) for pair in compared)] for family in families]
     quoted = [f"`{family}`" for family in families]
     return {
         "accepted": markdown_table([*heads, "accepted"], decided),
         "ratios": markdown_table(["ratio to the best pair", *quoted], [["best pair", *pairs], *ratios]),
-        "beside": markdown_table(["family", *(f"`{label}` / `{rule}`" for label, rule in compared)], beside),
     }
-
-
-def beside_rules(manifest: Manifest, missions: Mapping[tuple[str, str], Judged], labels: Iterable[str]) -> Tables:
-    """Return the missions of a comparison in which `labels` are compared with the rules."""
-    pairs = [(label, rule) for label in labels for rule in RULES]
-    return Tables(manifest, missions, [(family, *pair) for family in manifest.families for pair in pairs])
 
 
 def main(arguments: list[str]) -> None:
     """Write the tables of the page, and print the verdicts of the learners."""
     given, manifest, file, missions = asked_missions(arguments, OWN)
-    tables = beside_rules(manifest, missions, manifest.trained)
+    figures = figures_of(manifest, missions)
     inputs = [*inputs_of(given, manifest.families), file.resolve().relative_to(ROOT).as_posix()]
-    judged = acceptances(manifest, tables.figures)
-    verdicts = "\n".join(f"- {judged[label].verdict}" for label in manifest.trained)
-    put_tables(manifest.name, {"verdicts": verdicts} | acceptance_tables(manifest, tables), COMMAND, inputs)
-    print(verdicts)
+    put_tables(manifest.name, acceptance_tables(manifest, figures), COMMAND, inputs)
+    judged = acceptances(manifest, figures)
+    print("\n".join(f"- {judged[label].verdict}" for label in manifest.trained))
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.decider import OptionDecider
 from clean_swarm_env.deciders.named import DECIDERS, MACHINE, POLICY, NamedDecider
 from clean_swarm_env.learning.observation.observer import Observations
-from docs.comparison.acceptance import OWN, acceptance_tables, acceptances, beside_rules
+from docs.comparison.acceptance import OWN, acceptance_tables, acceptances, figures_of
 from docs.comparison.manifest import Manifest
 from docs.comparison.missions import do_missions, family_of, read_missions
 from docs.figures.stored import ROOT
@@ -74,8 +74,8 @@ def judged(file: Path, given: Path) -> str:
     if digest_of(file) != digest:
         raise ConfigurationError(f"{file}: expected the content with which the missions began, got another")
     everybody = manifest.model_copy(update={"strategies": public.strategies | manifest.strategies})
-    beside, alone = beside_rules(everybody, missions, [ENTRANT]), beside_rules(fresh, own, [])
-    verdicts = [acceptances(manifest, tables.figures)[ENTRANT].verdict for tables in (beside, alone)]
+    beside, alone = figures_of(everybody, missions), figures_of(fresh, own)
+    verdicts = [acceptances(manifest, figures)[ENTRANT].verdict for figures in (beside, alone)]
     said = [f"Scenarios of seed {one.seed}: {verdict}" for one, verdict in zip((public, fresh), verdicts, strict=True)]
     shown = [*acceptance_tables(manifest, beside).values(), acceptance_tables(fresh, alone)["ratios"]]
     found = "\n\n".join([f"{file.name}, sha256 {digest}", *said, *shown])

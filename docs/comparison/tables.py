@@ -5,7 +5,7 @@ Shapes: K scenarios, B resamples.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,8 +69,6 @@ class Tables:
     Args:
         manifest: the comparison.
         missions: family and label -> missions, of all that is compared.
-        asked: family, label, and what it is compared with, of which those that have missions count; the comparisons of
-            the manifest unless given.
 
     Attributes:
         figures: family -> missions of all strategies.
@@ -78,20 +76,13 @@ class Tables:
 
     """
 
-    def __init__(
-        self,
-        manifest: Manifest,
-        missions: Mapping[tuple[str, str], Judged],
-        asked: Sequence[tuple[str, str, str]] | None = None,
-    ) -> None:
+    def __init__(self, manifest: Manifest, missions: Mapping[tuple[str, str], Judged]) -> None:
         self._manifest = manifest
         self.figures = {family: FamilyFigures.of(manifest, family, missions) for family in manifest.families}
         self._excesses = {family: own.excesses for family, own in self.figures.items()}
         self._left = {family: own.left for family, own in self.figures.items()}
-        wanted = manifest.comparisons if asked is None else asked
-        compared = [one for one in wanted if self._excesses[one[0]].keys() >= {*one[1:]}]
-        claims = claims_of(compared, self._excesses, self._left)
-        self.claims = dict(zip(compared, claims, strict=True))
+        claims = claims_of(manifest.comparisons, self._excesses, self._left)
+        self.claims = dict(zip(manifest.comparisons, claims, strict=True))
 
     def told(self, family: str, label: str, against: str = BEST) -> float:
         """Return 1 where the first is shown to cost more than the second, -1 where it costs less, else 0."""

@@ -33,7 +33,6 @@ COMMAND = "python -m docs.figures.numbers"
 EXEMPT = {
     "docs/environment.md: infos": "keys and their meaning; a test compares it with the code",
     "docs/environment.md: rewards": "weights and their defaults; a test compares it with the code",
-    "docs/recordings.md: channels": "a format; a test compares it with the code",
     "docs/walls.md: | setting | unless given | what |": "settings and their defaults",
     "docs/tasks.md: tasks": "names, options and targets; a test compares it with the code",
     "docs/tasks.md: terms": "what a term says; a test compares it with the code",

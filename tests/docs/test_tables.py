@@ -4,20 +4,13 @@ import re
 
 import pytest
 
-from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.learning.reward import RewardConfig, weights_of
-from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks import TASKS, Cleaning, Task
 from clean_swarm_env.world.by_hand import CHANGES
-from clean_swarm_env.world.mission import MissionRun
 from clean_swarm_env.world.parts.measure import key_of
 from selector.strategies.registry import STRATEGIES
-from tests.clean_swarm_env.courses import mission
-from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.fields import descriptions
 from tests.pages import table, text_of
 
@@ -31,25 +24,6 @@ def test_weights_of_rewards():
     for name, field in weights_of(Cleaning).model_fields.items():
         paid = about.get(name, "Shaping: each time that the info of this name counts [-].")
         assert rows[name] == [f"{field.default:g}", paid]
-
-
-def test_channels_of_recordings(tmp_path, monkeypatch):
-    with_shepherding(monkeypatch)
-    cleaning = mission(time_limit=1.0, delivery={"loss": 0.5}, consequences={"stop": 5.0})
-    other = MissionConfig.model_validate({"task": "Shepherding", "time_limit": 1.0})
-    channels = {}
-    for each in (cleaning, other):
-        run = MissionRun(each, random_start(each, 1, 0), 2, {})
-        policies = {"policy:any": {"observations": ("idle",)}}
-        record_mission(run, RecordSettings(tmp_path, minds=True, name=each.name, policies=policies), {})
-        channels |= RecordedMission(tmp_path / f"{each.name}.swarm").channels
-    rows = table("docs/recordings.md", "channels")
-    shown = {name: (unit, about) for names, _, unit, about in rows for name in re.findall(r"`([^`]+)`", names)}
-    coded = {}
-    for name, channel in channels.items():
-        of_network = re.sub(r"^(?!held|opinion).*/(\w+)$", r"NETWORK/\1", name)
-        coded[re.sub(r"^(held|opinion)/.*", r"\1/GOAL", of_network)] = channel.unit, channel.about
-    assert shown == coded
 
 
 def test_tasks():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from docs.comparison import acceptance, missions
-from docs.comparison.acceptance import OVERALL, Acceptance, acceptance_tables, acceptances, beside_rules
+from docs.comparison.acceptance import OVERALL, Acceptance, acceptance_tables, acceptances, figures_of
 from docs.comparison.manifest import BEST, Manifest
 from docs.comparison.missions import Judged
 from docs.comparison.tables import FamilyFigures
@@ -120,10 +120,10 @@ def kept():
     }
 
 
-def test_tables_have_who_was_judged_on_all_families_and_bold_what_holm_tells():
+def test_tables_have_who_was_judged_on_all_families():
     manifest, found = kept()
-    compared = beside_rules(manifest, found, ["ppo"])
-    judged, tables = acceptances(manifest, compared.figures), acceptance_tables(manifest, compared)
+    figures = figures_of(manifest, found)
+    judged, tables = acceptances(manifest, figures), acceptance_tables(manifest, figures)
     assert {label: one.whole for label, one in judged.items()} == {
         "recent-finds": True, "told-bumpers": False, "ppo": True, "Random": True,
     }  # fmt: skip
@@ -133,8 +133,6 @@ def test_tables_have_who_was_judged_on_all_families_and_bold_what_holm_tells():
     assert f"| `Random` | 1 | {without('2.000')} | 2 | +0.0, p 1 | 2.000 | no |" in tables["accepted"]
     assert "| best pair | ORCA | ORCA |" in tables["ratios"]
     assert "| `told-bumpers` | 0.900 [0.900, 0.900] | - |" in tables["ratios"]
-    assert "| `random` | **0.778** [0.778, 0.778] | **0.778** [0.778, 0.778] |" in tables["beside"]
-    assert "| `table1-starts` | **0.778** [0.778, 0.778] | - |" in tables["beside"]
 
 
 def test_nothing_is_run_to_judge_and_each_learner_gets_a_sentence(tmp_path, capsys, monkeypatch):
@@ -148,4 +146,4 @@ def test_nothing_is_run_to_judge_and_each_learner_gets_a_sentence(tmp_path, caps
     monkeypatch.setattr(acceptance, "put_tables", lambda name, tables, *_: written.update({name: tables}))
     acceptance.main(["--judge", str(given)])
     assert capsys.readouterr().out == "- `ppo` costs 0.700 [0.700, 0.700] of the best pairs of 2 families: accepted.\n"
-    assert list(written["tried"]) == ["verdicts", "accepted", "ratios", "beside"]
+    assert list(written["tried"]) == ["accepted", "ratios"]

@@ -119,7 +119,6 @@ def test_who_enters_is_judged_on_public_scenarios_and_on_those_of_the_own_file(n
     ]
     assert out.startswith(f"{name}, sha256 {digest}\n\nScenarios of seed 5: `entrant` costs 0.700 [0.700, 0.700] of ")
     assert f"Scenarios of seed {own}: `entrant` costs 0.700 [0.700, 0.700] of the best pairs of 2 families: acc" in out
-    assert "| `clustered` | **0.700** [0.700, 0.700] | **0.700** [0.700, 0.700] |" in out
     assert (tmp_path / "results" / "entrants" / digest[:16] / "table.md").read_text() == out
 
     done.clear()
