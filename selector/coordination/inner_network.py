@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.robot_network import RobotNetwork
-from selforg.arrays import READ, Ints
+from selforg.arrays import READ, SCRATCH, Ints
 from selforg.commands import Commands
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Handle, Recording, Written
+from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
+from selforg.network.state import RowStates, open_states
 from selforg.program import ACT, Rows, Step
 
 
@@ -68,17 +72,49 @@ class InnerNetwork:
 
     def steps(self, commands: Commands) -> list[Step]:
         """Return the steps that sense, decide and act where the holder runs; movements go into `commands`."""
+        entering = ENTERING.pack(Entering(self.index, self._outside, self._inside, *self._runs))
+        records = entering, self.parent.packed, self.network.packed
         inside = self.configuration.robots.steps(self._runs, self._runs, commands)
-        entering = Step(ACT, lambda now, _: self._enter(), Rows.of(self._all))
-        return [entering, *(step._replace(stage=max(step.stage, ACT)) for step in inside)]
+        enter = Step(ACT, enter_rows, Rows.of(self._all), enter_rows, records)
+        return [enter, *(step._replace(stage=max(step.stage, ACT)) for step in inside)]
 
-    def _enter(self) -> None:
-        """List the rows in which the parent runs the holder, with its readings; behaviours inside others stop."""
-        runs = self.parent.executing[:, self.index] == 1
-        self.network.halt(self._all[~runs | (self.parent.started[:, self.index] == 1)])
-        rows = self._all[runs]
-        self._runs.fill(rows)
-        self.network.readings[np.ix_(rows, self._inside)] = self.parent.readings[np.ix_(rows, self._outside)]
+
+class Entering(NamedTuple):
+    """Which rows run a network inside a behaviour, and which readings it shares with the network around."""
+
+    holder: int  # the behaviour of the network around
+    outside: Annotated[Ints, "S", READ]  # columns of the readings there
+    inside: Annotated[Ints, "S", READ]  # the same columns inside
+    runs: Annotated[Ints, "R", SCRATCH]  # rows that run it, the first `length`
+    length: Annotated[Ints, "1", SCRATCH]
+
+
+ENTERING = Recording(Entering)
+open_entering = ENTERING.open
+
+
+@lean_kernel
+def enter_rows(
+    now: float, rows: Ints, entering: Handle[Entering], outer: Handle[RowStates], inner: Written[RowStates]
+) -> int:
+    """List those of `rows` (K,) in which the holder runs, and show them its readings; a step, see `selforg.program`.
+
+    All behaviours inside stop where the holder does not run, or has just started.
+    """
+    e, around, held = open_entering(entering), open_states(outer), open_states(inner)
+    e.length[0] = 0
+    for row in rows:
+        runs = around.marks[row, st.EXECUTING, e.holder] != 0
+        if not runs or around.marks[row, st.STARTED, e.holder] != 0:
+            for behaviour in range(held.marks.shape[2]):
+                held.marks[row, st.EXECUTING, behaviour] = 0
+                held.marks[row, st.EXECUTION_TIME, behaviour] = -1
+        if runs:
+            e.runs[e.length[0]] = row
+            e.length[0] += 1
+            for k in range(len(e.inside)):
+                held.readings[row, e.inside[k]] = around.readings[row, e.outside[k]]
+    return 0
 
 
 def inner_networks(

@@ -193,6 +193,10 @@ class Spread(Action):
     def leave(self, now: float, rows: Ints) -> None:
         self.mechanism.spread(now, rows)
 
+    def steps(self, rows: Rows, started: Rows, commands: Commands) -> list[Step]:
+        own = type(self).leave is not Spread.leave or is_own(type(self.mechanism))
+        return super().steps(rows, started, commands) if own else self.mechanism.spreading(rows)
+
 
 @ACTIONS.register
 class SetState(Action):

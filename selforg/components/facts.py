@@ -26,6 +26,7 @@ from selforg.gradients.store.linking import first_layer, space_of
 from selforg.gradients.store.records import Poses, Store, open_poses, open_store
 from selforg.mechanisms.spreading import Carried, Spreader
 from selforg.parameters import AtLeastZero, Finite, UpToOne
+from selforg.program import Rows, Step
 from selforg.space import squared_length
 
 SHARED_FACTS: Final = BufferSettings(aggregation={"DEFAULT": "newparent"}, min_diffusion=0.3)
@@ -169,6 +170,10 @@ class SharedFact(Source):
             now, self._all if anywhere else rows, hearing.handle, self._buffer.poses.packed.handle, table.packed.handle
         )
         self._looked = int(counters[c.COUNTER_SERIAL]), table.used  # looking frees what is gone
+
+    def asking(self, stage: int, rows: Rows) -> list[Step]:
+        """Return the step that does as `ask` does."""
+        return [Step(stage, self.ask, rows)]
 
     def observe(self, now: float, rows: Ints, oldest: float, numbers: Floats, ages: Floats) -> None:
         """Write for `rows` (K,) number by `scale` and age by `oldest` [s] (N,), within [-1, 1]; 0 and 1 for nothing."""

@@ -11,10 +11,18 @@ import numpy.typing as npt
 
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Moved, open_moved
-from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.components.memory import Remembered
-from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source, Surroundings
+from selforg.components.sources import (
+    Answers,
+    DecisionSource,
+    GoalSource,
+    MovementSource,
+    Source,
+    Surroundings,
+    open_answers,
+)
 from selforg.network.model.behaviours import SensorKind
 from selforg.parameters import AtLeastZero, Finite
 from selforg.plugins import Promises, are_numbers
@@ -26,9 +34,13 @@ MOST_METRES: Final = 100.0
 
 
 class Reading(NamedTuple):
-    """Where a sensor of vectors writes, of N rows."""
+    """What a compiled sensor makes of an answer, and where it writes that, of N rows."""
 
-    longest_absent: float  # see `VectorSensor`
+    is_fact: int  # 1: whether there is an answer above `above`, and at most `most`; 0: the answer itself
+    above: float  # nan: no bound
+    most: float
+    least: float  # smallest number that is read
+    absent: float  # number that is read without an answer
     readings: Annotated[Floats, "N S", KEPT]  # of the network that has the sensor
     column: int  # of the sensor there
     shown: Annotated[Floats, "N T", KEPT]  # readings of a network that gets them too
@@ -39,22 +51,35 @@ READING = Recording(Reading)
 open_reading = READING.open
 
 
+@inlined
+def write_reading(row: int, there: bool, answer: float, reading: Written[Reading]) -> None:
+    """Write what a row reads, of an answer if it is `there`."""
+    t = open_reading(reading)
+    if t.is_fact:
+        value = 1.0 if there and not answer <= t.above and answer <= t.most else 0.0
+    else:
+        value = max(answer, t.least) if there else t.absent
+    t.readings[row, t.column] = t.shown[row, t.shown_column] = value
+
+
 @lean_kernel
 def read_vectors(now: float, rows: Ints, moved: Handle[Moved], reading: Written[Reading]) -> int:
-    """Write the reading of `rows` (K,): the length of the vector, 0 without one; a step, see `selforg.program`.
-
-    Where `longest_absent` >= 0 it is 1 where the length is larger than that, else 0.
-    """
-    t, given = open_reading(reading), open_moved(moved)
+    """Write the readings of `rows` (K,) of the lengths of vectors; a step, see `selforg.program`."""
+    given = open_moved(moved)
     for row in rows:
-        length = 0.0
-        if given.active[row]:
-            for axis in range(given.vectors.shape[1]):
-                length += given.vectors[row, axis] * given.vectors[row, axis]
-            length = np.sqrt(length)
-        if t.longest_absent >= 0.0:
-            length = 1.0 if length > t.longest_absent else 0.0
-        t.readings[row, t.column] = t.shown[row, t.shown_column] = length
+        squared = 0.0
+        for axis in range(given.vectors.shape[1]):
+            squared += given.vectors[row, axis] * given.vectors[row, axis]
+        write_reading(row, given.active[row], np.sqrt(squared), reading)
+    return 0
+
+
+@lean_kernel
+def read_answers(now: float, rows: Ints, answers: Handle[Answers], reading: Written[Reading]) -> int:
+    """Write the readings of `rows` (K,) of answers; a step, see `selforg.program`."""
+    given = open_answers(answers)
+    for row in rows:
+        write_reading(row, given.there[row], given.values[row], reading)
     return 0
 
 
@@ -105,26 +130,39 @@ class SensorComponent(ABC):
 SENSORS: Registry[SensorComponent] = Registry("sensor", base=SensorComponent)
 
 
-class VectorSensor(SensorComponent):
-    """Base class of sensors of a movement vector, which a kernel reads."""
+class CompiledSensor(SensorComponent):
+    """Base class of sensors that a kernel reads: from a record, by the bounds of a `Reading`."""
 
-    longest_absent = -1.0
-    """Largest length [m/s] that counts as no vector, for a fact; negative for a number."""
+    kernel: ClassVar[Any] = staticmethod(read_answers)
+    above, most, least, absent = np.nan, np.inf, -np.inf, 0.0
 
-    def __init__(self, mechanism: MovementSource) -> None:
-        self.source = mechanism
-        self.sources = (mechanism,)
+    def __init__(self, answers: Packed[Any], *sources: Source) -> None:
+        self._answers, self.sources = answers, sources
 
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        read: Floats = np.zeros((len(self.source.vectors), 1))
-        where = READING.pack(Reading(self.longest_absent, read, 0, read, 0))
-        read_vectors(0.0, rows, self.source.moved.handle, where.handle)
+        read: Floats = np.zeros((len(self._answers.record[0]), 1))
+        type(self).kernel(0.0, rows, self._answers.handle, self._into(read, 0, read, 0).handle)
         readings: Floats = read[rows, 0]
         return readings
 
     def reading(self, rows: Rows, readings: Floats, column: int, shown: Floats, shown_column: int) -> Step:
-        where = READING.pack(Reading(self.longest_absent, readings, column, shown, shown_column))
-        return Step(SENSE, read_vectors, rows, read_vectors, (self.source.moved, where))
+        if type(self).read is not CompiledSensor.read:
+            return super().reading(rows, readings, column, shown, shown_column)
+        kernel, where = type(self).kernel, self._into(readings, column, shown, shown_column)
+        return Step(SENSE, kernel, rows, kernel, (self._answers, where))
+
+    def _into(self, *where: Any) -> Packed[Reading]:  # noqa: ANN401  (arrays and columns)
+        bounds = self.above, self.most, self.least, self.absent
+        return READING.pack(Reading(int(self.kind == "fact"), *bounds, *where))
+
+
+class VectorSensor(CompiledSensor):
+    """Base class of sensors of the length of a movement vector."""
+
+    kernel = staticmethod(read_vectors)
+
+    def __init__(self, mechanism: MovementSource) -> None:
+        super().__init__(mechanism.moved, mechanism)
 
 
 @SENSORS.register
@@ -137,7 +175,7 @@ class VectorPresent(VectorSensor):
         super().__init__(mechanism)
         if not longer_than >= 0.0:
             raise ValueError(f"VectorPresent: longer_than must be at least 0, got {longer_than}")
-        self.longest_absent = float(longer_than)
+        self.above = float(longer_than)
 
 
 @SENSORS.register
@@ -145,12 +183,11 @@ class VectorLength(VectorSensor):
     """Length of the movement vector [m/s], 0 without one."""
 
 
-class GoalSensor(SensorComponent):
-    """Base class of sensors of a goal gradient."""
+class GoalSensor(CompiledSensor):
+    """Base class of sensors of the clearance to a goal gradient."""
 
     def __init__(self, target: GoalSource) -> None:
-        self.source = target
-        self.sources = (target,)
+        super().__init__(target.answers, target)
 
 
 @SENSORS.register
@@ -159,18 +196,13 @@ class GoalPresent(GoalSensor):
 
     kind = "fact"
 
-    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        return self.source.present[rows]
-
 
 @SENSORS.register
 class GoalReached(GoalSensor):
     """A fact: the own goal area touches that of the goal."""
 
     kind = "fact"
-
-    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        return self.source.present[rows] & (self.source.clearance[rows] <= 0.0)
+    most = 0.0
 
 
 @SENSORS.register
@@ -178,15 +210,13 @@ class GoalDistance(GoalSensor):
     """Clearance to the goal [m], at least 0; `unseen` [m] without a goal in view."""
 
     example: ClassVar[Mapping[str, Any]] = {"unseen": 9.0}
+    least = 0.0
 
     def __init__(self, target: GoalSource, unseen: AtLeastZero) -> None:
         if not (unseen >= 0.0 and np.isfinite(unseen)):
             raise ValueError(f"GoalDistance: unseen must be a distance, got {unseen}")
         super().__init__(target)
-        self.unseen = unseen
-
-    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        return np.where(self.source.present[rows], np.maximum(self.source.clearance[rows], 0.0), self.unseen)
+        self.absent = float(unseen)
 
 
 @SENSORS.register
@@ -198,30 +228,19 @@ class FartherThan(GoalSensor):
 
     def __init__(self, target: GoalSource, distance: AtLeastZero) -> None:
         super().__init__(target)
-        self.distance = distance
-
-    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        return self.source.present[rows] & (self.source.clearance[rows] > self.distance)
-
-
-class DecisionSensor(SensorComponent):
-    """Base class of sensors of a decision."""
-
-    def __init__(self, mechanism: DecisionSource) -> None:
-        self.source = mechanism
-        self.sources = (mechanism,)
+        self.above = float(distance)
 
 
 @SENSORS.register
-class Value(DecisionSensor):
+class Value(CompiledSensor):
     """The value that a decision mechanism would decide now [-]."""
 
-    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        return self.source.values[rows]
+    def __init__(self, mechanism: DecisionSource) -> None:
+        super().__init__(mechanism.answers, mechanism)
 
 
 @SENSORS.register
-class StateIs(DecisionSensor):
+class StateIs(SensorComponent):
     """A fact: a decision mechanism would decide for one certain state now."""
 
     kind = "fact"
@@ -231,8 +250,7 @@ class StateIs(DecisionSensor):
         known = mechanism.mechanism.states
         if state not in known:
             raise ValueError(f"StateIs: state must be one of {', '.join(known)}, got {state!r}")
-        super().__init__(mechanism)
-        self.code = known.index(state)
+        self.source, self.sources, self.code = mechanism, (mechanism,), known.index(state)
 
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         there: Flags = self.source.states[rows] == self.code
@@ -240,27 +258,25 @@ class StateIs(DecisionSensor):
 
 
 @SENSORS.register
-class Changed(DecisionSensor):
+class Changed(CompiledSensor):
     """A fact: a decision mechanism would now decide something else than it has spread last."""
 
     kind = "fact"
 
-    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        return self.source.differs[rows]
+    def __init__(self, mechanism: DecisionSource) -> None:
+        super().__init__(mechanism.changes, mechanism)
 
 
 @SENSORS.register
-class Known(SensorComponent):
+class Known(CompiledSensor):
     """The value that the robot remembers under a name."""
 
     kind_of = "name"
 
     def __init__(self, name: Remembered) -> None:
-        self._values = name.values
+        super().__init__(name.answers)
         self.kind = name.kind
-
-    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        return self._values[rows]
+        self.above = 0.0
 
 
 @SENSORS.register

@@ -4,24 +4,37 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import CLOCKED, KEPT, Flags, Floats, Ints
+from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.commands import MOVED, Moved
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Recording, Written
 from selforg.declared import make_arrays
-from selforg.elementary import directions, exponentials, logarithms
+from selforg.elementary import direction, exponential, logarithm
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
-from selforg.gradients.store.columns import GOAL_RADIUS, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
 from selforg.mechanisms.base import MovementMechanism
 from selforg.mechanisms.decisions.base import DecisionMechanism
-from selforg.program import Rows, Step
+from selforg.program import SENSE, Program, Rows, Step
+from selforg.randomness import next_direction
 
 EVERYTHING_IN_VIEW = Filter()
 CLOCK_TOLERANCE = 1e-6
 """Tolerance of times, because sums of control periods are rounded [s]."""
+
+
+class Answers(NamedTuple):
+    """Answers to one question of all rows, as sensors read them."""
+
+    there: Annotated[Flags, "N", READ]  # whether there is an answer
+    values: Annotated[Floats, "N", READ]
+
+
+ANSWERS = Recording(Answers)
+open_answers = ANSWERS.open
 
 
 class Source(ABC):
@@ -33,12 +46,56 @@ class Source(ABC):
     parts: Sequence[Source] = ()
 
     @abstractmethod
-    def ask(self, now: float, rows: Ints) -> None:
-        """Renew the answers for `rows` (K,), of which there is at least one, at `now` [s]."""
-
     def asking(self, stage: int, rows: Rows) -> list[Step]:
-        """Return the steps of a program that do as `ask` does."""
-        return [Step(stage, self.ask, rows)]
+        """Return the steps of a program that renew the answers for `rows`."""
+
+    def ask(self, now: float, rows: Ints) -> None:
+        """Renew the answers for `rows` (K,) at `now` [s]."""
+        Program(lambda: self.asking(SENSE, Rows.of(rows))).run(now)
+
+
+class KeptAnswers(NamedTuple):
+    """For how long the answers of a `MovementSource` are kept, and which rows are asked again."""
+
+    hold: float  # [s]; this and the next fields: see `MovementSource`
+    exponent: float
+    longest: float  # [s]
+    active: Annotated[Flags, "N", READ]
+    asked: Annotated[Floats, "N", CLOCKED]  # time of the last question [s]
+    holds: Annotated[Floats, "N", KEPT]  # times for which the answers are kept [s]
+    directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
+    cursor: Annotated[Ints, "N", KEPT]  # next direction of each row
+    low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
+    listed: Annotated[Ints, "N", SCRATCH]  # rows that are asked again, the first `length`
+    length: Annotated[Ints, "1", SCRATCH]
+
+
+KEPT_ANSWERS = Recording(KeptAnswers)
+open_kept_answers = KEPT_ANSWERS.open
+
+
+@lean_kernel
+def list_renewed(now: float, rows: Ints, keeping: Written[KeptAnswers]) -> int:
+    """List those of `rows` (K,) whose answers are no longer kept; a step, see `selforg.program`.
+
+    If random directions have to be drawn first, no row is listed, and the result is 1.
+    """
+    k = open_kept_answers(keeping)
+    k.length[0] = 0
+    if k.exponent != 0.0 and k.low[0] and len(rows) > 0:
+        return 1
+    for row in rows:
+        if k.active[row] and now - k.asked[row] <= k.holds[row] - CLOCK_TOLERANCE:
+            continue
+        k.asked[row] = now
+        k.listed[k.length[0]] = row
+        k.length[0] += 1
+        if k.exponent != 0.0:
+            x, y, _ = next_direction(k.directions, k.cursor, k.low, row)
+            share = 0.5 + direction(y, x) / (2.0 * np.pi)  # of a circle: a random number from 0 to 1
+            time = k.hold * exponential(logarithm(share) / (1.0 - k.exponent))
+            k.holds[row] = min(time, k.longest)
+    return 0
 
 
 class MovementSource(Source):
@@ -62,32 +119,31 @@ class MovementSource(Source):
             raise ValueError(f"MovementSource: hold must be at least 0, got {hold}")
         if exponent != 0.0 and not exponent > 1.0:
             raise ValueError(f"MovementSource: exponent must be 0 or above 1, got {exponent}")
-        self.mechanism, self.hold, self.exponent, self.longest = mechanism, float(hold), exponent, longest
+        self.mechanism, self.hold = mechanism, float(hold)
         make_arrays(self, N=mechanism.poses.rows, D=mechanism.poses.space.dim)
         self.moved = MOVED.pack(Moved(self.vectors, self.active))
         self._asked[:], self._holds[:] = -np.inf, self.hold
+        stream, listed = mechanism.directions, Rows.of(np.zeros(len(self.active), dtype=np.int64))
+        drawn = stream.vectors, stream.cursor, stream.low
+        times = self.hold, float(exponent), float(longest), self.active, self._asked, self._holds
+        self._keeping = KEPT_ANSWERS.pack(KeptAnswers(*times, *drawn, *listed))
         self.parts = getattr(mechanism, "parts", ())
 
     def forget(self, rows: Ints) -> None:
         """Drop the kept answers of `rows` (K,), so that the next tick asks the mechanism."""
         self._asked[rows] = -np.inf
 
-    def ask(self, now: float, rows: Ints) -> None:
-        if self.hold > 0.0:
-            rows = rows[~self.active[rows] | (now - self._asked[rows] > self._holds[rows] - CLOCK_TOLERANCE)]
-            if not len(rows):
-                return
-            self._asked[rows] = now
-            if self.exponent:
-                drawn = directions(self.mechanism.directions.next_directions(rows)[:, :2])
-                shares = 0.5 + drawn / (2.0 * np.pi)  # of a circle: random numbers from 0 to 1
-                times = self.hold * exponentials(logarithms(shares) / (1.0 - self.exponent))
-                self._holds[rows] = np.minimum(times, self.longest)
-        self.mechanism.move_into(now, rows, self.vectors, self.active)
-
     def asking(self, stage: int, rows: Rows) -> list[Step]:
-        held = self.hold > 0.0
-        return super().asking(stage, rows) if held else self.mechanism.moving(stage, rows, self.moved)
+        if self.hold == 0.0:
+            return self.mechanism.moving(stage, rows, self.moved)
+
+        def draw(now: float, rows: Ints, _: int) -> None:
+            self.mechanism.directions.refill()
+            list_renewed(now, rows, self._keeping.handle)
+
+        renewed = Rows(*self._keeping.record[-2:])
+        listing = Step(stage, draw, rows, list_renewed, (self._keeping,), always=True)
+        return [listing, *self.mechanism.moving(stage, renewed, self.moved)]
 
 
 class GoalSource(Source):
@@ -96,6 +152,7 @@ class GoalSource(Source):
     offsets: (N, D) [m] from the own centre to the centre of the goal; zero without a goal.
     clearance: (N,) [m] distance of the centres minus both goal radii; 0 without a goal.
     present: (N,) whether there is a goal.
+    answers: the record of clearances where there is a goal.
     """
 
     offsets: Annotated[Floats, "N D", KEPT]
@@ -103,16 +160,12 @@ class GoalSource(Source):
     present: Annotated[Flags, "N", KEPT]
 
     def __init__(self, buffer: SoBuffer, rule: str = "nearest_attractive", look: Filter = EVERYTHING_IN_VIEW) -> None:
-        self._queries, self._poses = Queries(buffer), buffer.poses
-        self.rule, self.look = rule, look
-        make_arrays(self, N=self._poses.rows, D=self._poses.space.dim)
+        self._queries, self._asks = Queries(buffer), (rule, look)
+        make_arrays(self, N=buffer.poses.rows, D=buffer.poses.space.dim)
+        self.answers = ANSWERS.pack(Answers(self.present, self.clearance))
 
-    def ask(self, now: float, rows: Ints) -> None:
-        pairs, found = self._queries.choose(self.rule, now, rows, self.look)
-        clearance = pairs[:, PAIR_DISTANCE] - pairs[:, PAIR_GOAL_RADIUS] - self._poses.own[rows, 0, GOAL_RADIUS]
-        self.offsets[rows] = pairs[:, PAIR_DX : PAIR_DX + self.offsets.shape[1]]
-        self.clearance[rows] = np.where(found, clearance, 0.0)
-        self.present[rows] = found
+    def asking(self, stage: int, rows: Rows) -> list[Step]:
+        return [self._queries.choosing(stage, rows, *self._asks, (self.offsets, self.clearance, self.present))]
 
 
 class DecisionSource(Source):
@@ -120,6 +173,7 @@ class DecisionSource(Source):
 
     values: (N,) [-]; states: (N,) indices into the `states` of the mechanism.
     differs: (N,) whether value or state differ from those that the mechanism holds.
+    answers, changes: records of the values: of all, and where the decision differs.
     """
 
     values: Annotated[Floats, "N", KEPT]
@@ -131,8 +185,13 @@ class DecisionSource(Source):
         self.values = mechanism.values.copy()
         self.states = mechanism.state_codes.copy()
         self.differs = np.zeros(len(self.values), dtype=np.bool_)
+        self.answers = ANSWERS.pack(Answers(np.ones(len(self.values), dtype=np.bool_), self.values))
+        self.changes = ANSWERS.pack(Answers(self.differs, self.values))
 
-    def ask(self, now: float, rows: Ints) -> None:
+    def asking(self, stage: int, rows: Rows) -> list[Step]:
+        return [Step(stage, self._decide, rows)]
+
+    def _decide(self, now: float, rows: Ints) -> None:
         decision = self.mechanism.decide(now, rows)
         self.values[rows], self.states[rows] = decision.values, decision.states
         held = (decision.values == self.mechanism.values[rows]) & (decision.states == self.mechanism.state_codes[rows])

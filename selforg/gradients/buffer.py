@@ -147,7 +147,7 @@ class SoBuffer:
         table, message, tag = self.table, left.record.message[0], left.record.tag[0]
 
         def tell(now: float, rows: Ints, _: int) -> None:
-            if self.on_deposit is not None:
+            if self.on_deposit is not None and not tag[c.TAG_MOVING]:
                 self.on_deposit(rows, message, tag)
 
         def make_room(now: float, rows: Ints, _: int) -> None:

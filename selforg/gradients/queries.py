@@ -6,14 +6,14 @@ the answer is an empty range of the table, an empty list, or a mask that is Fals
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Annotated, Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Packed, Written
+from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.pair import (
@@ -22,12 +22,15 @@ from selforg.gradients.pair import (
     CHOOSE_MOST_REACH,
     CHOOSE_NEAREST,
     CHOOSE_STRONGEST,
+    choose,
     choose_rows,
+    own_of,
 )
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.columns import PAIR_COLUMNS
 from selforg.gradients.store.gathering import gather, look_all_around
-from selforg.gradients.store.records import SIGHT, Margins, Poses, Sight, Store, open_poses, open_sight
+from selforg.gradients.store.records import SIGHT, Margins, Poses, Sight, Store, open_poses, open_sight, open_store
+from selforg.program import Rows, Step
 
 
 class PairRoom:
@@ -73,7 +76,7 @@ class PairRoom:
         return self.packed.handle
 
 
-Rows: TypeAlias = npt.NDArray[np.integer] | Iterable[int]
+RowNumbers: TypeAlias = npt.NDArray[np.integer] | Iterable[int]
 
 EVERYTHING, ATTRACTIVE, REPULSIVE = (True, True, True), (False, False, True), (True, False, False)
 
@@ -110,6 +113,21 @@ class Filter:
     view_distance: float | None = None
 
 
+class Choosing(NamedTuple):
+    """A rule by which rows choose one gradient, what they look at, and where the chosen ones are."""
+
+    rule: int  # CHOOSE_
+    sight_bits: int  # SEE_
+    view_distance: float  # [m]
+    offsets: Annotated[Floats, "N D", SCRATCH]  # from the own centre to that of the gradient, 0 without one [m]
+    clearance: Annotated[Floats, "N", SCRATCH]  # distance of the centres minus both goal radii, 0 without one [m]
+    present: Annotated[Flags, "N", SCRATCH]  # whether there is one
+
+
+CHOOSING = Recording(Choosing)
+open_choosing = CHOOSING.open
+
+
 class Queries:
     """The queries of a buffer.
 
@@ -127,7 +145,7 @@ class Queries:
     def gather(
         self,
         now: float,
-        rows: Rows | None = None,
+        rows: RowNumbers | None = None,
         look: Filter = Filter(),
         *,
         signs: tuple[bool, bool, bool] = EVERYTHING,
@@ -145,8 +163,7 @@ class Queries:
         chosen: Ints = np.arange(buffer.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
         view = buffer.settings.view_distance if look.view_distance is None else look.view_distance
         minus, zero, plus = (view if wanted else -np.inf for wanted in signs)
-        see = (c.SEE_STATIC if look.static else 0) | (c.SEE_MOVING if look.moving else 0)
-        see |= (0 if own else c.SKIP_OWN) | (c.SEE_HISTORY if histories else 0)
+        see = seen_by(look) | (0 if own else c.SKIP_OWN) | (c.SEE_HISTORY if histories else 0)
         see |= SEE_WITHOUT_POSE if without_pose and np.isinf(view) else 0
         time, margins, sight = float(now), (minus, zero, plus), self._room.sight(now, tuple(look.channels))
         poses, store = buffer.poses.packed.handle, buffer.table.packed.handle
@@ -157,13 +174,14 @@ class Queries:
             done += gather_rows(chosen[done:], start[done:], see, margins, time, sight, poses, store)
         return Seen(start, self._room.pairs[: start[-1]].copy())
 
-    def choose(self, rule: str, now: float, rows: Rows | None = None, look: Filter = Filter()) -> tuple[Floats, Flags]:
+    def choose(
+        self, rule: str, now: float, rows: RowNumbers | None = None, look: Filter = Filter()
+    ) -> tuple[Floats, Flags]:
         """Return the pair (R, PAIR_COLUMNS) that `rule` chooses for each of `rows`, and whether there is one (R,).
 
         rule: nearest_attractive, farthest_attractive, least_reach_attractive, most_reach_attractive or strongest.
         """
-        if rule not in CHOICES:
-            raise KeyError(f"unknown choice {rule!r}; known: {', '.join(CHOICES)}")
+        choice = choice_named(rule)
         chosen: Ints = (
             np.arange(self._buffer.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
         )
@@ -171,8 +189,25 @@ class Queries:
         pairs, found = np.empty((len(chosen), c.PAIR_COLUMNS)), np.empty(len(chosen), dtype=np.bool_)
         view = self._buffer.settings.view_distance if look.view_distance is None else look.view_distance
         poses = self._buffer.poses.packed.handle
-        choose_rows(CHOICES[rule], float(view), chosen, seen.start, seen.pairs, pairs, found, poses)
+        choose_rows(choice, float(view), chosen, seen.start, seen.pairs, pairs, found, poses)
         return pairs, found
+
+    def choosing(self, stage: int, rows: Rows, rule: str, look: Filter, answers: tuple[Floats, Floats, Flags]) -> Step:
+        """Return the step of a program that writes the `answers` of a `Choosing` for `rows`."""
+        buffer, room, channels = self._buffer, self._room, tuple(look.channels)
+        view = buffer.settings.view_distance if look.view_distance is None else look.view_distance
+        chosen = CHOOSING.pack(Choosing(choice_named(rule), seen_by(look), float(view), *answers))
+        records: tuple[Packed[Any], ...] = (chosen, room.packed, buffer.poses.packed, buffer.table.packed)
+
+        def go_on(now: float, rows: Ints, left: int = 0) -> None:
+            rows = rows[-left:]
+            room.sight(now, channels)
+            while left := choose_goals(now, rows, *(packed.handle for packed in records)):
+                rows = rows[-left:]
+                room.double()
+
+        in_python = buffer.settings.whole_seconds  # all has to evaporate before each look
+        return Step(stage, go_on, rows) if in_python else Step(stage, go_on, rows, choose_goals, records)
 
     def gradients(
         self, row: int, now: float, look: Filter = Filter(), *, signs: tuple[bool, bool, bool] = EVERYTHING
@@ -183,6 +218,53 @@ class Queries:
         """
         pairs = self.gather(now, [row], look, signs=signs, without_pose=all(signs)).pairs
         return [self._buffer.gradient_of(pair) for pair in pairs]
+
+
+def choice_named(rule: str) -> int:
+    """Return the number of a rule by its name; KeyError names the known ones."""
+    if rule not in CHOICES:
+        raise KeyError(f"unknown choice {rule!r}; known: {', '.join(CHOICES)}")
+    return CHOICES[rule]
+
+
+def seen_by(look: Filter) -> int:
+    """Return the SEE_ bits of a look."""
+    return (c.SEE_STATIC if look.static else 0) | (c.SEE_MOVING if look.moving else 0)
+
+
+@lean_kernel
+def choose_goals(
+    now: float,
+    rows: Ints,
+    choosing: Handle[Choosing],
+    sight: Handle[Sight],
+    poses: Handle[Poses],
+    store: Written[Store],
+) -> int:
+    """Write what each of `rows` (R,) chooses; a step, see `selforg.program`.
+
+    Returns how many rows are left, the last ones: because channels are new, or if the room for pairs is too short.
+    """
+    chosen, pairs, p = open_choosing(choosing), open_sight(sight).pairs, open_poses(poses)
+    if len(open_store(store).rules) != open_sight(sight).known:
+        return len(rows)
+    view = chosen.view_distance
+    others = view if chosen.rule == CHOOSE_STRONGEST else -np.inf
+    for index in range(len(rows)):
+        row, best = int(rows[index]), -1
+        if p.rows[row, c.ROW_POSES] > 0:
+            look = look_all_around(row, now, chosen.sight_bits, (others, others, view), 0, sight, poses)
+            found = gather(look, sight, poses, store)
+            if found > len(pairs):
+                return len(rows) - index
+            best = choose(chosen.rule, pairs, found, own_of(row, view, poses))
+        chosen.present[row], chosen.clearance[row] = best >= 0, 0.0
+        if best >= 0:
+            reached = pairs[best, c.PAIR_DISTANCE] - pairs[best, c.PAIR_GOAL_RADIUS]
+            chosen.clearance[row] = reached - p.own[row, 0, c.GOAL_RADIUS]
+        for axis in range(chosen.offsets.shape[1]):
+            chosen.offsets[row, axis] = pairs[best, c.PAIR_DX + axis] if best >= 0 else 0.0
+    return 0
 
 
 @lean_kernel

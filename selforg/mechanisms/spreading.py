@@ -14,7 +14,7 @@ from selforg.gradients.rows import set_times
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import LEFT_BEHIND, Left
 from selforg.mechanisms.base import MECHANISMS, Mechanism
-from selforg.program import Rows, Step
+from selforg.program import Program, Rows, Step
 
 
 @dataclass(frozen=True)
@@ -106,4 +106,8 @@ class SpreadGradient(Mechanism):
     def spread(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
         """Spread it from each of `rows` (R,) (None: all) that knows its pose, at `now` [s]."""
         chosen: Ints = np.arange(self.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        self._spreader.spread(float(now), chosen[self.poses.known[chosen]])
+        Program(lambda: self.spreading(Rows.of(chosen))).run(float(now))
+
+    def spreading(self, rows: Rows) -> list[Step]:
+        """Return the steps of a program that do as `spread` does."""
+        return self._spreader.depositing(rows)

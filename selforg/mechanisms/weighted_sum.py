@@ -1,14 +1,28 @@
 """Motor schemas: a movement that is the weighted sum of others."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.commands import MOVED, Moved, open_moved
 from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Handle, Packed, Recording
 from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms.base import MECHANISMS, MovementMechanism
 from selforg.mechanisms.chemotaxis import ChemotaxisBalch
 from selforg.mechanisms.repulsion import RepulsionGradient
+from selforg.program import ACT, Program, Rows, Step
+
+
+class Summand(NamedTuple):
+    """What a movement is in a sum."""
+
+    is_first: int  # 1: the sum begins with it
+    weight: float
+
+
+SUMMAND = Recording(Summand)
+open_summand = SUMMAND.open
 
 MovementWeights: TypeAlias = Mapping[Any, float]
 """Weights of movement mechanisms, or of their sources; a document gives their names."""
@@ -44,21 +58,32 @@ class WeightedSum(MovementMechanism):
 
     def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
         """Add up the movements of `rows` (K,), those of sources as they have answered."""
+        moved = MOVED.pack(Moved(vectors, active))
+        Program(lambda: self.moving(ACT, Rows.of(rows), moved)).run(now)
+
+    def moving(self, stage: int, rows: Rows, moved: Packed[Moved]) -> list[Step]:
+        """Return the steps that ask mechanisms, and add up all movements."""
+        if type(self).move_into is not WeightedSum.move_into:
+            return super().moving(stage, rows, moved)
+        steps = []
         for number, (one, weight) in enumerate(self._of):
             if isinstance(one, MovementMechanism):
-                one.move_into(now, rows, one._vectors, one._active)
-                add_movements(rows, number == 0, weight, one._vectors, one._active, vectors, active)
+                own = MOVED.pack(Moved(one._vectors, one._active))
+                steps += one.moving(stage, rows, own)
             else:
-                add_movements(rows, number == 0, weight, one.vectors, one.active, vectors, active)
+                own = one.moved
+            records = own, SUMMAND.pack(Summand(int(number == 0), weight)), moved
+            steps.append(Step(stage, add_movements, rows, add_movements, records))
+        return steps
 
 
 @lean_kernel
-def add_movements(
-    rows: Ints, first: bool, weight: float, vectors: Floats, active: Flags, sums: Floats, moves: Flags
-) -> None:
-    """Add the movements of `rows` (K,) times a weight to `sums` (N, D), or write them there if they are the `first`."""
+def add_movements(now: float, rows: Ints, moved: Handle[Moved], summand: Handle[Summand], sums: Handle[Moved]) -> int:
+    """Add the movements of `rows` (K,) times a weight to their sums; a step, see `selforg.program`."""
+    given, total, own = open_moved(moved), open_moved(sums), open_summand(summand)
     for row in rows:
-        for axis in range(sums.shape[1]):
-            own = weight * vectors[row, axis]
-            sums[row, axis] = own if first else sums[row, axis] + own
-        moves[row] = active[row] or (moves[row] and not first)
+        for axis in range(total.vectors.shape[1]):
+            weighed = own.weight * given.vectors[row, axis]
+            total.vectors[row, axis] = weighed if own.is_first else total.vectors[row, axis] + weighed
+        total.active[row] = given.active[row] or (total.active[row] and not own.is_first)
+    return 0

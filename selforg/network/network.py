@@ -142,10 +142,6 @@ class BehaviourNetwork:
         self.state.marks[running, st.EXECUTION_TIME, behaviour] = -1
         self.state.marks[running, st.ENDED, behaviour] = 1
 
-    def halt(self, rows: Ints) -> None:
-        """Stop all behaviours in `rows` (K,); activations stay."""
-        self.state.marks[rows, st.EXECUTING], self.state.marks[rows, st.EXECUTION_TIME] = 0, -1
-
     def enable(self, rows: Ints, behaviour: int, enabled: bool) -> None:
         """Switch a behaviour on or off in `rows` (K,); one that is switched off ends."""
         self.state.marks[rows, st.ENABLED, behaviour] = int(enabled)
