@@ -213,21 +213,35 @@ class Worlds:
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
-        task, now = self.task, self._clock.now
         self.agendas.apply_due()
-        able = task.start_tick()
-        self._able.fill(self._all if able is None else able)
+        self.start_tick()
+        now = self._clock.now
         if self.world.by_baseline:
             self._led.run(now)
-        elif task.thinks_when_driven or not self._driving.length[0]:
+        elif self.task.thinks_when_driven or not self._driving.length[0]:
             self._thinking.run(now)
         else:
             self._following.run(now)
-        self._clock.advance()
-        task.after_moving()
+        return self.end_tick()
+
+    def start_tick(self) -> None:
+        """Let the task begin a control period, and say which robots decide in it."""
+        able = self.task.start_tick()
+        self._able.fill(self._all if able is None else able)
+
+    def end_tick(self, periods: int = 1) -> Ints:
+        """End a control period, and skip others up to a number of `periods`; return what `tick` returns."""
+        now = self._clock.now
+        for _ in range(periods):
+            self._clock.advance()
+        self.task.after_moving()
         if self.minds.facts:
-            self.minds.tell(task.noticed(), now)
+            self.minds.tell(self.task.noticed(), now)
         return self.collisions.entered_in_tick
+
+    def steps_of(self, first: int, last: int) -> list[Step]:
+        """Return the steps of a tick from one stage to another, for those who run parts of it by themselves."""
+        return [step for step in self._steps() if first <= step.stage <= last]
 
     def _bodies(self) -> list[Bodies]:
         """Return what rays meet beside robots and walls."""

@@ -35,6 +35,8 @@ class SoBuffer:
         channels, sources, keys: names by their numbers.
         payloads: by serial number.
         on_deposit: is told who leaves what; `tell_deposits` sets it.
+        sent: takes what rows spread, messages, tags and time [s], in place of this buffer; None unless set, before
+            programs are made.
 
     Example:
         >>> space = Torus(11.0, 11.0)
@@ -56,6 +58,7 @@ class SoBuffer:
         self.payloads: dict[int, Mapping[str, Any]] = {}
         self.table = Tables(settings, space, poses.team_count if self.shared else poses.rows, not self.shared)
         self.on_deposit: Callable[[Ints, Floats, Ints], None] | None = None
+        self.sent: Callable[[Floats, Ints, float], None] | None = None
 
     def __len__(self) -> int:
         """Return how many gradients of all teams are stored; some of them may have evaporated since the last look."""
@@ -129,6 +132,9 @@ class SoBuffer:
     def spread(self, messages: Floats, tags: Ints, now: float) -> None:
         """Spread messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) from rows (TAG_SOURCE) by `delivery`."""
         tags[:, c.TAG_SPACE] = self.poses.teams[tags[:, c.TAG_SOURCE]]
+        if self.sent is not None:
+            self.sent(messages, tags, now)
+            return
         if self.shared:
             self.store_tables(messages, tags, now)
             return
@@ -155,7 +161,7 @@ class SoBuffer:
             deposit_rows(now, rows, left.handle, self.poses.packed.handle, table.packed.handle)
 
         telling = Step(LEAVE, tell, rows, has_listener, (table.packed,))
-        if self.shared:
+        if self.shared and self.sent is None:
             return [telling, Step(LEAVE, make_room, rows, deposit_rows, (left, self.poses.packed, table.packed))]
         return [telling, Step(LEAVE, lambda now, leaving: self._spread_copies(leaving, message, tag, now), rows)]
 

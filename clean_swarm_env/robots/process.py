@@ -1,0 +1,352 @@
+"""One robot by itself, as a process of a laboratory runs it: sensors in, a command for the wheels out.
+
+Its mind is that of the simulation: a world of the mission in which only this robot decides. Bodies stand where it has
+sensed them or heard of them, and no physics runs. So documents, coordinators, mechanisms, deciders and observations are
+those of missions. In lock step a mission by processes has the bits of one process (tests).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from operator import itemgetter
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from clean_swarm_env.config.delivery import EVERYWHERE, DeliveryConfig
+from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.named import decider_named
+from clean_swarm_env.learning.actions import ActionConfig
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.given import GivenMission, mission_from
+from clean_swarm_env.learning.observation.config import usual_terms
+from clean_swarm_env.physics.drive import update_drives
+from clean_swarm_env.physics.motion import wrapped_angle
+from clean_swarm_env.physics.tick import start_tick
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.robots.hearing import Ear
+from clean_swarm_env.robots.items import check_cargo, handled, put_items
+from clean_swarm_env.robots.sensed import POSE_BUFFER, Broadcast, Emitted, Sensed, Wheels
+from clean_swarm_env.tasks.cleaning.task import Cleaning
+from selector.documents.errors import DocumentError
+from selforg.arrays import Floats, Ints
+from selforg.components.sources import CLOCK_TOLERANCE
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.gradient import Gradient, check_gradient
+from selforg.gradients.store import columns as c
+from selforg.program import COMMANDING, DECIDE, LEAD, MOVE, SENSE, Program, Step
+
+MOST_WAITING: Final = 1_000
+"""Broadcasts that wait for the next control period; more are not heard."""
+MOST_HEARD: Final = 20_000
+"""Gradients that a buffer holds of what was heard; more are not heard."""
+EARLY: Final = 1e-6
+"""Share of a control period by which a call may come before it."""
+
+
+class RobotProcess:
+    """One robot of a mission: call `sense` with what it senses, `hear` with what others say, and `step` at any rate.
+
+    In each control period of the mission it decides once; between these its wheels follow its newest heading. `say`
+    returns what it has to tell the others. A robot that stands by its watchdog tells no pose. In lock step `decide` and
+    `act` are the two halves of `step`, between which grippers work.
+
+    Args:
+        mission: the mission, as an environment takes it; its robots are the team.
+        number: which of them this is, from 0 on.
+        strategy: what chooses its options, as in `evaluate --strategy`.
+        start: where robots and items are at first; it counts for the places of things only.
+        seed: of the mission, from which all that is random follows.
+        timeout: age of the pose at which the wheels stop [s]; that of the robot's model unless given.
+        link_timeout: time without any broadcast of another robot after which they stop [s].
+        directories: the user's own configurations.
+        record: where what it knows is recorded, a mission with one robot that works; nowhere unless given.
+
+    Attributes:
+        mission, name, names: the mission, `robot_N`, and those of the whole team.
+        worlds: its mind.
+        ear: counts the broadcasts that were refused.
+
+    >>> robot = RobotProcess("table1", 0)
+    >>> robot.sense(Sensed(stamp=0.0, x=1.0, y=2.0, heading=0.0))
+    >>> robot.step(0.0).stopped, robot.step(5.0).stopped
+    ('', 'pose')
+
+    """
+
+    def __init__(
+        self,
+        mission: GivenMission,
+        number: int,
+        strategy: str = "MaxScore",
+        *,
+        start: StartConfiguration | None = None,
+        seed: int = 0,
+        timeout: float = 0.0,
+        link_timeout: float = np.inf,
+        directories: Sequence[Path] = (),
+        record: RecordSettings | None = None,
+    ) -> None:
+        named, whole = decider_named(strategy, directories), mission_from(mission, tuple(directories))
+        self.mission = known_alone(whole)
+        self.names = tuple(f"robot_{row}" for row in range(whole.rows))
+        if not 0 <= number < whole.rows:
+            raise DocumentError(f"robot: expected a number from 0 to {whole.rows - 1}, got {number}")
+        self.row, self.name = number, self.names[number]
+        scenario = Scenario("robot", seed, self.mission, start or random_start(self.mission, seed, 0))
+        self._batch = Batch(
+            self.mission,
+            source=lambda world: scenario,
+            observation=named.observation(usual_terms(self.mission)),
+            action=ActionConfig(mode=named.mode),
+            directories=directories,
+            record=record,
+        )
+        self.worlds = self._batch.worlds
+        self._task: Any = self.worlds.task
+        self._decided = DecidedGoal(self._batch, named.decides(None))
+        self._decider = named.build(self._decided.problem, np.zeros(whole.rows, dtype=np.int64))
+        if self._decider.is_baseline or (named.mode == "velocity" and not self._task.thinks_when_driven):
+            raise DocumentError(f"{strategy}: expected a strategy that chooses options of the robot, got another")
+        self._cleans = isinstance(self._task, Cleaning)
+        check_cargo(self.worlds.task)
+        self._start(seed, timeout, link_timeout)
+
+    def _start(self, seed: int, timeout: float, link_timeout: float) -> None:
+        """Begin the mission in a mind in which the others are only heard of."""
+        worlds, poses = self.worlds, self.worlds.minds.poses
+        self._timeout = timeout or float(self.mission.of_each("command_timeout")[self.row])
+        self._link_timeout = link_timeout
+        self.ear, self._session = Ear(self.names, self.name), int(np.random.SeedSequence().generate_state(1)[0])
+        self._sequence, self._left = 0, list[Emitted]()
+        self._buffers = {name: one for name, one in worlds.minds.buffers.items() if one.shared}
+        for name, buffer in self._buffers.items():
+            buffer.sent = partial(self._keep, name, buffer)
+        self._batch.reset()
+        self._decider.reset(worlds.rows_of(0), seed)
+        self._others = np.delete(np.arange(worlds.rows), self.row)
+        worlds.team.fail(self._others[worlds.team.working[self._others]])
+        poses.silence(self._others)
+        self._thinking, self._acting = Program(partial(worlds.steps_of, SENSE, DECIDE)), Program(self._acting_steps)
+        self._periods = round(self._batch.decision_period / self._batch.period)
+        self._waiting = list[tuple[float, int, Emitted]]()  # stamp [s], row, and what was said
+        self._heard_at = np.full((worlds.rows, 2), -np.inf)  # when the last two poses of each were heard [s]
+        self._sensed: Sensed | None = None
+        self._now = self._link = self._decided_at = 0.0  # [s]
+        self._decided_in = self._chosen_in = self._spread_in = -1  # control period, decision period, control period
+
+    def sense(self, sensed: Sensed) -> None:
+        """Believe what the robot senses; call it as often as there is something new."""
+        physics, counts, row, ground = self.worlds.physics, self.worlds.collisions, self.row, self.worlds.floor.ground
+        physics.positions[row] = ground.space.wrap(np.array([sensed.x, sensed.y]))
+        physics.headings[row] = wrapped_angle(sensed.heading)
+        counts.entered_in_tick[row] += sensed.collisions
+        near = np.reshape(sensed.near[: len(self._others)], (-1, 2))
+        physics.present[self._others] = np.arange(len(self._others)) < len(near)
+        physics.positions[self._others[: len(near)]] = ground.space.wrap(near)
+        if self._cleans:
+            put_items(self._task, row, sensed)
+        self._sensed = sensed
+
+    def tell(self, now: float) -> Broadcast:
+        """Return what the robot left and noticed in the control period before that of `now` [s]; see `say`."""
+        self._end(now)
+        left, self._left = tuple(self._left), []
+        self._sequence += 1
+        return Broadcast(self.name, self._session, self._sequence - 1, self.worlds.now, left)
+
+    def say(self, now: float) -> Broadcast:
+        """Return all that the robot tells the others at `now` [s]: its pose, too, unless that is old.
+
+        Call it once in a control period, after `sense`. In lock step call `tell` first, and let everybody hear that: it
+        decides about options by what it has heard before it says where it is.
+        """
+        self._turn(now)
+        told = self.tell(now)
+        if self._spread_in < self.worlds.world.tick:
+            return told
+        pose = Emitted(POSE_BUFFER, self.worlds.minds.poses.gradient(self.row))
+        return replace(told, emitted=(pose, *told.emitted))
+
+    def hear(self, said: Broadcast) -> bool:
+        """Take what another robot says, for the next control period; return whether it counts, see `Ear`.
+
+        What says an impossible number does not count, nor what comes while too much waits.
+        """
+        if len(self._waiting) > MOST_WAITING or not all(is_possible(one.gradient, said.stamp) for one in said.emitted):
+            self.ear.refused["impossible"] += 1
+            return False
+        if self.ear.refuses(said, self._now):
+            return False
+        row, self._link = self.names.index(said.robot), self._now
+        self._waiting += [(one.gradient.stamp, row, one) for one in said.emitted[:MOST_WAITING]]
+        return True
+
+    def step(self, now: float) -> Wheels:
+        """Return what the wheels do from `now` [s] on, a time since the mission began."""
+        self._turn(now)
+        if self._decided_in == self.worlds.world.tick:
+            return self._wheels(now, now)
+        handles = self.decide(now)
+        return self.act(now)._replace(handles=handles)
+
+    def decide(self, now: float) -> tuple[str, ...]:
+        """Decide for the control period of `now` [s]; return which of HANDLING begin."""
+        self._turn(now)
+        self._listen(poses=True)
+        self._forget()
+        self._decided_in, self._decided_at = self.worlds.world.tick, self.worlds.now
+        self.worlds.start_tick()
+        self._thinking.run(self.worlds.now)
+        return handled(self._task, self.row) if self._cleans and not self._why_stopped(now) else ()
+
+    def act(self, now: float) -> Wheels:
+        """Return what the wheels do, once it is decided and items are handled."""
+        self._acting.run(self.worlds.now)
+        return self._wheels(now, self.worlds.now)
+
+    def _end(self, now: float) -> None:
+        """End the last control period if `now` [s] is in a later one."""
+        worlds, self._now = self.worlds, now
+        behind = int(now / worlds.period + EARLY) - worlds.world.tick
+        if behind > 0:
+            entered = worlds.end_tick(behind)
+            if self._batch.recorder is not None:
+                self._batch.recorder.record()
+            self._batch.progress.note(entered)
+            entered[:] = 0
+
+    def _turn(self, now: float) -> None:
+        """End the last control period, choose options by what was heard since, and spread the own pose at `now` [s]."""
+        self._end(now)
+        worlds, tick = self.worlds, self.worlds.world.tick
+        if self._chosen_in < tick // self._periods:
+            self._chosen_in = tick // self._periods
+            self._listen(poses=False)
+            self._choose()
+        if self._spread_in < tick and not self._why_stopped(now):
+            self._spread_in = tick
+            worlds.minds.poses.update(worlds.physics.positions, worlds.physics.headings, worlds.now)
+
+    def _choose(self) -> None:
+        """Choose options for a decision period."""
+        batch = self._batch
+        batch.observer.observe(batch.observations)
+        batch.choices.apply(self.worlds, self._decided.decide(self._decider, batch.observations))
+        batch.progress.reset_period()
+
+    def _why_stopped(self, now: float) -> str:
+        """Return why the wheels have to stand at `now` [s]; empty if they need not."""
+        if self._sensed is None or now - self._sensed.stamp > self._timeout:
+            return "pose"
+        return "link" if now - self._link > self._link_timeout else ""
+
+    def _wheels(self, now: float, at: float) -> Wheels:
+        """Return what the wheels do by the last command, and the heading at `now` [s]; `at`: time of the drive [s]."""
+        floor, given, row = self.worlds.floor, self.worlds.minds.commands, self.row
+        if why := self._why_stopped(now):
+            return Wheels(0.0, 0.0, (0.0, 0.0), (), why)
+        update_drives(*given.packed.record, floor.physics.headings, at, floor.drive.packed.handle)
+        x, y = given.vectors[row].tolist() if given.commanded[row] and not given.in_place[row] else (0.0, 0.0)
+        return Wheels(float(floor.drive.speed[row]), float(floor.drive.turn_rate[row]), (x, y))
+
+    def _keep(self, name: str, buffer: SoBuffer, messages: Floats, tags: Ints, now: float) -> None:
+        """Keep what the robot spreads for the others, and for itself in the next control period, unless it is lost."""
+        if self._why_stopped(self._now):
+            return
+        for message, tag in zip(messages, tags, strict=True):
+            if tag[c.TAG_SOURCE] == self.row:
+                emitted = Emitted(name, gradient_of_message(buffer, message, tag))
+                self._waiting.append((now, self.row, emitted))
+                self._left = [*self._left[-MOST_WAITING:], emitted]
+
+    def _listen(self, poses: bool) -> None:
+        """Put what was said into buffers, and `poses` too, in the order in which it was said."""
+        waiting = sorted(self._waiting, key=itemgetter(0, 1))
+        self._waiting = [one for one in waiting if one[2].buffer == POSE_BUFFER and not poses]
+        for _, row, emitted in waiting:
+            if poses or emitted.buffer != POSE_BUFFER:
+                self._put(row, *emitted)
+
+    def _forget(self) -> None:
+        """Forget poses that were heard too long ago."""
+        remembered = self.worlds.now - self._heard_at <= self.mission.delivery.pose_memory + CLOCK_TOLERANCE
+        table, others = self.worlds.minds.poses.row_table, self._others
+        table[others, c.ROW_POSES] = np.minimum(table[others, c.ROW_POSES], remembered[others].sum(axis=1))
+
+    def _put(self, row: int, name: str, gradient: Gradient) -> None:
+        """Put a gradient that a robot spread into the poses, or a buffer that knows its channel and has room.
+
+        A pose that is as old as those that are forgotten does not count.
+        """
+        if name == POSE_BUFFER:
+            recent = self.worlds.now - gradient.stamp <= self.mission.delivery.pose_memory + CLOCK_TOLERANCE
+            if recent and self.worlds.minds.poses.set_gradient(row, gradient):
+                self._heard_at[row] = self.worlds.now, self._heard_at[row, 0]
+            return
+        buffer = self._buffers.get(name)
+        if buffer is None or gradient.channel not in buffer.channels or len(buffer) >= MOST_HEARD:
+            self.ear.refused["channel or room"] += 1
+            return
+        known = {key: value for key, value in gradient.payload.items() if key in buffer.keys}
+        own = replace(gradient, source=row, payload=known)
+        buffer.receive(own, max(gradient.stamp, self._decided_at), row=self.row)
+
+    def _acting_steps(self) -> list[Step]:
+        """Return the steps of a tick after handling, but those that move bodies or let a baseline lead."""
+        steps = self.worlds.steps_of(COMMANDING, MOVE)
+        return [step for step in steps if step.stage != LEAD and step.kernel is not start_tick]
+
+
+def known_alone(mission: MissionConfig) -> MissionConfig:
+    """Return a mission as a robot knows it that hears the others by radio: their messages arrive, nothing else comes.
+
+    Raises:
+        DocumentError: walls or zones that stop messages, which a radio does by itself.
+
+    """
+    exact = {"message_range": EVERYWHERE, "pose_noise": 0.0}
+    robots = mission.robots.model_copy(
+        update=exact
+        | {"capacity": mission.rows, "groups": tuple(one.model_copy(update=exact) for one in mission.robots.groups)}
+    )
+    heard = DeliveryConfig(pose_memory=mission.delivery.pose_memory)
+    alone = mission.model_copy(update={"robots": robots, "delivery": heard, "events": ()})
+    if alone.own_contents:
+        raise DocumentError(f"mission {mission.name}: expected walls and zones that let messages pass, got others")
+    return alone
+
+
+def is_possible(gradient: Gradient, latest: float) -> bool:
+    """Return whether all fields of a gradient in the plane are possible, and it is of `latest` [s] or before."""
+    try:
+        check_gradient(gradient, 2)
+    except ValueError:
+        return False
+    return gradient.stamp <= latest
+
+
+def gradient_of_message(buffer: SoBuffer, message: Floats, tag: Ints) -> Gradient:
+    """Return what a buffer was about to spread, message (MESSAGE_COLUMNS,) and tag (TAG_COLUMNS,), as one object."""
+    far, dim = message[c.MESSAGE_FAR :], buffer.space.dim
+    key = int(tag[c.TAG_KEY])
+    return Gradient(
+        channel=buffer.channels.name(int(tag[c.TAG_CHANNEL])),
+        position=tuple(message[c.X : c.X + dim].tolist()),
+        source=int(tag[c.TAG_SOURCE]),
+        heading=tuple(far[c.FAR_HEADING : c.FAR_HEADING + dim].tolist()),
+        attraction=int(tag[c.TAG_SIGN]),
+        diffusion=float(message[c.DIFFUSION]),
+        goal_radius=float(message[c.GOAL_RADIUS]),
+        evaporation_factor=float(far[c.FAR_FACTOR]),
+        evaporation_period=float(far[c.FAR_PERIOD]),
+        stamp=float(far[c.FAR_STAMP]),
+        moving=bool(tag[c.TAG_MOVING]),
+        payload={} if key < 0 else {buffer.keys.name(key): float(far[c.FAR_VALUE])},
+    )

@@ -1,0 +1,56 @@
+"""Missions in one process and in lock step over processes of robots, tick by tick."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.deciders.decided_goal import DecidedGoal
+from clean_swarm_env.deciders.named import decider_named
+from clean_swarm_env.learning.actions import ActionConfig
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.given import mission_from
+from clean_swarm_env.learning.observation.config import usual_terms
+from clean_swarm_env.robots.process import RobotProcess
+from examples.robots.bodies import ServedBodies
+
+
+@dataclass
+class Both:
+    """One mission, in one process and by processes of robots, which begin alike."""
+
+    mission: object
+    strategy: str
+    seed: int
+    course: list = field(default_factory=list)
+    """Poses (N, 3) after each control period in one process."""
+
+    def __post_init__(self):
+        self.mission = mission_from(self.mission)
+        self.start = random_start(self.mission, self.seed, 0)
+        named, scenario = decider_named(self.strategy), Scenario("x", self.seed, self.mission, self.start)
+        seen, action = named.observation(usual_terms(self.mission)), ActionConfig(mode=named.mode)
+        batch = Batch(self.mission, source=lambda world: scenario, begin_anew=False, observation=seen, action=action)
+        decided = DecidedGoal(batch, named.decides(None))
+        decider = named.build(decided.problem, np.zeros(batch.rows, dtype=np.int64))
+        observations = batch.reset()
+        decider.reset(batch.worlds.rows_of(0), self.seed)
+        batch.watch = lambda: self.course.append(poses_of(batch.worlds))
+        while not batch.over[0]:
+            observations = batch.step(decided.decide(decider, observations)).observations
+        self.result = batch.finished[0].result
+
+    def bodies(self):
+        return ServedBodies(self.mission, self.start, self.seed)
+
+    def robots(self, **settings):
+        numbers = range(self.mission.rows)
+        return [
+            RobotProcess(self.mission, k, self.strategy, start=self.start, seed=self.seed, **settings) for k in numbers
+        ]
+
+
+def poses_of(worlds):
+    """Return the poses (N, 3) of all robots, as a new array."""
+    return np.column_stack([worlds.physics.positions, worlds.physics.headings])

@@ -1,0 +1,188 @@
+"""A mission by processes of robots is that of one process; a robot without pose or link stands; it costs little."""
+
+import re
+import time
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.robots.process import RobotProcess
+from clean_swarm_env.robots.sensed import SeenItem, Sensed
+from examples.robots.bodies import tick_together
+from selector.documents.errors import DocumentError
+from tests.clean_swarm_env.robots.lock_step import Both, poses_of
+
+SHORT = [
+    ({"base": "table1", "time_limit": 60.0}, "MaxScore"),
+    ({"base": "exploring", "time_limit": 30.0}, "fsm:recent-finds"),
+    ({"base": "exploring", "time_limit": 30.0}, "policy:exploring-ppo"),
+    ({"base": "cleaning-patrol", "time_limit": 30.0}, "policy:one"),
+    ({"base": "bumpers", "time_limit": 40.0}, "Random"),
+    ({"base": "three-rooms", "time_limit": 30.0}, "Random"),
+    ({"task": "ReachGoal", "time_limit": 30.0}, "Random"),
+    ({"task": "Foraging", "time_limit": 30.0}, "MaxScore"),
+    ({"task": "FormationControl", "time_limit": 10.0}, "Random"),
+    ({"task": "MaxValue", "time_limit": 5.0}, "Random"),
+]
+WHOLE = [
+    ("table1", "MaxScore"),
+    ("exploring", "fsm:recent-finds"),
+    ("exploring", "policy:exploring-ppo"),
+    ("cleaning-patrol", "policy:one"),
+    ("bumpers", "Random"),
+]
+HERE = Sensed(stamp=0.0, x=2.0, y=3.0, heading=0.5)
+
+
+def same_course(mission, strategy, seed):
+    """Fail at the first tick at which robots as processes are not, bit for bit, where they are in one process."""
+    both = Both(mission, strategy, seed)
+    bodies, robots, tick = both.bodies(), both.robots(), 0
+    while bodies.running:
+        tick_together(bodies, robots)
+        np.testing.assert_array_equal(poses_of(bodies.worlds), both.course[tick], f"tick {tick}")
+        tick += 1
+    assert tick == len(both.course)
+    if bodies.worlds.task.name == "Cleaning":  # measures of others may count what robots know, which bodies do not
+        assert bodies.result == both.result
+    assert [robot.ear.refused.total() for robot in robots] == [0] * len(robots)
+
+
+@pytest.mark.parametrize(("mission", "strategy"), SHORT)
+def test_processes_in_lock_step_have_the_course_of_one_process(mission, strategy):
+    same_course(mission, strategy, seed=2)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(("mission", "strategy"), WHOLE)
+def test_whole_missions_of_processes_have_the_course_of_one_process(mission, strategy, seed):
+    same_course(mission, strategy, seed)
+
+
+def test_a_robot_without_a_pose_stands_and_one_with_a_pose_drives():
+    robot = RobotProcess("table1", 0)
+    assert robot.step(0.0).stopped == "pose"
+    robot.sense(HERE)
+    assert [robot.step(0.2 * tick).stopped for tick in range(5)] == [""] * 5
+    assert robot.step(1.0) == robot.step(1.0)
+    assert robot.step(1.0).speed + abs(robot.step(1.0).turn_rate) > 0.0
+
+
+def test_the_wheels_stop_at_the_timeout_of_the_pose_and_go_on_with_a_new_one():
+    robot = RobotProcess("table1", 1, timeout=0.5)
+    robot.sense(HERE)
+    assert not robot.step(0.4).stopped
+    stopped = robot.step(0.6)
+    assert (stopped.speed, stopped.turn_rate, stopped.vector, stopped.stopped) == (0.0, 0.0, (0.0, 0.0), "pose")
+    assert not robot.say(0.8).emitted  # a robot that does not know where it is tells no pose
+    robot.sense(Sensed(stamp=1.0, x=2.0, y=3.0, heading=0.5))
+    assert not robot.step(1.0).stopped
+
+
+def test_the_wheels_stop_without_a_link_if_there_has_to_be_one():
+    robot, other = (RobotProcess("table1", number, link_timeout=1.0) for number in range(2))
+    for now in (0.0, 0.6, 1.2, 1.8):
+        robot.sense(Sensed(stamp=now, x=2.0, y=3.0, heading=0.5))
+        other.sense(Sensed(stamp=now, x=6.0, y=3.0, heading=0.5))
+        assert robot.hear(other.say(now))
+        assert not robot.step(now).stopped
+    robot.sense(Sensed(stamp=3.0, x=2.0, y=3.0, heading=0.5))
+    assert robot.step(3.0).stopped == "link"
+
+
+def test_between_control_periods_the_wheels_follow_the_newest_heading():
+    robot = RobotProcess("table1", 0)
+    robot.sense(HERE)
+    first = [robot.step(0.2 * tick) for tick in range(5)][-1]
+    robot.sense(Sensed(stamp=0.9, x=2.0, y=3.0, heading=-2.0))
+    assert robot.step(0.9).turn_rate != first.turn_rate
+
+
+def test_a_pose_is_forgotten_a_second_after_it_was_heard():
+    robot, other = RobotProcess("table1", 0), RobotProcess("table1", 1)
+    known = []
+    for tick in range(12):
+        now = 0.2 * tick
+        robot.sense(Sensed(stamp=now, x=2.0, y=3.0, heading=0.0))
+        other.sense(Sensed(stamp=now, x=3.0, y=3.0, heading=0.0))
+        if tick <= 2:
+            robot.hear(other.say(now))
+        robot.step(now)
+        known.append(bool(robot.worlds.minds.poses.known[1]))
+    assert known == [True] * 8 + [False] * 4  # the last one is heard at 0.4 s, and is gone at 1.6 s
+
+
+def test_a_robot_picks_what_it_is_at_and_believes_its_gripper():
+    robot = RobotProcess("table1", 0)
+    item = {3: SeenItem(2.05, 3.0)}
+    begun = []
+    for tick in range(10):
+        robot.sense(Sensed(stamp=0.2 * tick, x=2.0, y=3.0, heading=0.0, items=item))
+        begun += robot.step(0.2 * tick).handles
+    assert begun == ["PickGarbage"]
+    ways = []
+    for tick in range(10, 20):
+        robot.sense(Sensed(stamp=0.2 * tick, x=2.0, y=3.0, heading=0.0, cargo=(3,)))
+        ways.append(robot.step(0.2 * tick).vector)
+    to_recycling = np.array([0.75, 2.5])
+    np.testing.assert_allclose(ways[-1], to_recycling / np.hypot(*to_recycling), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"number": 5}, r"^robot: expected a number from 0 to 4, got 5$"),
+        ({"mission": "scouts"}, r"^robot: expected robots that carry items, got some that only find them"),
+        ({"mission": "transport"}, r"^robot: expected options that do not ask for its cargo \(Transport\)"),
+        ({"mission": "silent-zone"}, r"^mission silent-zone: expected walls and zones that let messages pass"),
+        ({"mission": "ReachGoal", "strategy": "baseline"}, r"^baseline: expected a strategy that chooses options"),
+    ],
+)
+def test_what_a_robot_cannot_do_by_itself_is_one_line(wrong, says):
+    with pytest.raises(DocumentError, match=says):
+        RobotProcess(**{"mission": "table1", "number": 0, **wrong})
+
+
+def test_sensors_that_are_broken_are_one_line():
+    with pytest.raises(DocumentError, match=r"^sensed: expected finite numbers, got .*nan"):
+        Sensed(stamp=0.0, x=float("nan"), y=0.0, heading=0.0)
+    with pytest.raises(DocumentError, match=r"^sensed: items: expected numbers below 10, got \[10\]$"):
+        RobotProcess("table1", 0).sense(Sensed(0.0, 1.0, 1.0, 0.0, items={10: SeenItem(1.0, 1.0)}))
+
+
+@pytest.mark.parametrize(
+    ("example", "prints"),
+    [
+        ("lab_robot", r"The robots drove 1\d\d\.\d m within 60 s\.\n"),
+        ("one_row", r"The robot went from \[0, 0\] to \[-0\.8 -0\.4\], away from the other at \[1, 0\.5\]\.\n"),
+    ],
+)
+def test_examples_of_robots_drive_in_forty_lines(example, prints, capsys):
+    module = import_module(f"examples.robots.{example}")
+    assert len(Path(module.__file__).read_text(encoding="utf-8").splitlines()) <= 40
+    module.main()
+    assert re.fullmatch(prints, capsys.readouterr().out)
+
+
+@pytest.mark.long
+def test_a_robot_at_50_hz_takes_at_most_two_per_cent_of_a_core():
+    robots = [RobotProcess("table1", number) for number in range(5)]
+    spent = 0.0
+    for call in range(50 * 60):
+        now = call / 50.0
+        for number, robot in enumerate(robots):
+            before = time.process_time()
+            robot.sense(Sensed(stamp=now, x=1.0 + 2.0 * number + 0.01 * np.sin(now), y=5.0, heading=0.5))
+            if call % 10 == 0:
+                said = robot.say(now)
+            robot.step(now)
+            spent += (time.process_time() - before) * (number == 0)
+            if call % 10 == 0:
+                for other in robots:
+                    before = time.process_time()
+                    other.hear(said)
+                    spent += (time.process_time() - before) * (other is robots[0])
+    assert spent < 0.02 * 60.0
