@@ -36,6 +36,7 @@ from selforg.arrays import Flags
 from train.learning.config import TrainingConfig
 from train.learning.ppo.training import PpoTraining
 from train.learning.training import TrainingJob
+from train.request import Request
 from train.running.run_folder import RunFolder
 
 REQUIRED = 20e6  # robot decisions for each CPU-hour
@@ -118,7 +119,7 @@ def training(
     ppo = {"steps": STEPS, "minibatch": MINIBATCH, "epochs": EPOCHS, "hidden": [64, 64], "running": running}
     about = {"name": name, "description": name, "tasks": [{"family": family, "worlds": WORLDS}], "decisions": 1}
     whole = TrainingConfig.model_validate({**about, "checkpoints": 1, "ppo": ppo, **config})
-    own = kind(TrainingJob(whole, 1, RunFolder(Path(name), {"identity": {}}, resume=False)))
+    own = kind(TrainingJob(whole, Request(name, seed=1), RunFolder(Path(name), {"identity": {}}, resume=False)))
     own.curriculum.set_scenarios(0)
 
     def learn() -> float:

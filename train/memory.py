@@ -1,7 +1,6 @@
 """The knowledge store of a command: what a run begins with, and what it gives back."""
 
 import os
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -86,14 +85,12 @@ class Memory:
         """Return the expert knowledge with the present rewards of the store."""
         return self._expert.with_learned(self._store.contents().scores(self._expert, self.context))
 
-    def give(self, rewards: Iterable[tuple[str, str, float]]) -> None:
-        """Add `rewards` to the store, as goal, option and reward [-], all of them at once."""
-        sums: dict[str, RewardSums] = {}
-        for goal, option, reward in rewards:
-            names = [one.name for one in self._expert.options(goal)]
-            known = sums.setdefault(goal, RewardSums(goal, names))
-            known.record(np.array([names.index(option)]), np.array([reward]))
-        self.give_sums(*sums.values())
+    def give(self, goal: str, option: str, reward: float) -> None:
+        """Add a reward [-] of an option to the store."""
+        names = [one.name for one in self._expert.options(goal)]
+        sums = RewardSums(goal, names)
+        sums.record(np.array([names.index(option)]), np.array([reward]))
+        self.give_sums(sums)
 
     def give_sums(self, *sums: RewardSums) -> None:
         """Add sums of rewards to the store, all of them at once."""

@@ -60,11 +60,6 @@ class Request:
     """The command as it was typed: for people, who read it in the manifest. Nothing obeys it."""
 
     @property
-    def compares(self) -> bool:
-        """Whether strategies are compared, on a family even if an experiment has its name."""
-        return bool(self.strategies or self.knowledge or self.worlds > 1)
-
-    @property
     def engine(self) -> Engine:
         """What does the missions: processes of this machine, or workers at the place that it names."""
         place = self.machine.place

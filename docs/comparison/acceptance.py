@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.deciders.named import FIXED
+from docs.comparison.claims import interval_cell
 from docs.comparison.manifest import BEST, Manifest
 from docs.comparison.missions import Judged
 from docs.comparison.tables import FamilyFigures
@@ -30,7 +31,7 @@ from docs.comparison.write_choosing import asked_missions, inputs_of, put_tables
 from docs.figures.stored import ROOT
 from selforg.arrays import Floats
 from train.analysis.flips import ALPHA, TAIL, Flips
-from train.reports.text_table import EMPTY_CELL, interval_cell, markdown_table
+from train.reports.text_table import EMPTY_CELL, markdown_table
 
 OWN = Path(__file__).resolve().with_name("protocol.yaml")
 COMMAND = "python -m docs.comparison.acceptance"

@@ -79,3 +79,8 @@ def too_few(scenarios: int, tests: int) -> tuple[str, ...]:
     """
     line = f"{scenarios} scenario{'s' * (scenarios != 1)}: no statement; {fewest(tests)} or more are needed"
     return (line,) if scenarios < fewest(tests) else ()
+
+
+def interval_cell(ci95: tuple[float, float] | None, digits: int = 3) -> str:
+    """Return a 95 % interval; empty if there is none."""
+    return "" if ci95 is None else "[{}, {}]".format(*(f"{x:.{digits}f}" if x < 1e5 else f"{x:.1g}" for x in ci95))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clean_swarm_env.deciders.named import FIXED
-from docs.comparison.claims import claims_of
+from docs.comparison.claims import claims_of, interval_cell
 from docs.comparison.manifest import BEST, OFF, TOLD, Manifest
 from docs.comparison.missions import Judged
 from selforg.arrays import Floats
@@ -19,7 +19,7 @@ from train.analysis.flips import ALPHA
 from train.analysis.intervals import Interval, Ratio, heavy_tailed
 from train.analysis.strategy_comparison import BestFixed
 from train.analysis.verdict import RANDOM
-from train.reports.text_table import EMPTY_CELL, interval_cell, markdown_table
+from train.reports.text_table import EMPTY_CELL, markdown_table
 
 RESAMPLES = 10_000
 """B, of the intervals of shares of the way."""

@@ -224,7 +224,7 @@ def _check_planner(mission: MissionConfig) -> None:
 def asked_of(request: Request) -> tuple[ExperimentConfig | FamilyConfig, Starts]:
     """Return what a request compares on: the experiment of its name unless it compares strategies, else the family."""
     directories = request.directories
-    if request.compares or Path(request.name).is_dir():
+    if request.strategies or request.knowledge or request.worlds > 1 or Path(request.name).is_dir():
         return load_family(request.name, directories).with_knowledge(request.knowledge, directories), Starts()
     found = load_experiment(request.name, directories)
     if isinstance(found, FamilyConfig):

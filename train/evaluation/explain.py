@@ -34,7 +34,6 @@ STILL: Final = 0.1
 """Distance within which a robot stays where it is, as in `mind.js` of the replay page [m]."""
 SHORTEST_STAY: Final = 1.0
 """What is shorter is no stay [s]."""
-Inside = Coordinated | Nested
 
 
 def explained(
@@ -148,7 +147,7 @@ def as_json(names: dict[str, Any], step: RobotStep, before: dict[str, Any]) -> s
 def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, Any]) -> RenderableType:
     """Return the explanation for a terminal of 80 columns or more."""
     explanation, situation = step.network, names | step.as_mapping()
-    inside: tuple[Inside, ...] = (*step.coordinators, *step.networks)
+    inside: tuple[Coordinated | Nested, ...] = (*step.coordinators, *step.networks)
     run = "{experiment}, seed {seed}, {condition}, scenario {scenario}".format(**situation)
     options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
     title = f"{run}\nrobot {situation['robot']} at {situation['time_s']:g} s (step {situation['step']}); {options}"

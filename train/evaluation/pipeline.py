@@ -139,7 +139,7 @@ def _lessons(
                 if held:
                     held -= 1
                 else:
-                    memory.give([(goal, option, score)])
+                    memory.give(goal, option, score)
             given.add((scenario, option))
             decider.update(chosen, np.array([score]), NO_CONTEXT)
 

@@ -42,7 +42,7 @@ class BanditTraining(Training):
         self.settings, self._joined = settings, Joined(self.curriculum.batches)
         self._columns = columns_of(whole, settings.context, "context")
         self._watched = columns_of(whole, settings.credit.until, "until")
-        expert = expert_knowledge(self.curriculum.batches[0].mission, self.job.directories)
+        expert = expert_knowledge(self.curriculum.batches[0].mission, self.job.request.directories)
         known = expert.with_learned(learned_from(self.job.folder.learned, "manifest: learned"))
         self.problem = Problem.of(known, whole.goal, settings.context)
         keys = row_keys(np.random.SeedSequence(0), self._joined.rows)  # others for each checkpoint
@@ -58,7 +58,7 @@ class BanditTraining(Training):
     def _learn(self) -> dict[str, Any]:
         """Let the strategy decide until the next checkpoint, and learn of each decision whose rewards are complete."""
         settings, period = self.settings.credit, self.curriculum.batches[0].mission.decision_period
-        seeds, rows = np.random.SeedSequence([self.job.seed, self.checkpoint, 2]), self._joined.rows
+        seeds, rows = np.random.SeedSequence([self.job.request.seed, self.checkpoint, 2]), self._joined.rows
         self.strategy.reseed(np.arange(rows), row_keys(seeds, rows))
         self.curriculum.set_scenarios(self.checkpoint)
         seen = self._joined.reset()

@@ -32,6 +32,9 @@ from train.learning.training import Checkpoint, Training, judged
 from train.running.runs import RunKey, RunRecord
 from train.running.trials import TrialSettings, each_trial
 
+TASKS_ELSEWHERE = 16
+"""Tasks that missions of members are cut into if workers elsewhere do them."""
+
 
 @dataclass(frozen=True)
 class MemberRun(RunRecord):
@@ -132,7 +135,7 @@ class MembersTraining(Training, Generic[Learned]):
 
     def _learn(self) -> dict[str, Any]:
         series = self.curriculum.scenarios(self.checkpoint)
-        random = np.random.default_rng([self.job.seed, self.checkpoint, 5])
+        random = np.random.default_rng([self.job.request.seed, self.checkpoint, 5])
 
         def draw(count: int) -> list[Scenario]:
             drawn = [list(islice(following, count)) for following in series]
@@ -155,7 +158,8 @@ class MembersTraining(Training, Generic[Learned]):
         Return their excess costs (N, M) [s], and number, sum and sum of squares (3, F) of all observations.
         """
         missions = [(place, *pair) for place, pair in enumerate(product(scenarios, members))]
-        count, parts = len(missions), self.job.parts
+        count, machine = len(missions), self.job.request.machine
+        parts = TASKS_ELSEWHERE if machine.place else machine.workers
         tasks = [MemberTask(tuple(missions[first::parts]), self._settings) for first in range(min(parts, count))]
         costs, seen = np.zeros(count), np.zeros((count, 3, len(self.problem.features)))
         for run in self.job.done(tasks):

@@ -16,38 +16,31 @@ from train.running.runs import RunKey
 
 
 @dataclass(frozen=True)
-class TrainedSeed:
-    """A training that is done."""
-
-    seed: int
-
-    @property
-    def key(self) -> RunKey:
-        """Its seed, in place of a scenario; the condition is the same for all."""
-        return str(self.seed), ""
-
-
-@dataclass(frozen=True)
 class SeedTask:
     """A training with one seed, which goes on where another process has ended; see `Work`."""
 
     request: Request
 
     @property
+    def key(self) -> RunKey:
+        """Its seed, in place of a scenario; the condition is the same for all."""
+        return str(self.request.seed), ""
+
+    @property
     def keys(self) -> tuple[RunKey, ...]:
         """That of the one seed."""
-        return (TrainedSeed(self.request.seed).key,)
+        return (self.key,)
 
     def without(self, done: Collection[RunKey]) -> Self:
         """Return the task: what it lacks is in its folder."""
         return self
 
-    def each(self) -> Iterator[TrainedSeed]:
-        """Do the training."""
+    def each(self) -> Iterator[Self]:
+        """Do the training, and yield the task when it is done."""
         from train.learning.ppo.training import PpoTraining  # imports torch
 
         run_training("ppo", self.request, PpoTraining, Console(quiet=True))
-        yield TrainedSeed(self.request.seed)
+        yield self
 
 
 def trained(request: Request, folders: Mapping[int, Path]) -> Iterator[int]:
@@ -69,4 +62,4 @@ def trained(request: Request, folders: Mapping[int, Path]) -> Iterator[int]:
     ]
     with request.engine.rounds() as done:
         for one in done(tasks):
-            yield one.seed
+            yield one.request.seed

@@ -25,9 +25,6 @@ from train.running.engine import WorkerLost
 from train.running.needs import check_needs
 from train.running.run_folder import LEARNED_BEFORE, versions
 
-TASKS_ELSEWHERE = 16
-"""Tasks that missions of members are cut into if workers elsewhere do them."""
-
 
 def run_training(
     learner: str,
@@ -73,19 +70,7 @@ def run_training(
             counted, total = TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions
             bar = progress("decisions", total, log=folder.path, counted=counted, quiet=console.quiet)
             with bar as update, request.engine.rounds() as done:
-                parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
-                job = TrainingJob(
-                    config,
-                    request.seed,
-                    folder,
-                    update=update,
-                    directories=request.directories,
-                    memory=memory,
-                    parts=parts,
-                    done=done,
-                    threads=request.machine.threads,
-                )
-                training = made(job)
+                training = made(TrainingJob(config, request, folder, update, memory, done))
                 update(completed=training.decisions, begun=training.decisions)
                 while not training.finished:
                     training.advance()

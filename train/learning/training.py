@@ -43,6 +43,7 @@ from train.learning.yardstick import (
     validation_in,
 )
 from train.memory import Memory
+from train.request import Request
 from train.running.engine import Round, in_turn
 from train.running.run_folder import RunFolder
 from train.running.trials import TrialSettings
@@ -107,22 +108,16 @@ class TrainingJob:
     """The work of a training, and its directory."""
 
     config: TrainingConfig
-    seed: int
-    """Seed of everything random."""
+    request: Request
+    """What was asked for; the training is the same on any machine."""
     folder: RunFolder
     """Directory of the training, which continues from the checkpoint there."""
     update: Callable[..., None] = lambda **_: None
     """Shows what is done; see `progress`."""
-    directories: tuple[Path, ...] = ()
-    """The user's own directories of configurations, searched before the shipped one."""
     memory: Memory | None = None
     """The knowledge store, which gets the rewards if the training learns for it."""
-    parts: int = 1
-    """Tasks that missions of members are cut into; the training is the same with any number."""
     done: Round = in_turn
     """Does tasks."""
-    threads: int = 1
-    """Threads that step the worlds; the training is the same with any number."""
 
 
 def expert_knowledge(mission: MissionConfig, directories: Sequence[Path]) -> Knowledge:
@@ -153,7 +148,8 @@ class Training(ABC):
 
     def __init__(self, job: TrainingJob) -> None:
         self.job, self.config = job, job.config
-        self.curriculum = Curriculum(job.config, job.seed, job.directories, job.threads)
+        request = job.request
+        self.curriculum = Curriculum(job.config, request.seed, request.directories, request.machine.threads)
         first, *others = self.curriculum.batches
         self.goal = DecidedGoal(first, self.decides)
         for batch in others if self.alike else ():
@@ -163,7 +159,7 @@ class Training(ABC):
         self.trials = TrialSettings(
             self.decides or self.goal.problem.goal,
             observation=job.config.observation,
-            directories=job.directories,
+            directories=request.directories,
         )
         self.decisions, self.history = 0, list[dict[str, Any]]()
         self.validation = validation_in(job.folder.path)
@@ -219,7 +215,7 @@ class Training(ABC):
         if not isinstance(self.config.reward, str):
             configuration["reward"] = first.rewards.weights
         figures = min(self.history, key=lambda entry: entry["score"] or np.inf, default={})
-        return {"command": command, "seed": self.job.seed, "configuration": configuration, "figures": figures}
+        return {"command": command, "seed": self.job.request.seed, "configuration": configuration, "figures": figures}
 
     @abstractmethod
     def export(self, command: str) -> Path:
@@ -274,7 +270,7 @@ class Training(ABC):
     def _keep_validation(self, learned: Excesses) -> None:
         """Write what the best checkpoint loses on validation beside the best fixed options."""
         start = self.config.ppo.start.values() if self.config.ppo is not None else ()
-        settings, known = TrialSettings(self.trials.goal, directories=self.job.directories), self.validation
+        settings, known = TrialSettings(self.trials.goal, directories=self.job.request.directories), self.validation
         held, yardstick = (
             (known.held, known.yardstick)
             if known is not None

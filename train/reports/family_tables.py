@@ -14,7 +14,7 @@ from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, StrategyComparison
 from train.analysis.verdict import RANDOM, Ranking, amount, interval_words, ratio_words
 from train.reports.ranking_table import first_columns, measures_grids, ranking_table
-from train.reports.text_table import EMPTY_CELL, Grid, interval_cell
+from train.reports.text_table import EMPTY_CELL, Grid
 
 MEANS = {"duration_s": "duration s", "events": "events", "contact_s": "contact s", "items": "items"}
 """Figure of a task with prices -> head of its column."""
@@ -79,7 +79,7 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
     if comparison.gap is None:
         notes.append(f"no {ORACLE}: it needs --world-seeds 2 or more")
     else:
-        gap = f"{comparison.gap.value:.1f} s {interval_cell(comparison.gap.ci95, 1)}"
+        gap = f"{comparison.gap.value:.1f} s{interval_words(comparison.gap.ci95, '{:.1f}'.format)}"
         chose = f"gap {gap}; the {ORACLE} chose on other world seeds"
         notes.append(chose if comparison.has_gap else f"no gap: {gap} to the {ORACLE}")
     title += f", and the {ORACLE}, the best fixed option of each scenario" if comparison.has_gap else ""

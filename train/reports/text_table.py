@@ -50,11 +50,6 @@ class Grid:
     notes: tuple[str, ...] = ()
 
 
-def interval_cell(ci95: tuple[float, float] | None, digits: int = 3) -> str:
-    """Return a 95 % interval; empty if there is none."""
-    return "" if ci95 is None else "[{}, {}]".format(*(f"{x:.{digits}f}" if x < 1e5 else f"{x:.1g}" for x in ci95))
-
-
 def markdown(grid: Grid) -> str:
     """Return a grid as a Markdown table, with all columns but the first aligned to the right."""
     table = markdown_table([head.replace("\n", " ") for head in grid.heads], [*grid.rows, *grid.summary])

@@ -85,7 +85,7 @@ class TrialTask:
     def each(self) -> Iterator[RunRecord]:
         """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
         before = time.perf_counter()
-        for place, result in each_trial(self.scenarios, self.decider, replace(self.settings, record=self.recording)):
+        for place, result in each_trial(self.scenarios, self.decider, self.settings):
             before, began = time.perf_counter(), before
             yield self.finished(self.scenarios[place], result, before - began)
 
@@ -110,7 +110,7 @@ class TrialTask:
         """What the member decides on, sees and gives."""
         named = self.named
         seen, action = named.observation(usual_terms(self.first.mission)), ActionConfig(mode=named.mode)
-        return TrialSettings(named.decides(self.goal), TASK_SCENARIOS, seen, self.directories, self.record, action)
+        return TrialSettings(named.decides(self.goal), TASK_SCENARIOS, seen, self.directories, self.recording, action)
 
     @property
     def recording(self) -> RecordSettings | None:
@@ -131,7 +131,7 @@ class TrialTask:
             directories=self.directories,
             observation=own.observation,
             action=own.action,
-            record=self.recording,
+            record=own.record,
             **settings,
         )
         decided = DecidedGoal(batch, own.goal)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.stats import rankdata
 
-from docs.comparison.claims import Claim, claims_of
+from docs.comparison.claims import Claim, claims_of, interval_cell
 from docs.comparison.manifest import BEST
 from docs.comparison.prior.manifest import Place, PriorManifest
 from docs.comparison.prior.missions import Done
@@ -16,7 +16,7 @@ from selforg.arrays import Floats
 from train.analysis.flips import ALPHA, Flips, holm
 from train.analysis.intervals import Estimate, heavy_tailed
 from train.analysis.strategy_comparison import BestFixed
-from train.reports.text_table import interval_cell, markdown_table
+from train.reports.text_table import markdown_table
 
 EVERY_SIZE = "all sizes"
 

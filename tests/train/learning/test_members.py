@@ -70,7 +70,7 @@ def test_a_training_comes_to_the_same_bits_in_pieces_and_with_any_number_of_work
     whole.export("command")
     made(job(config, tmp_path / "cut")).advance()
     with Processes(workers).rounds() as done:
-        cut = made(job(config, tmp_path / "cut", resume=True, parts=workers, done=done))
+        cut = made(job(config, tmp_path / "cut", resume=True, workers=workers, done=done))
         assert cut.checkpoint == 1
         while not cut.finished:
             cut.advance()

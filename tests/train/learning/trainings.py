@@ -1,10 +1,10 @@
 """Trainings of some seconds."""
 
-from dataclasses import replace
-
 import yaml
 
 from train.learning.training import TrainingJob
+from train.request import Request
+from train.running.needs import Machine
 from train.running.run_folder import RunFolder
 
 COMMON = {
@@ -47,9 +47,10 @@ def written(directory, kind, **changes):
     return path
 
 
-def job(config, directory, *, resume=False, **more):
+def job(config, directory, *, resume=False, workers=1, **more):
     """A training of seed 1 in a new directory, or one to go on with."""
-    return replace(TrainingJob(config, 1, RunFolder(directory, {"identity": {}}, resume=resume)), **more)
+    request = Request(config.name, seed=1, machine=Machine(workers))
+    return TrainingJob(config, request, RunFolder(directory, {"identity": {}}, resume=resume), **more)
 
 
 def unvalidated(monkeypatch):

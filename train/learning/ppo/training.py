@@ -66,7 +66,7 @@ class PpoTraining(Training):
         torch.set_num_threads(1)
         assert self.config.ppo is not None
         self.settings = settings = self.config.ppo
-        self.robots = RobotVecEnv(batches=self.curriculum.batches, threads=self.job.threads)
+        self.robots = RobotVecEnv(batches=self.curriculum.batches, threads=self.job.request.machine.threads)
         self.normal = VecNormalize(self.seen_by_critic(), gamma=settings.discount)
         self._seen = self.normal.obs_rms = MomentsOfRobots(self._working, self.normal.observation_space.shape or ())
         self._paid = self.normal.ret_rms = MomentsOfRobots(lambda: self.model.rollout_buffer.deciding)
@@ -121,7 +121,7 @@ class PpoTraining(Training):
 
     def _learn(self) -> dict[str, Any]:
         model, config = self.model, self.config
-        set_random_seed(_derived(self.job.seed, self.checkpoint))
+        set_random_seed(_derived(self.job.request.seed, self.checkpoint))
         done = self.checkpoint / config.checkpoints
         rate = self.settings.learning_rate * (1.0 - (1.0 - LAST_RATE) * done)
         model.learning_rate, model.lr_schedule = rate, lambda _: rate
@@ -165,7 +165,7 @@ class PpoTraining(Training):
             if wanted not in outputs:
                 raise DocumentError(f"ppo: start: {unknown('option', wanted[1], [name for _, name in outputs])}")
         start = {outputs.index(wanted): settings.lead for wanted in settings.start.items()}
-        set_random_seed(_derived(self.job.seed, -1))  # the argument of PPO would also seed the worlds
+        set_random_seed(_derived(self.job.request.seed, -1))  # the argument of PPO would also seed the worlds
         return RobotPPO(
             RobotPolicy,
             self.envs,
