@@ -74,7 +74,7 @@ def test_help_is_quick_because_heavy_libraries_wait():
 
 OF_EXTRAS = (
     *("unified_planning", "onnxruntime", "cv2", "dask"),
-    *("pygame", "torch", "stable_baselines3"),
+    *("pygame", "torch", "stable_baselines3", "rosbags"),
 )
 """What `pip install .` does not bring."""
 MAIN_JOBS = (

@@ -123,8 +123,7 @@ class RobotProcess:
         worlds, poses = self.worlds, self.worlds.minds.poses
         self._timeout = timeout or float(self.mission.of_each("command_timeout")[self.row])
         self._link_timeout = link_timeout
-        self.ear, self._session = Ear(self.names, self.name), int(np.random.SeedSequence().generate_state(1)[0])
-        self._sequence, self._left = 0, list[Emitted]()
+        self.ear, self._sequence, self._left = Ear(self.names, self.name), -1, list[Emitted]()
         self._buffers = {name: one for name, one in worlds.minds.buffers.items() if one.shared}
         for name, buffer in self._buffers.items():
             buffer.sent = partial(self._keep, name, buffer)
@@ -159,7 +158,7 @@ class RobotProcess:
         self._end(now)
         left, self._left = tuple(self._left), []
         self._sequence += 1
-        return Broadcast(self.name, self._session, self._sequence - 1, self.worlds.now, left)
+        return Broadcast(self.name, self._sequence, self.worlds.now, left)
 
     def say(self, now: float) -> Broadcast:
         """Return all that the robot tells the others at `now` [s]: its pose, too, unless that is old.

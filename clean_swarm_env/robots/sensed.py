@@ -92,10 +92,8 @@ class Broadcast:
 
     robot: str
     """Who says it."""
-    session: int
-    """A random number, drawn when the robot began."""
     sequence: int
-    """Counts the broadcasts of a session, from 0 on."""
+    """Counts its broadcasts since it began, from 0 on."""
     stamp: float
     """When it was said [s] since the mission began."""
     emitted: tuple[Emitted, ...] = ()

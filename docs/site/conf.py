@@ -16,7 +16,7 @@ myst_enable_extensions = ["attrs_block"]
 myst_heading_anchors = 4  # links to headings, as GitHub makes them
 
 # API
-autodoc_mock_imports = ["stable_baselines3", "torch"]  # the site needs no extra but its own
+autodoc_mock_imports = ["stable_baselines3", "torch", "rosbags"]  # the site needs no extra but its own
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 napoleon_use_ivar = True  # attributes of classes are listed in their docstrings
