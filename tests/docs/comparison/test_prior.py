@@ -8,7 +8,6 @@ from docs.comparison.prior import missions, write
 from docs.comparison.prior.manifest import PriorManifest
 from docs.comparison.prior.missions import do_missions, read_missions
 from docs.comparison.prior.tables import PriorTables
-from docs.figures.stored import ROOT, parts
 from examples.conflicts import AtMeetings, ByShares, EffortLadder
 from selector.documents.reading import read_mapping
 from selector.strategies.problem import Problem
@@ -92,8 +91,7 @@ def test_missions_are_done_once_and_roles_hold_what_was_learned(tmp_path, monkey
     do_missions(manifest, file)  # nothing is missing
 
 
-def test_the_page_says_what_the_kept_missions_say():
+def test_the_tables_say_what_the_kept_missions_say():
     manifest = PriorManifest(**read_mapping(write.OWN))
     tables = PriorTables(manifest, read_missions(write.OWN.with_suffix(".jsonl"))).tables()
-    page = (ROOT / "docs" / "compared.md").read_text(encoding="utf-8")
-    assert {name: parts(page, name)[1] for name in tables} == tables
+    assert write.TABLES.read_text(encoding="utf-8") == write.as_text(tables)
