@@ -1,4 +1,4 @@
-"""Draws loops of some tasks and missions: `python -m docs.figures.draw_loops [NAME ...]`, twelve unless named.
+"""Draws loops of tasks and missions: `python -m docs.figures.draw_loops [NAME ...]`, all unless named.
 
 Writes `docs/pictures/loops/NAME.webp`, of less than 300 kB: a picture each second of a mission of seed 1, in which
 each robot holds the first option of its goals. Takes some minutes.
@@ -11,9 +11,11 @@ import numpy as np
 from PIL import Image
 
 from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.config.task_names import task_names
 
 FOLDER = Path(__file__).parents[1] / "pictures" / "loops"
-TASKS = ("CircleFormation", "CollectiveExploration", "Foraging", "ReachGoal", "UniformDistribution")
+STILL = {"Cleaning", "FindBarycenter", "MaxValue"}
+"""Tasks without a loop: missions show the first, and robots of the others only talk."""
 MISSIONS = ("table1", "bumpers", "exploring", "scouts", "silent-zone", "three-rooms", "transport")
 SEED, SIDE, MOST = 1, 320, 80
 """Seed of the mission, longer side of the pictures [pixels], most pictures."""
@@ -44,7 +46,7 @@ def draw_loop(name: str) -> Path:
 
 def main() -> None:
     """Draw those that are named, or all."""
-    for name in sys.argv[1:] or (*TASKS, *MISSIONS):
+    for name in sys.argv[1:] or (*sorted({*task_names()} - STILL), *MISSIONS):
         path = draw_loop(name)
         print(path, path.stat().st_size)
 

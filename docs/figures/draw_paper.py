@@ -1,7 +1,7 @@
-"""Draws figures 1, 2 and 6 of the paper anew: `python -m docs.figures.draw_paper [DIR]` (default docs/pictures).
+"""Draws figures 2 and 6 of the paper anew: `python -m docs.figures.draw_paper [DIR]` (default docs/pictures).
 
-The paper's own pictures are not at hand: these are made from its text and from this code. Fig. 1 comes from the table
-of patterns, Fig. 6 is what `clean-swarm look draw cleaning` draws.
+The paper's own pictures are not at hand: these are made from its text and from this code. Fig. 6 is what
+`clean-swarm look draw cleaning` draws.
 """
 
 import sys
@@ -22,7 +22,6 @@ from docs.figures.blocks import (
     draw_block,
     draw_frame,
 )
-from docs.figures.draw_patterns import draw_patterns
 from selector.configurations.library import Library
 from selector.coordination.model import coordinator_models
 from selector.coordination.robot_document import coordinated_goals
@@ -78,7 +77,6 @@ def main() -> None:
     """Draw and save all figures."""
     directory = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "pictures"
     figures = {
-        "paper_1_patterns": draw_patterns,
         "paper_2_architecture": draw_architecture,
         "paper_6_network": draw_network,
     }

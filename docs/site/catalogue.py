@@ -2,10 +2,8 @@
 
 import json
 from collections.abc import Callable, Iterator
-from io import BytesIO
 from pathlib import Path
 
-from docs.figures.draw_goals import cut_out, tasks_to_run
 from docs.site.measured import anchor, rows_about
 from docs.site.spaces import started, worlds
 from docs.site.stage import ORPHAN, ROOT, Stage
@@ -95,12 +93,6 @@ def by_world(stage: Stage, kind: str, name: str, line: str) -> Iterator[str]:
     picture = picture_of(kind, name)
     if picture is not None and picture.exists():
         yield stage.linked(f"![{name}: {cell(line)}]({picture.as_posix()})", ROOT / "x.md", f"names/{kind}/{name}.md")
-    elif kind == "tasks" and name in tasks_to_run():
-        panel = BytesIO()
-        cut_out(name).save(panel, "png")
-        stage.write(f"names/tasks/{name}.png", panel.getvalue())
-        yield f"![{name}: tracks of the robots in one run, and where they end]({name}.png)"
-        yield "Tracks of one run, and where the robots end. Green attracts, red repels; the black bar is 1 m."
     yield from started(kind, name)
     yield from worlds(kind, name)
 
