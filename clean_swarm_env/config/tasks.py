@@ -187,31 +187,29 @@ def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
 
     Settings of a task are merged with those of the same task only; groups of robots replace what all robots were.
     """
-    merged = dict(base)
-    for key, value in changes.items():
-        below = merged.get(key)
-        if key == "task":
-            merged[key] = _changed_task(below, value)
-        elif key == "robots":
-            merged[key] = _changed_robots(below, value)
-        elif isinstance(below, Mapping) and isinstance(value, Mapping):
-            merged[key] = with_changes(below, value)
-        else:
-            merged[key] = value
-    return merged
+    return {**base, **{key: MERGED.get(key, _merged)(base.get(key), value) for key, value in changes.items()}}
 
 
-def _changed_robots(below: object, changes: object) -> object:
+def _merged(below: object, changes: object) -> object:
+    if isinstance(below, Mapping) and isinstance(changes, Mapping):
+        return with_changes(below, changes)
+    return changes
+
+
+def _merged_robots(below: object, changes: object) -> object:
     before = {"groups": below} if isinstance(below, list | tuple) else below
-    if not (isinstance(before, Mapping) and isinstance(changes, Mapping)):
-        return changes
-    replaced = RobotModel.model_fields.keys() if "groups" in changes else ()
-    return with_changes({key: value for key, value in before.items() if key not in replaced}, changes)
+    if isinstance(before, Mapping) and isinstance(changes, Mapping) and "groups" in changes:
+        before = {key: value for key, value in before.items() if key not in RobotModel.model_fields}
+    return _merged(before, changes)
 
 
-def _changed_task(below: object, changes: object) -> object:
+def _merged_task(below: object, changes: object) -> object:
     before, after = ({"name": given} if isinstance(given, str) else given for given in (below, changes))
     if not (isinstance(before, Mapping) and isinstance(after, Mapping)):
         return changes
     own = before.get("name", CLEANING)
     return with_changes(before, after) if after.get("name", own) == own else after
+
+
+MERGED = {"robots": _merged_robots, "task": _merged_task}
+"""Key of a mission -> how its values are merged, where not as those of others."""
