@@ -7,6 +7,7 @@ import heavy libraries inside their functions, so that help is quick.
 
 import os
 import sys
+from argparse import ArgumentParser
 from collections.abc import Iterator
 from contextlib import contextmanager
 from errno import ENAMETOOLONG
@@ -112,12 +113,14 @@ def run_app() -> None:
     except FileNotFoundError:
         print_error("the working directory is gone: change to another one")
         sys.exit(BAD_INPUT)
-    words, plugins = _imports(sys.argv[1:])  # these options may stand anywhere
-    words = sorted(words, key=lambda word: word != TRUST)
+    anywhere = ArgumentParser(add_help=False, allow_abbrev=False)
+    anywhere.add_argument(TRUST, action="store_true")
+    anywhere.add_argument(IMPORT_PLUGIN, dest="plugins", action="append", nargs="?", const="", default=[])
+    options, words = anywhere.parse_known_args()
     try:
         given = [*words, *(value for name, value in os.environ.items() if name.startswith("CLEAN_SWARM_"))]
-        with permitting(permission_of(given, trusted=words[:1] == [TRUST])):
-            import_named(plugins)
+        with permitting(permission_of(given, trusted=options.trust)):
+            import_named(options.plugins)
             app(words)
     except (ConfigurationError, PluginError) as error:
         print_error(str(error))
@@ -130,19 +133,6 @@ def run_app() -> None:
             raise
         print_error(f"{error.filename or 'the disk'}: cannot be written ({error.strerror}); earlier results stay")
         sys.exit(FAILED)
-
-
-def _imports(words: list[str]) -> tuple[list[str], list[str]]:
-    """Return the words of a command without `--import PLUGIN`, and the plug-ins."""
-    rest, plugins, following = [], [], False
-    for word in words:
-        option, equals, plugin = word.partition("=")
-        if following or (option == IMPORT_PLUGIN and equals):
-            plugins.append(word if following else plugin)
-        elif word != IMPORT_PLUGIN:
-            rest.append(word)
-        following = word == IMPORT_PLUGIN and not following
-    return rest, [*plugins, ""] if following else plugins  # no word is none that can be imported
 
 
 def _version(wanted: bool) -> None:
