@@ -23,6 +23,7 @@ durations:  ## CPU and wall seconds of each test file of the gate into tests/dur
 	$(BIN)python -m tests.rings.durations
 
 docs:  ## the site, build/site/html/index.html, from docs/ and the code; warnings are errors, no network is needed
+	$(BIN)python -m docs.site.replays build/site/replays
 	NUMBA_DISABLE_JIT=1 $(BIN)python -W ignore::RuntimeWarning -m docs.site.build
 
 golden:  ## numbers of the original implementation, as the tests compare them: which agree, and what is set aside

@@ -21,7 +21,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.world.mission import MissionRun
 from docs.figures.draw_replay import chromium, opened
-from docs.figures.draw_replay import record as record_pair
+from docs.site.replays import record as record_pair
 from train.evaluation.comparing import Comparing
 from train.replay.page_file import write_page
 from train.request import Request

@@ -1,8 +1,7 @@
 """Draws the replay page in Chromium: `python -m docs.figures.draw_replay [DIR]` (default docs).
 
-Writes the picture of two runs side by side, `pictures/replay.png`; the animation of one, `pictures/mission.webp`; its
-page, `replay.html`; pages of missions with walls, zones and different robots, `replays/NAME.html`; the picture of a
-mission that is played, `pictures/play.png`; and that of a report, `pictures/report.png`. Needs Chromium
+Writes the picture of two runs side by side, `pictures/replay.png`; the animation of one, `pictures/mission.webp`; the
+picture of a mission that is played, `pictures/play.png`; and that of a report, `pictures/report.png`. Needs Chromium
 (`apt-get install chromium`) and Playwright (`pip install playwright`).
 """
 
@@ -11,7 +10,6 @@ import sys
 from base64 import b64decode
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,9 +18,8 @@ from threading import Thread
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from clean_swarm_env.config.load import load_family
-from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
+from docs.site.replays import record
 from train.cli.options import wide_console
 from train.evaluation.comparing import Comparing
 from train.evaluation.pipeline import evaluate
@@ -35,13 +32,10 @@ from train.report_page.page import report_of_results
 from train.reports.results import results_in
 from train.request import Request
 from train.running.run_folder import RECORDINGS
-from train.running.trial_task import TrialTask
 
 DOCS = Path(__file__).parents[1]
 FAMILY, GOAL = "crowded-exploring", "ExplorationPatrol"
 CONDITIONS = ("fixed:Patrol", "policy:exploring-ppo")
-GRADIENT = "fixed:RepulsionGradient-view1.5"
-MISSIONS = {"scouts": "fixed:ORCA", "silent-zone": GRADIENT, "three-rooms": GRADIENT}
 MOMENT = "#t=64&robot=7&run=1"
 SIZE = (1500, 900)
 FAST, PLAYED = 10.0, 10.4
@@ -55,14 +49,6 @@ STEP = 4
 """Control periods from picture to picture of the animation."""
 SHOWN = 100
 """Time that a picture is shown [ms]: eight times as fast as the mission."""
-
-
-def record(folder: Path, family: str, condition: str, goal: str = "") -> RecordedMission:
-    """Record the first test scenario of a family or mission under a condition."""
-    scenario, name = load_family(family).scenario(0, 0, "test"), f"{family}, {condition.partition(':')[0]}"
-    task = TrialTask(family, 0, (scenario,), condition, condition, goal)
-    replace(task, record=RecordSettings(folder, minds=True, name=name)).run()
-    return RecordedMission(folder / f"{name}.swarm")
 
 
 def opened(browser: Browser, path: Path, link: str = "") -> Page:
@@ -128,16 +114,12 @@ def write_report(folder: Path) -> Path:
 
 
 def main(folder: Path) -> None:
-    """Write picture, animation and page."""
+    """Write pictures and animation."""
     with TemporaryDirectory() as place, chromium() as browser:
-        for mission, condition in MISSIONS.items():
-            page = folder / "replays" / f"{mission}.html"
-            page.parent.mkdir(exist_ok=True)
-            write_page([record(Path(place), mission, condition)], page)
         recordings = [record(Path(place), FAMILY, condition, GOAL) for condition in CONDITIONS]
-        both = Path(place) / "both.html"
+        both, one = Path(place) / "both.html", Path(place) / "one.html"
         write_page(recordings, both)
-        write_page(recordings[1:], folder / "replay.html")
+        write_page(recordings[1:], one)
         save(opened(browser, both, MOMENT), folder / "pictures" / "replay.png")
         with played(browser, Path(place) / "play.swarm", FAST) as live:
             live.wait_for_function(f"() => replay.page.run.frames * replay.page.period > {PLAYED}")
@@ -146,7 +128,7 @@ def main(folder: Path) -> None:
         report = browser.new_page(viewport={"width": REPORT[0], "height": REPORT[1]})
         report.goto(write_report(Path(place) / "results").as_uri())
         save(report, folder / "pictures" / "report.png")
-        first, *others = pictures(opened(browser, folder / "replay.html"), recordings[1].frames)
+        first, *others = pictures(opened(browser, one), recordings[1].frames)
         animation = folder / "pictures" / "mission.webp"
         first.save(animation, save_all=True, append_images=others, duration=SHOWN, loop=0, quality=40, method=4)
 

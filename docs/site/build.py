@@ -1,4 +1,4 @@
-"""Builds the site: `python -m docs.site.build`, which `make docs` runs. Writes build/site/html; needs the extra `docs`.
+"""Builds the site: `make docs` runs it behind `docs.site.replays`. Writes build/site/html; needs the extra `docs`.
 
 The pages are the Markdown pages of the repository, and those that `catalogue` and `api` make of what the code knows.
 A warning is an error. Nothing is asked of the network.
@@ -13,7 +13,7 @@ from pathlib import Path
 from docs.site.api import API, write_api
 from docs.site.catalogue import CATALOGUE, write_catalogue
 from docs.site.keys import page as page_of_keys
-from docs.site.stage import ROOT, SHOWN, Stage, site_path
+from docs.site.stage import REPLAYS, ROOT, Stage, site_path
 
 BUILD = ROOT / "build" / "site"
 GROUPS = {
@@ -120,11 +120,7 @@ def main() -> int:
     settings = str(ROOT / "docs" / "site")
     words = ["-q", "-W", "--keep-going", "-j", "2", "-b", "html", "-d", str(BUILD / "doctrees"), "-c", settings]
     code = sphinx([*words, str(stage.folder), str(html)])
-    for path in stage.kept:
-        if path.suffix in SHOWN:  # pages of their own, which Sphinx would offer to save
-            place = html / path.relative_to(stage.folder)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(path, place)
+    shutil.copytree(BUILD / REPLAYS.name, html / REPLAYS.name, dirs_exist_ok=True)  # Sphinx would offer to save them
     wrong = faults(html) if code == 0 else []
     for line in wrong:
         print(line, file=sys.stderr)

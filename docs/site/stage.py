@@ -14,8 +14,8 @@ LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 FENCED = re.compile(r"(?ms)(^ *```.*?^ *```$)")
 ORPHAN = "---\norphan: true\n---\n\n"
 """Head of a page that is in no menu; other pages link to it."""
-SHOWN = {".html"}
-"""Endings of files that a browser shows; it saves others."""
+REPLAYS = ROOT / "docs" / "replays"
+"""Where pages lead that `docs.site.replays` makes; they are no files of the repository."""
 
 
 class Stage:
@@ -59,6 +59,9 @@ class Stage:
         if "://" in target or (not file and here == site_path(page)):
             return found[0]
         place = Path(os.path.normpath(page.parent / file)) if file else page
+        if place.parent == REPLAYS:
+            way = os.path.relpath(site_path(place), PurePosixPath(here).parent)
+            return f'<a href="{way}">{text}</a>'
         if not place.exists():
             raise SystemExit(f"{page}: expected a link to a file or a folder that exists, got {target}")
         if place.is_dir():
@@ -66,8 +69,6 @@ class Stage:
         elif place.suffix != ".md":
             self.write(site_path(place), place.read_bytes())
         way = os.path.relpath(site_path(place), PurePosixPath(here).parent)
-        if place.suffix in SHOWN:
-            return f'<a href="{way}">{text}</a>'
         return f"{picture}[{text}]({way}{mark}{anchor})"
 
     def _list(self, folder: Path) -> Path:

@@ -7,6 +7,8 @@ import pytest
 
 from docs.figures import update_architecture
 from docs.site import keys
+from docs.site.replays import MISSIONS
+from docs.site.stage import REPLAYS
 from tests.paths import ROOT
 
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs", "benchmarks", "tests", "docs", "examples")
@@ -50,6 +52,8 @@ def test_links_lead_somewhere(page):
         if "://" in target:
             continue
         place = (page.parent / file) if file else page
+        if place.parent == REPLAYS and place.stem in MISSIONS:  # the site has them
+            continue
         if not place.exists() or (anchor and anchor not in anchors(place)):
             wrong.append(target)
     assert wrong == []
