@@ -6,18 +6,20 @@ What changes from tick to tick are the lists of rows, which steps write for late
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import SCRATCH, Ints
+from selforg.arrays import SCRATCH, Floats, Ints
 from selforg.compiler.records import Packed
-from selforg.compiler.steps import STEP_COLUMNS, run_steps, words_of_step
+from selforg.compiler.steps import STEP_COLUMNS, repeat_steps, words_of_step
 from selforg.compiler.switches import BY_ADDRESS
 
 (
+    COMING,
+    STARTING,
     BEGINNING,
     SENSE,
     DECIDE,
@@ -31,8 +33,14 @@ from selforg.compiler.switches import BY_ADDRESS
     LEAD,
     FOLLOW,
     MOVE,
-) = range(13)
+    AFTER_MOVING,
+    TELLING,
+    COUNTING,
+    FINISHING,
+) = range(19)
 """Stages of a tick in their order; what they are for is in ARCHITECTURE.md."""
+STOP: Final = "stop"
+"""What the last step of a program returns, in Python, to have it not repeated any more."""
 
 
 class Rows(NamedTuple):
@@ -80,7 +88,6 @@ class Program:
 
     Args:
         made: returns the steps; called before the first run.
-        without: stages that are left out.
 
     Example:
         >>> network = BehaviourNetwork(model, rows=1)
@@ -90,44 +97,70 @@ class Program:
 
     """
 
-    __slots__ = ("_made", "_steps", "_table", "_without")
+    __slots__ = ("_made", "_now", "_steps", "_table")
 
-    def __init__(self, made: Callable[[], Sequence[Step]], without: Container[int] = ()) -> None:
-        self._made, self._without = made, without
+    def __init__(self, made: Callable[[], Sequence[Step]]) -> None:
+        self._made = made
         self._steps: tuple[Step, ...] = ()
         self._table: Ints = np.zeros((0, STEP_COLUMNS), dtype=np.int64)
+        self._now: Floats = np.zeros(1)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Program, (self._made, self._without)
+        return Program, (self._made,)
 
     @property
     def steps(self) -> tuple[Step, ...]:
         """The steps in their order."""
         if not self._steps:
-            chosen = (step for step in self._made() if step.stage not in self._without)
-            self._steps = tuple(sorted(chosen, key=attrgetter("stage")))
+            self._steps = tuple(sorted(self._made(), key=attrgetter("stage")))
             if BY_ADDRESS:
-                words = [words_of_step(one.kernel, one.rows, one.records, one.always) for one in self._steps]
+                words = [words_of_step(one.kernel, one.rows, one.records, one.always, one.stage) for one in self._steps]
                 self._table = np.array(words, dtype=np.int64)
         return self._steps
 
-    def run(self, now: float) -> None:
-        """Run all steps at `now` [s]."""
-        at, steps = 0, self._steps or self.steps
-        while at < len(steps):
-            at, result = run_steps(now, at, self._table) if BY_ADDRESS else self._run_plainly(now, at)
-            if at < len(steps):
-                step = steps[at]
-                step.python(now, step.rows.now, *(() if step.kernel is None else (result,)))
-                at += 1
+    def run(self, now: float, without: int = 0) -> None:
+        """Run all steps at `now` [s], but those of the stages in `without`; see `bits_of`."""
+        self.repeat(ONCE, now, 1, without)
 
-    def _run_plainly(self, now: float, begin: int) -> tuple[int, int]:
-        """Do as `run_steps` does, where nothing is called by address."""
-        for at, step in enumerate(self._steps[begin:], begin):
-            rows = step.rows.now
-            if not (len(rows) or step.always):
-                continue
-            result = step.kernel(now, rows, *(packed.handle for packed in step.records)) if step.kernel else 0
-            if result or not step.kernel:
-                return at, result
-        return len(self._steps), 0
+    def repeat(self, ticks: Ints, length: float, times: int, without: int = 0) -> None:
+        """Run all steps several times, each at `ticks` (1,) times `length` [s], where some step counts `ticks` on.
+
+        A step in Python that returns STOP ends that.
+        """
+        at, now, steps = 0, self._now, self._steps or self.steps
+        while times > 0:
+            if BY_ADDRESS:
+                at, result, times = repeat_steps(ticks, length, now, at, times, without, self._table)
+            else:
+                at, result, times = self._repeat_plainly(ticks, length, at, times, without)
+            if at == len(steps):
+                return
+            step = steps[at]
+            if step.python(float(now[0]), step.rows.now, *(() if step.kernel is None else (result,))) is STOP:
+                return
+            at += 1
+
+    def _repeat_plainly(self, ticks: Ints, length: float, at: int, times: int, without: int) -> tuple[int, int, int]:
+        """Do as `repeat_steps` does, where nothing is called by address."""
+        while times > 0:
+            if at == 0:
+                self._now[0] = ticks[0] * length
+            for place, step in enumerate(self._steps[at:], at):
+                rows = step.rows.now
+                if 1 << step.stage & without or not (len(rows) or step.always):
+                    continue
+                handles = (packed.handle for packed in step.records)
+                result = step.kernel(float(self._now[0]), rows, *handles) if step.kernel else 0
+                if result or not step.kernel:
+                    return place, result, times
+            at, times = 0, times - 1
+        return len(self._steps), 0, 0
+
+
+ONCE: Ints = np.ones(1, dtype=np.int64)
+"""Ticks of a program that runs once."""
+
+
+def bits_of(stages: Iterable[int]) -> int:
+    """Return the number with the bits of some stages."""
+    return sum(1 << stage for stage in stages)

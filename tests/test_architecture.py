@@ -48,7 +48,7 @@ def test_numba_is_imported_behind_its_border_alone_and_selforg_needs_nothing_els
     assert others <= {"selforg", "numpy", "numba", "llvmlite"} | sys.stdlib_module_names
 
 
-NAMED = re.compile(r"^(?:\| ?\d* ?\| (`\w+`) \| `([^`]+)` \||\d+\. `([^`]+)`: (.*(?:\n   .*)*))", re.MULTILINE)
+NAMED = re.compile(r"^(?:\| ?\w* ?\| (`\w+`) \| `([^`]+)` \||\d+\. `([^`]+)`: (.*(?:\n   .*)*))", re.MULTILINE)
 
 
 def test_what_the_tick_table_and_the_walks_name_is_defined_in_the_file_beside_it():

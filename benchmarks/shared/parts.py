@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.world.worlds import Worlds
+from selforg.arrays import Ints
 from selforg.compiler.steps import run_steps
-from selforg.program import LEAD, Program, Step
+from selforg.program import Program, Step
 
 PARTS = ("physics", "buffer", "mechanisms", "network", "selector", "sensors and cargo")
 ROUNDS = 41
@@ -66,13 +67,14 @@ class WatchedProgram(Program):
 
     __slots__ = ("seconds",)
 
-    def run(self, now: float) -> None:
-        """Run all steps at `now` [s]."""
+    def repeat(self, ticks: Ints, length: float, times: int, without: int = 0) -> None:
+        """Run all steps once."""
+        now = float(ticks[0] * length)
         for at, step in enumerate(self.steps):
             alone, begin = self._table[: at + 1], perf_counter()
-            run_steps(now, at + 1, alone)
+            run_steps(now, at + 1, without, alone)
             between = perf_counter()
-            reached, result = run_steps(now, at, alone)
+            reached, result = run_steps(now, at, without, alone)
             if reached == at:
                 step.python(now, step.rows.now, *(() if step.kernel is None else (result,)))
             self.seconds[part_of(step)] += perf_counter() - between - (between - begin)
@@ -84,7 +86,7 @@ def parts_of_a_tick(worlds: Worlds, ticks: int) -> dict[str, float]:
     Wall time, because reading the CPU clock costs more than some parts. Rounds are short and the lower quartile counts,
     so that rounds in which another process had the core drop out. The watch stays on the worlds and slows them.
     """
-    program = worlds._thinking = WatchedProgram(worlds._steps, (LEAD,))
+    program = worlds.program = WatchedProgram(worlds.steps)
     rounds = []
     for _ in range(ROUNDS):
         program.seconds = dict.fromkeys(PARTS, 0.0)

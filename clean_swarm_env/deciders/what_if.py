@@ -117,7 +117,7 @@ class WhatIf:
         per = round(copy.decision_period / copy.period)
         begun = int(copy.worlds.ticks[0])
         for _ in range(min(-begun % per, left)):  # up to the end of the period
-            copy.progress.note(copy.worlds.tick())
+            copy.tick()
             left -= 1
             yield
             if copy.progress.outcome[0] != RUNNING:

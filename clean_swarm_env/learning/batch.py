@@ -43,6 +43,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats, Ints
 from selforg.declared import make_arrays
+from selforg.program import COUNTING, STOP, Program, Rows, Step
 from selforg.registry import unknown
 
 
@@ -71,6 +72,7 @@ class Batch(ManyWorlds):
         worked: (R,) bool, whether it did at the end of the last mission that ended.
         open_team: whether a team may have more robots later than at its start.
         recorder: records the missions; None unless asked for.
+        program: the steps of a tick that is counted.
         watch: called after each `reset`, and after each control period of `step`; None unless set.
         series: the episodes that follow from seeds.
         progress: what happened in the last period.
@@ -128,7 +130,7 @@ class Batch(ManyWorlds):
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         always = np.stack([coordinator.always for coordinator in self.worlds.coordinators], axis=1)
         self.choices = LearnerActions(models, self.action, always, self.worlds.task.phases or ("any",))
-        self._ticks_per_step = round(self.decision_period / self.period)
+        self._ticks_per_step, self.program = round(self.decision_period / self.period), Program(self._steps)
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
         self.open_team = episodes.fewest < self.robots
@@ -247,9 +249,12 @@ class Batch(ManyWorlds):
 
     def step(self, actions: NDArray[Any]) -> BatchStep:
         """Run one decision period."""
-        for _ in self.ticks(actions):
-            if self.watch is not None:
-                self.watch()
+        self._start_period(actions)
+        if self.watch is None:
+            self.worlds.run(self.program, self._ticks_per_step)
+            return self.end_period()
+        for _ in self._each_tick():
+            self.watch()
         return self.end_period()
 
     def masks(self) -> Flags:
@@ -264,23 +269,34 @@ class Batch(ManyWorlds):
         In a world whose mission ends the period ends early. `actions` are options (R, C), or (R,) for one goal, whole
         numbers; vectors (R, 2), see `LearnerActions`; or both (R, C + 2), the options first.
         """
+        self._start_period(actions)
+        yield from self._each_tick()
+
+    def tick(self) -> None:
+        """Run one control period, and count it."""
+        self.worlds.run(self.program, 1)
+
+    def _start_period(self, actions: NDArray[Any]) -> None:
         if not self._begun:
             raise RuntimeError("step: call reset first")
         self.choices.apply(self.worlds, actions)
         self.finished = ()
-        progress = self.progress
-        progress.reset_period()
+        self.progress.reset_period()
         self.rewards.start_period()
+
+    def _each_tick(self) -> Iterator[Worlds]:
         for _ in range(self._ticks_per_step):
-            entered = self.worlds.tick()
-            if self.recorder is not None:
-                self.recorder.record()
-            ended = progress.note(entered)
-            if ended:
-                self._keep_ends()
+            self.tick()
             yield self.worlds
-            if ended and progress.outcome.all():  # no world runs
+            if len(self.progress.ended) and self.over.all():  # no world runs
                 break
+
+    def _steps(self) -> list[Step]:
+        """Return the steps of a tick, with those that record and count it."""
+        steps, recorder = self.worlds.steps(), self.recorder
+        if recorder is not None:
+            steps.append(Step(COUNTING, lambda now, _: recorder.record(), Rows.of(np.arange(1))))
+        return [*steps, *self.progress.steps(), self.progress.ending(self._keep_ends)]
 
     def end_period(self) -> BatchStep:
         """Begin the next missions, and return the results of the period."""
@@ -301,8 +317,8 @@ class Batch(ManyWorlds):
             self.observations[over] = self._final[over]
         return BatchStep(self.observations, self._gained, terminated, truncated, self._final)
 
-    def _keep_ends(self) -> None:
-        """Keep the figures and the last observations of the missions that ended with the last tick."""
+    def _keep_ends(self) -> str:
+        """Keep figures and last observations of missions that ended with the last tick; return STOP if none goes on."""
         ended, worlds = self.progress.ended, self.worlds
         self.observer.observe(self._final, ended)
         if self._state is not None:
@@ -314,3 +330,4 @@ class Batch(ManyWorlds):
             assert scenario is not None
             totals = {name: int(counts[world]) for name, counts in worlds.task.totals().items()}
             self.finished += (Finished(world, scenario, self.steps(world), result_of(worlds, world), events, totals),)
+        return STOP if self.over.all() else ""

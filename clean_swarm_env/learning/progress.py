@@ -1,23 +1,28 @@
 """Counts of the events in a decision period, and its cost, tick by tick; the time since each robot achieved something.
 
-What robots achieve, and what a tick costs, their task says: see `Counts`.
+What robots achieve, and what a tick costs, their task says: see `MissionCounts`.
 
 Shapes: W worlds, N robots a world, R = W * N rows, A achievements of the task, E = A + 3 kinds of events.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from clean_swarm_env.config.types import AVOIDANCE
+from clean_swarm_env.physics.clock import Ticks, open_ticks
+from clean_swarm_env.physics.collisions import Counts, open_counts
 from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
-from selforg.compiler.decorators import long_kernel
-from selforg.compiler.records import Packed, Recording, Written
+from selforg.compiler.decorators import lean_kernel, long_kernel
+from selforg.compiler.records import Handle, Packed, Recording, Written
 from selforg.declared import arrays_of
+from selforg.network.state import EXECUTING, RowStates, open_states
+from selforg.program import COUNTING, FINISHING, Rows, Step
 
 EVENTS = ("collision", "contact", "avoiding")
 """The last rows of `Period.events`, behind the achievements of the task: collision events in which the robot took part,
@@ -45,7 +50,6 @@ class Followed(NamedTuple):
     """Arrays of the worlds from which events are counted, and counts that go on from period to period."""
 
     working: Annotated[Flags, "R", READ]  # robots at work
-    in_contact: Annotated[Flags, "R", READ]  # another robot is closer than the collision distance
     limits: Annotated[Ints, "W", READ]  # ticks after which each mission is over
     elapsed: Annotated[Ints, "W", KEPT]  # ticks since the mission began, up to its end
     idle: Annotated[Ints, "R", KEPT]  # ticks since the robot last achieved something, or since the mission began
@@ -55,6 +59,11 @@ class Followed(NamedTuple):
     collided: Annotated[Floats, "R", KEPT]  # the robot's collision events, which fade
     stopped: Annotated[Floats, "R", KEPT]  # ticks for which they stopped it, which fade alike
     fading: float  # factor by which both shrink in a tick
+    done: Annotated[Flags, "W", SCRATCH]  # worlds whose task is done
+    number: Annotated[Ints, "1", SCRATCH]  # number of worlds in `ended`
+    avoiding: int  # behaviour of the network that avoids others, -1 for none
+    coordinated: Annotated[Ints, "C", READ]  # behaviours that are coordinators
+    acted: Annotated[Flags, "R C", SCRATCH]  # whether each of these ran in the period
 
 
 PERIOD_RECORD = Recording(Period)
@@ -62,7 +71,7 @@ FOLLOWED_RECORD = Recording(Followed)
 open_period, open_followed = PERIOD_RECORD.open, FOLLOWED_RECORD.open
 
 
-class Counts:
+class MissionCounts:
     """Counts what robots achieve, by `Task.achieved`, and how `Task.cost` grows where the task is priced.
 
     A task may have a class of its own in this place, `Task.Counts`, which writes into the records.
@@ -79,9 +88,18 @@ class Counts:
         if self._worlds.task.priced:
             self._cost[world] = self._worlds.task.cost(world, self._worlds.task.result())
 
-    def count(self, entered: Ints) -> None:
-        """Add the last tick, whose collision events are `entered` (R,), in worlds where it counts."""
-        task, period, (idle, counts) = self._worlds.task, self._period.record, self._followed.record[4:6]
+    def finishing(self) -> Step:
+        """Return the step that notes which worlds are done, before a tick is counted."""
+        done, task = self._followed.record.done, self._worlds.task
+        return Step(COUNTING, lambda now, _: np.copyto(done, task.done()), Rows.of(self._worlds.world.every_row))
+
+    def counting(self) -> Step:
+        """Return the step that adds what a tick brought in worlds where it counts."""
+        return Step(COUNTING, lambda now, _: self._count(), Rows.of(self._worlds.world.every_row))
+
+    def _count(self) -> None:
+        task, period, followed = self._worlds.task, self._period.record, self._followed.record
+        idle, counts = followed.idle, followed.counts
         achieved = task.achieved()
         for number, achievement in enumerate(task.achievements):
             times = np.where(counts[self._worlds.world.of_row], achieved[achievement.name], 0)
@@ -109,34 +127,29 @@ class MissionProgress:
 
     """
 
-    acted: Annotated[Flags, "R C", SCRATCH]
-    ended: Annotated[Ints, "K", SCRATCH]
-
     def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds
-        self._avoiding = avoidance_column(worlds)
         count, rows, achievements = worlds.worlds, worlds.rows, len(worlds.task.achievements)
-        self._coordinated = [coordinator.index for coordinator in worlds.coordinators]
-        self.acted = np.zeros((rows, len(self._coordinated)), dtype=np.bool_)
-        sizes = {"E": achievements + len(EVENTS), "A": achievements, "R": rows, "W": count}
+        coordinated = np.array([coordinator.index for coordinator in worlds.coordinators], dtype=np.int64)
+        sizes = {"E": achievements + len(EVENTS), "A": achievements, "R": rows, "W": count, "C": len(coordinated)}
         self.period = PERIOD_RECORD.pack(Period(**arrays_of(Period, **sizes)))
         self.events, self.team, self.ticks, self.outcome, self.took_part = self.period.record[:5]
         self.cost, self.price, self.bumps = self.period.record[5:]
-        self.ended = np.zeros(0, dtype=np.int64)
         self._followed = FOLLOWED_RECORD.pack(
             Followed(
                 working=worlds.team.working,
-                in_contact=worlds.collisions.in_contact,
                 limits=worlds.world.limits,
                 standing=worlds.task.standing,
                 fading=max(1.0 - worlds.period / MEMORY, 0.0),
+                avoiding=avoidance_column(worlds),
+                coordinated=coordinated,
                 **arrays_of(Followed, **sizes),
             )
         )
         followed = self._followed.record
-        self.elapsed, self.idle = followed.elapsed, followed.idle
+        self.elapsed, self.idle, self.acted = followed.elapsed, followed.idle, followed.acted
         self.collided, self.stopped = followed.collided, followed.stopped
-        self._counts = (worlds.task.Counts or Counts)(worlds, self.period, self._followed)
+        self._counts = (worlds.task.Counts or MissionCounts)(worlds, self.period, self._followed)
 
     def reset(self, world: int) -> None:
         """Begin the counts of a world that has just been reset."""
@@ -157,18 +170,23 @@ class MissionProgress:
         self.acted.fill(False)
         np.copyto(self.took_part, self._worlds.team.working)
 
-    def note(self, entered: Ints) -> bool:
-        """Count the last tick, whose collision events are `entered` (R,); return whether missions ended.
+    @property
+    def ended(self) -> Ints:
+        """The worlds (K,) whose missions ended with the last tick."""
+        record = self._followed.record
+        return record.ended[: record.number[0]].copy()
 
-        A mission that ended counts no more until its world is reset.
-        """
-        worlds, executing = self._worlds, self._worlds.network.executing
-        self.acted |= executing[:, self._coordinated] != 0
-        avoids = executing[:, self._avoiding] if self._avoiding >= 0 else np.zeros_like(entered)
-        count = count_tick(self.period.handle, self._followed.handle, entered, avoids, worlds.done, worlds.ticks)
-        self._counts.count(entered)
-        self.ended = self._followed.record.ended[:count].copy()
-        return count > 0
+    def steps(self) -> list[Step]:
+        """Return the steps that count a tick. A mission that ended counts no more until its world is reset."""
+        worlds, counts = self._worlds, self._counts
+        records = worlds.clock.packed, worlds.collisions.packed, worlds.network.packed, self.period, self._followed
+        ticking = Step(COUNTING, count_tick, Rows.of(worlds.world.every_row), count_tick, records)
+        return [counts.finishing(), ticking, counts.counting()]
+
+    def ending(self, then: Callable[[], object]) -> Step:
+        """Return the step that calls a function after a tick with which missions ended."""
+        rows, records = Rows.of(self._worlds.world.every_row), (self._followed,)
+        return Step(FINISHING, lambda now, _, number: then(), rows, have_ended, records)
 
 
 def avoidance_column(worlds: Worlds) -> int:
@@ -178,16 +196,25 @@ def avoidance_column(worlds: Worlds) -> int:
 
 @long_kernel
 def count_tick(
-    period: Written[Period], followed: Written[Followed], entered: Ints, avoids: Ints, done: Flags, ticks: Ints
+    now: float,
+    rows: Ints,
+    clock: Handle[Ticks],
+    counts: Handle[Counts],
+    network: Handle[RowStates],
+    period: Written[Period],
+    followed: Written[Followed],
 ) -> int:
-    """Add one tick to the period of the worlds that run; list those that end and return their number.
+    """Add one tick to the period of the worlds that run, and list those that end; a step, see `selforg.program`.
 
-    entered, avoids (R,): collision events of the robot, and whether it avoids others. done, ticks (W,): whether the
-    task is done, and ticks since the reset. What robots achieved and what the tick cost `Counts` adds afterwards.
+    What robots achieved and what the tick cost `MissionCounts` adds afterwards.
     """
-    p, f = open_period(period), open_followed(followed)
-    ended, robots, collisions = 0, entered.shape[0] // ticks.shape[0], p.events.shape[0] - 3
-    for world in range(ticks.shape[0]):
+    p, f, t, k = open_period(period), open_followed(followed), open_ticks(clock), open_counts(counts)
+    marks, collisions = open_states(network).marks, p.events.shape[0] - 3
+    robots, f.number[0] = rows.shape[0] // t.begun.shape[0], 0
+    for row in rows:
+        for goal in range(f.coordinated.shape[0]):
+            f.acted[row, goal] |= marks[row, EXECUTING, f.coordinated[goal]] != 0
+    for world in range(t.begun.shape[0]):
         f.counts[world] = p.outcome[world] == RUNNING
         if not f.counts[world]:
             continue
@@ -195,14 +222,21 @@ def count_tick(
         for row in range(world * robots, (world + 1) * robots):
             p.took_part[row] |= f.working[row]
             f.idle[row] += 1
-            p.events[collisions, row] += entered[row]
-            p.events[collisions + 1, row] += f.in_contact[row]
-            p.events[collisions + 2, row] += avoids[row]
-            f.collided[row] = f.fading * f.collided[row] + entered[row]
+            p.events[collisions, row] += k.entered_in_tick[row]
+            p.events[collisions + 1, row] += k.in_contact[row]
+            if f.avoiding >= 0:
+                p.events[collisions + 2, row] += marks[row, EXECUTING, f.avoiding]
+            f.collided[row] = f.fading * f.collided[row] + k.entered_in_tick[row]
             f.stopped[row] = f.fading * f.stopped[row] + (f.standing[row] > 1)
-        f.elapsed[world] = ticks[world]
-        p.outcome[world] = mission_state(done[world], ticks[world], f.limits[world])
+        f.elapsed[world] = t.ticks[0] - t.begun[world]
+        p.outcome[world] = mission_state(f.done[world], f.elapsed[world], f.limits[world])
         if p.outcome[world] != RUNNING:
-            f.ended[ended] = world
-            ended += 1
-    return ended
+            f.ended[f.number[0]] = world
+            f.number[0] += 1
+    return 0
+
+
+@lean_kernel
+def have_ended(now: float, rows: Ints, followed: Handle[Followed]) -> int:
+    """Return how many missions have ended with the last tick; a step, see `selforg.program`."""
+    return int(open_followed(followed).number[0])

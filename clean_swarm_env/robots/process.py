@@ -40,7 +40,7 @@ from selforg.components.sources import CLOCK_TOLERANCE
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient, check_gradient
 from selforg.gradients.store import columns as c
-from selforg.program import COMMANDING, DECIDE, LEAD, MOVE, SENSE, Program, Step
+from selforg.program import AFTER_MOVING, COMMANDING, COUNTING, DECIDE, LEAD, MOVE, SENSE, STARTING, Program, Step
 
 MOST_WAITING: Final = 1_000
 """Broadcasts that wait for the next control period; more are not heard."""
@@ -132,7 +132,8 @@ class RobotProcess:
         self._others = np.delete(np.arange(worlds.rows), self.row)
         worlds.team.fail(self._others[worlds.team.working[self._others]])
         poses.silence(self._others)
-        self._thinking, self._acting = Program(partial(worlds.steps_of, SENSE, DECIDE)), Program(self._acting_steps)
+        self._thinking, self._acting = Program(self._thinking_steps), Program(self._acting_steps)
+        self._ending = Program(self._ending_steps)
         self._periods = round(self._batch.decision_period / self._batch.period)
         self._waiting = list[tuple[float, int, Emitted]]()  # stamp [s], row, and what was said
         self._heard_at = np.full((worlds.rows, 2), -np.inf)  # when the last two poses of each were heard [s]
@@ -201,7 +202,6 @@ class RobotProcess:
         self._listen(poses=True)
         self._forget()
         self._decided_in, self._decided_at = self.worlds.world.tick, self.worlds.now
-        self.worlds.start_tick()
         self._thinking.run(self.worlds.now)
         return handled(self._task, self.row) if self._cleans and not self._why_stopped(now) else ()
 
@@ -215,11 +215,10 @@ class RobotProcess:
         worlds, self._now = self.worlds, now
         behind = int(now / worlds.period + EARLY) - worlds.world.tick
         if behind > 0:
-            entered = worlds.end_tick(behind)
-            if self._batch.recorder is not None:
-                self._batch.recorder.record()
-            self._batch.progress.note(entered)
-            entered[:] = 0
+            ended = worlds.now
+            worlds.clock.packed.record.ticks[0] += behind - 1
+            self._ending.run(ended)
+            worlds.collisions.entered_in_tick[:] = 0
 
     def _turn(self, now: float) -> None:
         """End the last control period, choose options by what was heard since, and spread the own pose at `now` [s]."""
@@ -296,6 +295,12 @@ class RobotProcess:
         known = {key: value for key, value in gradient.payload.items() if key in buffer.keys}
         own = replace(gradient, source=row, payload=known)
         buffer.receive(own, max(gradient.stamp, self._decided_at), row=self.row)
+
+    def _thinking_steps(self) -> list[Step]:
+        return [*self.worlds.steps_of(STARTING, STARTING), *self.worlds.steps_of(SENSE, DECIDE)]
+
+    def _ending_steps(self) -> list[Step]:
+        return [step for step in self._batch.program.steps if AFTER_MOVING <= step.stage <= COUNTING]
 
     def _acting_steps(self) -> list[Step]:
         """Return the steps of a tick after handling, but those that move bodies or let a baseline lead."""

@@ -6,17 +6,21 @@ They depend only on the seed of the world, not on what robots do: all options th
 from __future__ import annotations
 
 from math import ceil
-from typing import Annotated, Final
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 
 from clean_swarm_env.config.events import Calendar, Event, Fail, Join, Remove, SetDelivery
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.clock import Clock, Ticks, open_ticks
 from clean_swarm_env.world.mission_end import NO_TICK
 from clean_swarm_env.world.staged import StagedTask
 from clean_swarm_env.world.team_changes import Place, Team
 from clean_swarm_env.world.view import TaskView
-from selforg.arrays import KEPT, Ints, derived
+from selforg.arrays import KEPT, READ, Ints, derived
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Handle, Recording
+from selforg.program import COMING, Rows, Step
 
 OWN_STREAMS: Final = 0xFFFFFFFF
 """Spawn key of the streams of a world; the keys of its robots' streams are their numbers."""
@@ -78,34 +82,54 @@ class Agenda:
             task.happen(number, event)
 
 
+class Awaited(NamedTuple):
+    """When something happens next."""
+
+    due: Annotated[Ints, "1", READ]  # tick of the batch at which something happens next in any world
+
+
+AWAITED = Recording(Awaited)
+open_awaited = AWAITED.open
+
+
 class Agendas:
     """The agendas of all worlds of a batch."""
 
     _agendas: Annotated[list[Agenda | None], "W", KEPT]
     _due: Annotated[Ints, "1", derived(0)]  # tick of the batch at which something happens next in any world
 
-    def __init__(self, world: TaskView, task: StagedTask) -> None:
-        self._world, self._task = world, task
+    def __init__(self, world: TaskView, task: StagedTask, clock: Clock) -> None:
+        self._world, self._task, self._clock = world, task, clock
         self._agendas = [None] * world.worlds
         self._due = np.array([NO_TICK])
+        self._awaited = AWAITED.pack(Awaited(self._due))
 
     def reset(self, number: int, seed: np.random.SeedSequence) -> None:
         """Begin a world anew; its agenda depends on its mission and `seed` only."""
         self._agendas[number] = Agenda(self._world.missions[number], seed)
         self._due[0] = 0
 
+    def coming(self) -> Step:
+        """Return the step that applies the events that are due at a tick in any world."""
+        records = AWAITED.pack(Awaited(self._due)), self._clock.packed
+        return Step(COMING, lambda now, _, due: self.apply_due(), Rows.of(self._world.every_row), is_due, records)
+
     def apply_due(self) -> None:
-        """Apply the events that are due at this tick in any world."""
-        world = self._world
-        if world.tick < self._due[0]:
-            return
-        due, ticks = NO_TICK, world.ticks
+        """Apply the events that are due at this tick in any world, and note when more are."""
+        world, due = self._world, NO_TICK
+        ticks = world.ticks
         for number, agenda in enumerate(self._agendas):
             if agenda is not None:
                 if agenda.due <= ticks[number]:
                     agenda.run(number, world, self._task)
                 due = min(due, world.tick + agenda.due - int(ticks[number]))
         self._due[0] = due
+
+
+@lean_kernel
+def is_due(now: float, rows: Ints, awaited: Handle[Awaited], ticks: Handle[Ticks]) -> int:
+    """Return 1 if something happens at this tick; a step, see `selforg.program`."""
+    return int(open_ticks(ticks).ticks[0] >= open_awaited(awaited).due[0])
 
 
 def own_streams(seed: np.random.SeedSequence) -> list[np.random.Generator]:

@@ -147,7 +147,10 @@ class Minds:
         self.network, self.coordinators, self.nested = self.robots.network, self.robots.coordinators, self.robots.inner
 
     def share(self, rules: Mapping[str, FactRule], knows: Flags | None = None) -> None:
-        """Let robots, those marked in `knows` (R,) if given, tell each other facts that they do not tell yet."""
+        """Let robots, those marked in `knows` (R,) if given, tell each other facts that they do not tell yet.
+
+        Do so before the first tick.
+        """
         for name, rule in rules.items():
             if not self.facts:
                 buffer = self.buffers["facts"] = SoBuffer(

@@ -143,7 +143,7 @@ class StagedTask(TaskKind, ABC):
         """Forget what happened to the robots in `rows` (K,), which begin anew."""
 
     def start_tick(self) -> Ints | None:
-        """Start a control period; return the rows (K,) that decide in it, None for all."""
+        """Start a control period; return the rows (K,) that decide in it, None for all: those at work unless you do."""
         return self.world.team.at_work
 
     def sense(self) -> None:

@@ -30,7 +30,7 @@ from selector.knowledge import Knowledge
 from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.plugins import is_own
-from selforg.program import AFTER_ACTING, COMMANDING, LEAD, SENSE, Rows, Step
+from selforg.program import AFTER_ACTING, AFTER_MOVING, COMMANDING, LEAD, SENSE, TELLING, Rows, Step
 
 WALK: Final = 2.0
 """Time for which a robot on a random walk keeps its direction [s]."""
@@ -214,12 +214,15 @@ class Task(StagedTask, ABC, Generic[S, T]):
 
     def steps(self, commands: Commands) -> list[Step]:
         """Return the steps of a tick that are the task's, by their stages; see ARCHITECTURE.md."""
-        everyone = Rows.of(self.world.every_row)
+        everyone, minds = Rows.of(self.world.every_row), self.world.minds
+        telling = [Step(TELLING, lambda now, _: minds.tell(self.noticed(), now), everyone)] if minds.facts else []
         return [
             Step(SENSE, lambda now, _: self.sense(), everyone),
             Step(COMMANDING, lambda now, _: self.command(commands), everyone),
             Step(AFTER_ACTING, lambda now, _: self.after_acting(commands), everyone),
             Step(LEAD, lambda now, _: self.command_baseline(commands), everyone),
+            Step(AFTER_MOVING, lambda now, _: self.after_moving(), everyone),
+            *telling,
         ]
 
     def command(self, commands: Commands) -> None:

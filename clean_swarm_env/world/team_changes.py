@@ -7,7 +7,7 @@ the mission says so, still carries its pose gradient. No robot comes back: robot
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -15,13 +15,28 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import has_room
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
-from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Handle, Recording
 from selforg.declared import make_arrays
+from selforg.program import STARTING, Rows, Step
 from selforg.registry import unknown
 
 Place = tuple[float, float, float]
 MOST_DRAWS: Final = 1_000
 """Draws for a free place before a robot that is to join has to wait."""
+
+
+class AtWork(NamedTuple):
+    """Robots at work, and those that decide in this tick."""
+
+    working: Annotated[Flags, "R", READ]
+    able: Annotated[Ints, "R", SCRATCH]  # rows that decide, the first `length`
+    length: Annotated[Ints, "1", SCRATCH]
+
+
+TEAM = Recording(AtWork)
+open_team = TEAM.open
 
 
 class Team:
@@ -30,6 +45,8 @@ class Team:
     Attributes:
         working: (R,) bool, robots that sense, decide and act; read only.
         joined: (W,) int64, rows of each world that have been used since its reset; read only.
+        able: the rows that decide in this tick.
+        packed: the record of `working` and `able`.
         task: is told about robots that come and go, by `lose` and `renew`.
 
     """
@@ -38,22 +55,23 @@ class Team:
     joined: Annotated[Ints, "W", KEPT]
     task: Any
     _radii: Annotated[Floats, "R", READ]  # [m]
-    _listed: Annotated[Flags, "1", derived(False)]  # whether `_at_work` is what follows from `working`
-    _at_work: Annotated[Ints | None, "K", SCRATCH]
 
     def __init__(self, mission: MissionConfig, floor: Floor, minds: Minds) -> None:
         self._mission, self._floor, self._minds = mission, floor, minds
         self._radii = np.tile(mission.of_each("radius"), floor.worlds)
         make_arrays(self, R=minds.rows, W=floor.worlds)
-        self._at_work = None
+        self.able = Rows.of(np.arange(minds.rows))
+        self.packed = TEAM.pack(AtWork(self.working, *self.able))
 
     @property
-    def at_work(self) -> Ints | None:
-        """The rows (K,) that work, or None if all do."""
-        if not self._listed[0]:
-            self._at_work = None if self.working.all() else np.flatnonzero(self.working)
-            self._listed[0] = True
-        return self._at_work
+    def at_work(self) -> Ints:
+        """The rows (K,) that work."""
+        return np.flatnonzero(self.working)
+
+    def starting(self) -> Step:
+        """Return the step that lets all robots at work decide in a tick."""
+        rows = Rows.of(np.arange(len(self.working)))
+        return Step(STARTING, list_working, rows, list_working, (self.packed,))
 
     def reset(self, world: int, places: Floats) -> None:
         """Put the first robots of a world at `places` (K, 3), x [m], y [m], heading [rad]; the others are absent."""
@@ -150,4 +168,15 @@ class Team:
         self.task.renew(rows)
         self._minds.reset_rows(rows)
         self._minds.poses.deafen(rows, ~self.working[rows])
-        self._listed[0] = False
+
+
+@lean_kernel
+def list_working(now: float, rows: Ints, team: Handle[AtWork]) -> int:
+    """List those of `rows` (K,) that work; a step, see `selforg.program`."""
+    t = open_team(team)
+    t.length[0] = 0
+    for row in rows:
+        if t.working[row]:
+            t.able[t.length[0]] = row
+            t.length[0] += 1
+    return 0

@@ -23,6 +23,7 @@ from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.parts.things import WorldStart
+from clean_swarm_env.world.staged import StagedTask
 from clean_swarm_env.world.states import KeptStates, WorldState
 from clean_swarm_env.world.task import Task, task_class
 from clean_swarm_env.world.team_changes import Team
@@ -32,12 +33,26 @@ from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.knowledge import unknown_option
 from selforg.arrays import OUTSIDE, READ, Flags, Floats, Ints
-from selforg.program import AFTER_ACTING, AFTER_LEAVING, DECIDE, FOLLOW, LEAD, SENSE, Program, Rows, Step
+from selforg.program import (
+    AFTER_ACTING,
+    AFTER_LEAVING,
+    DECIDE,
+    FOLLOW,
+    LEAD,
+    SENSE,
+    STARTING,
+    Program,
+    Rows,
+    Step,
+    bits_of,
+)
 from selforg.registry import unknown
 from selforg.sealing import sealed, unsealed
 
-MINDS: Final = range(SENSE, AFTER_LEAVING + 1)
-"""Stages of what robots sense, decide and do by themselves."""
+THOUGHT: Final = bits_of(range(SENSE, AFTER_LEAVING + 1))
+"""The stages in which robots sense, decide and do something by themselves,"""
+LED: Final = bits_of([LEAD])
+"""and that in which the baseline of the task commands them."""
 
 
 class Worlds:
@@ -50,7 +65,8 @@ class Worlds:
     Attributes:
         mission: mission of the batch; `missions` (W,) are those of the worlds until their next resets.
         worlds, robots, rows: W, N and R.
-        period: length of a control period [s].
+        period: length of a control period [s]; `clock` counts them.
+        program: the steps of a tick.
         floor: the bodies; its `extent`, `physics` and `collisions` are attributes of the worlds too.
         minds: what the robots know and decide; its `network` and `coordinators` are attributes of the worlds too.
         team: which robots are present and at work.
@@ -77,7 +93,7 @@ class Worlds:
         self.missions = [mission] * worlds
         self.worlds, self.robots, self.rows = worlds, mission.rows, worlds * mission.rows
         self.period = 1.0 / mission.world.control_rate
-        self._clock = Clock(worlds, self.period)
+        self.clock = self._clock = Clock(worlds, self.period)
         self.floor = Floor(mission, worlds)
         kind = task_class(mission)
         self.minds = Minds(mission, models, worlds, kind, directories, explained)
@@ -85,16 +101,15 @@ class Worlds:
         self.world = TaskView(self.missions, self.floor, self.minds, self.team, self._clock)
         self.task: Task[Any, Any] = kind(self.world)
         self.minds.known, self.team.task = self.task.known, self.task
-        self.agendas = Agendas(self.world, self.task)
+        self.agendas = Agendas(self.world, self.task, self._clock)
         around = self.minds.surroundings
         around.physics, around.bodies = self.floor.physics, self._bodies
         self.world.go_round_to(self.task.around)
         self._all = np.arange(self.rows)
-        self._able, self._driving, self._correcting = (Rows.of(np.arange(self.rows)) for _ in range(3))
+        self._driving, self._correcting = (Rows.of(np.arange(self.rows)) for _ in range(2))
         self._nothing = np.zeros((self.rows, 2))
         self._follow_learner(None, driving=False)
-        self._thinking, self._following = Program(self._steps, (LEAD,)), Program(self._steps, (*MINDS, LEAD))
-        self._led = Program(self._steps, MINDS)
+        self.program = Program(self.steps)
         self.extent, self.physics, self.collisions = self.floor.extent, self.floor.physics, self.floor.collisions
         self.network, self.coordinators = self.minds.network, self.minds.coordinators
         bind_options(mission, self.coordinators, worlds)
@@ -213,55 +228,54 @@ class Worlds:
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
-        self.agendas.apply_due()
-        self.start_tick()
-        now = self._clock.now
-        if self.world.by_baseline:
-            self._led.run(now)
-        elif self.task.thinks_when_driven or not self._driving.length[0]:
-            self._thinking.run(now)
-        else:
-            self._following.run(now)
-        return self.end_tick()
-
-    def start_tick(self) -> None:
-        """Let the task begin a control period, and say which robots decide in it."""
-        able = self.task.start_tick()
-        self._able.fill(self._all if able is None else able)
-
-    def end_tick(self, periods: int = 1) -> Ints:
-        """End a control period, and skip others up to a number of `periods`; return what `tick` returns."""
-        now = self._clock.now
-        for _ in range(periods):
-            self._clock.advance()
-        self.task.after_moving()
-        if self.minds.facts:
-            self.minds.tell(self.task.noticed(), now)
+        self.run(self.program, 1)
         return self.collisions.entered_in_tick
+
+    def run(self, program: Program, ticks: int) -> None:
+        """Run control periods of all worlds by a program: that of the worlds, or one with further steps."""
+        without = THOUGHT if self.world.by_baseline else LED
+        if self._driving.length[0] and not self.task.thinks_when_driven:
+            without |= THOUGHT
+        program.repeat(self._clock.packed.record.ticks, self._clock.length, ticks, without)
 
     def steps_of(self, first: int, last: int) -> list[Step]:
         """Return the steps of a tick from one stage to another, for those who run parts of it by themselves."""
-        return [step for step in self._steps() if first <= step.stage <= last]
+        return [step for step in self.steps() if first <= step.stage <= last]
 
     def _bodies(self) -> list[Bodies]:
         """Return what rays meet beside robots and walls."""
         return [one.met for one in self.task.shown() if one.met is not None]
 
-    def _steps(self) -> list[Step]:
+    def steps(self) -> list[Step]:
         """Return the steps of a tick; see ARCHITECTURE.md."""
         minds, task, commands, working = self.minds, self.task, self.minds.commands, self.team.working[:, None]
         return [
+            self.agendas.coming(),
+            self._starting(),
             *minds.beginning(self.physics),
             Step(LEAD, lambda now, _: commands.clear(), Rows.of(self._all)),
+            self._clock.advancing(),
             *task.steps(commands),
             *self.world.finding_ways(),
             *minds.robots.steps(commands),
-            minds.network.deciding(DECIDE, self._able, task.always_acts),
+            minds.network.deciding(DECIDE, self.team.able, task.always_acts),
             Step(AFTER_ACTING, lambda now, _: commands.add(self._driven * working), self._correcting),
             Step(FOLLOW, lambda now, _: task.follow(self._driven, self.team.working), self._driving),
             Step(FOLLOW, lambda now, _: minds.follow(self._driven, self.team.working), self._driving),
             *self.floor.moving(commands.packed),
         ]
+
+    def _starting(self) -> Step:
+        """Return the step that lists the robots that decide in a tick: those at work, unless the task says others."""
+        task, able = self.task, self.team.able
+        if type(task).start_tick is StagedTask.start_tick:
+            return self.team.starting()
+
+        def start(now: float, rows: Ints) -> None:
+            chosen = task.start_tick()
+            able.fill(rows if chosen is None else chosen)
+
+        return Step(STARTING, start, Rows.of(self._all))
 
 
 def bind_options(mission: MissionConfig, coordinators: Sequence[Coordinator], worlds: int) -> None:

@@ -1,10 +1,13 @@
-"""Puts the records of the code into ARCHITECTURE.md, between marks: `python -m docs.figures.update_architecture`."""
+"""Puts the steps of a tick, and the records, into ARCHITECTURE.md: `python -m docs.figures.update_architecture`."""
 
 import inspect
 import re
+from collections import Counter
 from importlib import import_module
 
 from docs.figures.stored import ROOT, put
+from selforg import program
+from selforg.program import Step
 
 PAGE = ROOT / "ARCHITECTURE.md"
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train")
@@ -34,9 +37,36 @@ def records() -> str:
     return "\n".join(lines)
 
 
+def stages() -> dict[int, str]:
+    """Return the names of the stages of a tick, in their order."""
+    named = {value: name for name, value in vars(program).items() if name.isupper() and isinstance(value, int)}
+    return {number: named[number] for number in sorted(named)}
+
+
+def steps() -> str:
+    """Return the steps of a tick of `table1` as a Markdown table, equal ones of a stage once."""
+    from clean_swarm_env.learning.batch import Batch
+
+    batch, named = Batch("table1"), stages()
+    found = Counter((named[step.stage], *where(step)) for step in batch.program.steps)
+    lines = ["| stage | step | file | |", "|---|---|---|---|"]
+    for (stage, name, file, kind), times in found.items():
+        lines.append(f"| {stage} | `{name}` | `{file}` | {kind}{f', {times} times' if times > 1 else ''} |")
+    return "\n".join(lines)
+
+
+def where(step: Step) -> tuple[str, str, str]:
+    """Return the name of a step, its file, and whether it is a kernel."""
+    function = getattr(step.kernel, "py_func", step.kernel) or step.python
+    code = inspect.unwrap(function).__code__
+    name = code.co_name if step.kernel else code.co_qualname.partition(".<locals>")[0].rpartition(".")[2]
+    file = code.co_filename.removeprefix(f"{ROOT}/")
+    return name, file, "kernel" if step.kernel else "Python"
+
+
 def updated(text: str) -> str:
-    """Return the text of the page with the records of the code."""
-    return put(text, "records", records())
+    """Return the text of the page with the steps of a tick and the records of the code."""
+    return put(put(text, "steps", steps()), "records", records())
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.network import state as st
-from selforg.program import AFTER_DECIDING, MOVE, SENSE, Program
+from selforg.program import AFTER_DECIDING, MOVE, SENSE, STARTING, TELLING, Program
 
 NEAR: Final = 2.0
 """Distance up to which a robot senses other bodies [m]."""
@@ -60,7 +60,8 @@ class ServedBodies:
         self._task: Any = worlds.task
         self._any_way = np.array([model.drive == "holonomic" for model in given.robots.models])[given.models]
         handling = [step for step in self._task.steps(worlds.minds.commands) if step.stage in (SENSE, AFTER_DECIDING)]
-        self._handling, self._moving = Program(lambda: handling), Program(lambda: worlds.steps_of(MOVE, MOVE))
+        self._handling = Program(lambda: [*worlds.steps_of(STARTING, STARTING), *handling])
+        self._moving = Program(lambda: worlds.steps_of(MOVE, TELLING))
 
     @property
     def running(self) -> bool:
@@ -82,7 +83,6 @@ class ServedBodies:
     def handle(self, begun: Sequence[Sequence[str]]) -> list[Sensed]:
         """Let robots handle items as they have `begun` (N,), in their order; return what each senses then."""
         worlds = self.worlds
-        worlds.start_tick()
         if isinstance(self._task, Cleaning):
             columns = self._task.movers.packed.record.handling
             for layer in (st.STARTED, st.EXECUTING):
@@ -100,7 +100,6 @@ class ServedBodies:
         drive.speed[:], drive.turn_rate[:] = [one.speed for one in wheels], [one.turn_rate for one in wheels]
         drive.packed.record.commanded_at[:] = worlds.now
         self._moving.run(worlds.now)
-        worlds.end_tick()
 
     def _sensed(self, row: int, collisions: int) -> Sensed:
         """Return what a robot senses now."""

@@ -11,22 +11,29 @@ from numba import types
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import long_kernel
 from selforg.compiler.intrinsics import LLVM, Compiler, int_at
 from selforg.compiler.records import Packed
 
 MOST_RECORDS: Final = 6
 """Records that a step may take."""
-_ADDRESS, _COUNT, _LISTED, _RECORDS, _ALWAYS, _FIRST_RECORD = range(6)
+_ADDRESS, _COUNT, _LISTED, _RECORDS, _ALWAYS, _STAGE, _FIRST_RECORD = range(7)
 """Columns of the table: the address of the step, 0 for one in Python; of the number of its rows, and of their list; how
-many records it takes; 1 if it is called without rows, too; and the addresses of the words of its records."""
+many records it takes; 1 if it is called without rows, too; 2 to the power of its stage; and the addresses of the words
+of its records."""
 STEP_COLUMNS: Final = _FIRST_RECORD + MOST_RECORDS
 WORDS: Compiler = types.Array(types.int64, 1, "C")
 FILL: Compiler = arrayobj.populate_array
 
 
-def words_of_step(kernel: Any, rows: tuple[Ints, Ints], records: Sequence[Packed[Any]], always: bool) -> list[int]:  # noqa: ANN401
+def words_of_step(
+    kernel: Any,  # noqa: ANN401
+    rows: tuple[Ints, Ints],
+    records: Sequence[Packed[Any]],
+    always: bool,
+    stage: int,
+) -> list[int]:
     """Return the row of the table for a kernel, or for Python with None, with a list of rows and their number.
 
     Raises:
@@ -36,7 +43,7 @@ def words_of_step(kernel: Any, rows: tuple[Ints, Ints], records: Sequence[Packed
     given: list[Any] = [packed.handle for packed in records]
     head = 0 if kernel is None else address_of(kernel, len(given)), rows[1].ctypes.data, rows[0].ctypes.data
     addresses = [handle.ctypes.data for handle in given] + [0] * (MOST_RECORDS - len(given))
-    return [*head, len(given), int(always), *addresses]
+    return [*head, len(given), int(always), 1 << stage, *addresses]
 
 
 def address_of(kernel: Any, records: int) -> int:  # noqa: ANN401
@@ -101,14 +108,15 @@ _call: Callable[[Ints, int, float], int] = cast("Any", call_step)
 
 
 @long_kernel
-def run_steps(now: float, begin: int, table: Ints) -> tuple[int, int]:
+def run_steps(now: float, begin: int, without: int, table: Ints) -> tuple[int, int]:
     """Run the steps of `table` (S, STEP_COLUMNS) from `begin` on at `now` [s], until one needs Python.
 
-    Returns which one does, S if none, and its result, 0 for one that is in Python.
+    Steps of the stages whose bits are in `without` are left out. Returns which step needs Python, S if none, and its
+    result, 0 for one that is in Python.
     """
     for at in range(begin, table.shape[0]):
         step = table[at]
-        if int_at(step[_COUNT]) == 0 and step[_ALWAYS] == 0:
+        if step[_STAGE] & without or (int_at(step[_COUNT]) == 0 and step[_ALWAYS] == 0):
             continue
         if step[_ADDRESS] == 0:
             return at, 0
@@ -116,3 +124,23 @@ def run_steps(now: float, begin: int, table: Ints) -> tuple[int, int]:
         if result != 0:
             return at, result
     return table.shape[0], 0
+
+
+@long_kernel
+def repeat_steps(
+    ticks: Ints, length: float, now: Floats, begin: int, times: int, without: int, table: Ints
+) -> tuple[int, int, int]:
+    """Run all steps several times as `run_steps` does, the first time from `begin` on, until one needs Python.
+
+    Each time begins at `ticks` (1,) times `length` [s], which is written into `now` (1,); some step counts `ticks` on.
+    Returns what `run_steps` does, and how many times are left, the present one included.
+    """
+    at, result = table.shape[0], 0
+    while times > 0:
+        if begin == 0:
+            now[0] = ticks[0] * length
+        at, result = run_steps(now[0], begin, without, table)
+        if at < table.shape[0]:
+            break
+        begin, times = 0, times - 1
+    return at, result, times

@@ -12,7 +12,7 @@ from selforg.arrays import KEPT, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Handle, Recording, Written
 from selforg.compiler.switches import BY_ADDRESS
-from selforg.program import ACT, LEAVE, SENSE, Program, Rows, Step
+from selforg.program import ACT, FINISHING, LEAVE, SENSE, STOP, Program, Rows, Step, bits_of
 
 
 class Tally(NamedTuple):
@@ -108,8 +108,29 @@ def test_without_rows_only_steps_that_write_lists_are_called():
 
 def test_a_stage_can_be_left_out():
     counter = Counter()
-    Program(counter.steps, (SENSE,)).run(0.2)
+    counter.program.run(0.2, bits_of([SENSE]))
     assert counter.tally.record.counts.tolist() == [1.0, 0.0, 1.0, 0.0]
+    counter.program.run(0.4)
+    assert counter.tally.record.counts.tolist() == [3.0, 1.0, 3.0, 1.0]
+
+
+@pytest.mark.parametrize(("stops", "times"), [(9, 4), (3, 3), (1, 1)])
+def test_steps_are_repeated_at_the_times_that_one_of_them_counts_until_python_stops(stops, times):
+    counter, ticks, told = Counter(), np.full(1, 5), []
+
+    def tick(now, rows):
+        ticks[0] += 1
+
+    def end(now, rows):
+        told.append(round(now, 9))
+        return STOP if len(told) == stops else None
+
+    rows = Rows.of(np.arange(1))
+    steps = [*counter.steps(), Step(SENSE, tick, rows), Step(FINISHING, end, rows)]
+    Program(lambda: steps).repeat(ticks, 0.2, 4)
+    assert told == [1.0, 1.2, 1.4, 1.6][:times]
+    assert ticks[0] == 5 + times
+    assert counter.tally.record.counts.tolist() == [2.0 * times, times, 2.0 * times, times]
 
 
 @pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])

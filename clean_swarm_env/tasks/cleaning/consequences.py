@@ -11,10 +11,13 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.collisions import Counts, open_counts
+from clean_swarm_env.physics.motion import RobotMotion, open_robot_motion
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.world.parts.shown import ROBOT, Shown
+from clean_swarm_env.world.team_changes import AtWork, open_team
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
@@ -109,22 +112,26 @@ class Consequences:
         """Reset `rows` (K,)."""
         self.standing[rows] = self.collisions[rows] = self.packed.record.counted[rows] = 0
 
-    def start_tick(self, at_work: Ints | None) -> Ints | None:
-        """Begin a tick; return those of the rows `at_work` (K,), None for all, that do not stand, in the same way."""
-        if not (self.active and self.standing.any()):
-            return at_work
-        np.maximum(self.standing - 1, 0, out=self.standing)
-        free = self.standing == 0
-        return np.flatnonzero(free) if at_work is None else at_work[free[at_work]]
 
-    def apply(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
-        """Let the collisions of a tick have their consequences; return the rows (K,) whose cargo lies on the floor now.
+@lean_kernel
+def let_stand(now: float, rows: Ints, team: Handle[AtWork], consequence: Written[Consequence]) -> int:
+    """Let robots that stand do so for a tick less, and keep them from deciding; a step, see `selforg.program`."""
+    t, c = open_team(team), open_consequence(consequence)
+    able, t.length[0] = t.length[0], 0
+    for row in range(c.standing.shape[0]):
+        c.standing[row] = max(c.standing[row] - 1, 0)
+    for index in range(able):
+        row = t.able[index]
+        if c.standing[row] == 0:
+            t.able[t.length[0]] = row
+            t.length[0] += 1
+    return 0
 
-        entered (R,): collisions of each robot in the tick; working (R,): robots that they matter to;
-        present (R,): robots that they may have met.
-        """
-        count = suffer(entered, working, present, floor.handle, self.packed.handle)
-        return self.packed.record.lost[:count]
+
+@lean_kernel
+def has_noticed(now: float, rows: Ints, consequence: Handle[Consequence]) -> int:
+    """Return more than 0 if any robot tells what it has noticed; a step, see `selforg.program`."""
+    return int(open_consequence(consequence).found[0])
 
 
 @lean_kernel
@@ -173,10 +180,21 @@ def notice(row: int, entered: int, works: bool, f: FloorRecord, c: Consequence) 
 
 @lean_kernel
 def suffer(
-    entered: Ints, working: Flags, present: Flags, floor: Written[FloorRecord], consequence: Written[Consequence]
+    now: float,
+    rows: Ints,
+    counts: Handle[Counts],
+    team: Handle[AtWork],
+    motion: Handle[RobotMotion],
+    floor: Written[FloorRecord],
+    consequence: Written[Consequence],
 ) -> int:
-    """Note the collisions of a tick; return how many robots lost their cargo, see `Consequences.apply`."""
-    f, c = open_floor(floor), open_consequence(consequence)
+    """Let the collisions of a tick have their consequences; a step, see `selforg.program`.
+
+    They matter to robots that work, who may have met all that are present. Returns how many robots lost their cargo,
+    which lies on the floor now.
+    """
+    f, c, working = open_floor(floor), open_consequence(consequence), open_team(team).working
+    entered, present = open_counts(counts).entered_in_tick, open_robot_motion(motion).present
     count, per_world, c.found[0] = 0, f.robots.shape[0] // f.stations.shape[0], 0
     for row in range(entered.shape[0]):
         world, x, y = row // per_world, f.robots[row, 0], f.robots[row, 1]

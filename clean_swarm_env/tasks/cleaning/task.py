@@ -24,7 +24,14 @@ from clean_swarm_env.tasks.cleaning.cargo import (
     reset_commands,
 )
 from clean_swarm_env.tasks.cleaning.coming import Comings
-from clean_swarm_env.tasks.cleaning.consequences import NOTICED, Consequences, hold_back
+from clean_swarm_env.tasks.cleaning.consequences import (
+    NOTICED,
+    Consequences,
+    has_noticed,
+    hold_back,
+    let_stand,
+    suffer,
+)
 from clean_swarm_env.tasks.cleaning.cost import collisions_cost, cost_terms, mission_cost, unavoidable_cost
 from clean_swarm_env.tasks.cleaning.garbage import DONE, LYING
 from clean_swarm_env.tasks.cleaning.learning.around import PHASES
@@ -40,12 +47,25 @@ from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.view import TaskView
 from selforg.arrays import Flags, Floats, Ints
-from selforg.commands import Commands
+from selforg.commands import Commanded, Commands
+from selforg.compiler.records import Packed
 from selforg.components.facts import FactRule
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.program import AFTER_DECIDING, AFTER_LEAVING, COMMANDING, LEAD, MOVE, SENSE, Rows, Step
+from selforg.program import (
+    AFTER_DECIDING,
+    AFTER_LEAVING,
+    AFTER_MOVING,
+    COMMANDING,
+    LEAD,
+    MOVE,
+    SENSE,
+    STARTING,
+    TELLING,
+    Rows,
+    Step,
+)
 
 
 @TASKS.register
@@ -145,10 +165,6 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         """Mend the robots in `rows` (K,)."""
         self.consequences.reset(rows)
 
-    def start_tick(self) -> Ints | None:
-        """Return the rows (K,) that decide, None for all: those that no collision stops."""
-        return self.consequences.start_tick(self.world.team.at_work)
-
     def steps(self, commands: Commands) -> list[Step]:
         """Return the steps of a tick; only those that few missions need are in Python."""
         everyone, given, site = Rows.of(self.world.every_row), commands.packed, self.site
@@ -168,9 +184,31 @@ class Cleaning(Task[CleaningSettings, TaskState]):
         if self.cargo_memory.handed is not None:
             asked = self.cargo_memory.handed
             steps.append(Step(AFTER_LEAVING, lambda now, _: self._hand_over(asked), everyone))
-        if self.consequences.active:
-            steps.append(Step(MOVE, hold_back, everyone, hold_back, (given, self.consequences.packed)))
-        return [*steps, Step(LEAD, lambda now, _: self.command_baseline(commands), everyone)]
+        if type(self).after_moving is not Task.after_moving:
+            steps.append(Step(AFTER_MOVING, lambda now, _: self.after_moving(), everyone))
+        steps.append(Step(LEAD, lambda now, _: self.command_baseline(commands), everyone))
+        collisions_count = self.consequences.active or self.world.minds.facts
+        return [*steps, *(self._colliding(everyone, given) if collisions_count else ())]
+
+    def _colliding(self, everyone: Rows, commands: Packed[Commanded]) -> list[Step]:
+        """Return the steps of collisions: robots that they stop, and what robots notice of them."""
+        consequences, floor, team, minds = self.consequences, self.world.floor, self.world.team, self.world.minds
+        records = floor.collisions.packed, team.packed, floor.physics.motion, self.site.packed, consequences.packed
+
+        def show_lost(now: float, rows: Ints, count: int) -> None:
+            lost = consequences.packed.record.lost[:count]
+            self.site.show_items(lost // self.world.robots, floor.physics.positions[lost])
+
+        def tell(now: float, rows: Ints, found: int) -> None:
+            minds.tell(self.noticed(), now)
+
+        steps = [Step(AFTER_MOVING, show_lost, everyone, suffer, records)]
+        if minds.facts:
+            steps.append(Step(TELLING, tell, everyone, has_noticed, (consequences.packed,)))
+        if consequences.active:
+            steps.append(Step(STARTING, let_stand, everyone, let_stand, (team.packed, consequences.packed)))
+            steps.append(Step(MOVE, hold_back, everyone, hold_back, (commands, consequences.packed)))
+        return steps
 
     def follow(self, vectors: Floats, working: Flags) -> None:
         """Drive robots by vectors (R, 2) [m/s]; those `working` (R,) pick, recycle and dump wherever they can."""
@@ -186,16 +224,6 @@ class Cleaning(Task[CleaningSettings, TaskState]):
             if not self.consequences.standing[row] and self.garbage.hand_over(row, positions[row], blind):
                 self.site.show_items(row // self.world.robots, positions[row][None])
         asked[:] = 0.0
-
-    def after_moving(self) -> None:
-        """Let the collisions of the tick have their consequences."""
-        if self.consequences.active or self.world.minds.facts:
-            floor, team = self.world.floor, self.world.team
-            lost = self.consequences.apply(
-                floor.collisions.entered_in_tick, team.working, floor.physics.present, self.site.packed
-            )
-            if len(lost):
-                self.site.show_items(lost // self.world.robots, floor.physics.positions[lost])
 
     def noticed(self) -> Mapping[str, Flags]:
         """Return who was stopped by a collision, whom one did nothing, and who looked for garbage in vain."""

@@ -13,6 +13,7 @@ from clean_swarm_env.tasks import Cleaning, Task
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.learning.around import PHASES
 from selector.documents.errors import DocumentError
+from selforg.program import STARTING, Rows, Step
 from tests.clean_swarm_env.courses import OPTIONS, begun, long_course, mission
 
 RANGES = (1.0, 1.5, 2.5)
@@ -98,13 +99,13 @@ def _expected(batch, row, idle, spread):
 @pytest.mark.parametrize("name", ["table1", "reference"])
 def test_every_term_is_what_its_name_says(name, monkeypatch):
     batch, rng, idle = Batch(mission(name), 2), np.random.default_rng(1), np.zeros(10)
-    spread, own, physics = [], batch.worlds.task.start_tick, batch.worlds.physics
+    spread, own, physics = [], batch.worlds.steps, batch.worlds.physics
 
-    def noted():
+    def note(now, rows):
         spread.append((physics.positions.copy(), physics.headings.copy()))
-        return own()
 
-    monkeypatch.setattr(batch.worlds.task, "start_tick", noted)
+    noting = Step(STARTING, note, Rows.of(np.arange(10)))
+    monkeypatch.setattr(batch.worlds, "steps", lambda: [*own(), noting])
     seen = batch.reset([1, 2])
     met = np.zeros(batch.observer.width)
     for _ in range(90):

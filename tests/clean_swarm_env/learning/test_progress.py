@@ -11,6 +11,7 @@ from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.tasks.cleaning.learning.counts import PICKINGS
 from clean_swarm_env.tasks.foraging import Foraging
+from selforg.program import AFTER_MOVING, Rows, Step
 from tests.clean_swarm_env.courses import begun, mission
 
 PERIODS = 30
@@ -18,15 +19,14 @@ PERIODS = 30
 
 def counted(batch, monkeypatch):
     """Return the ticks (P, R) of each period in which a robot's coordinator of avoidance ran, and those counted."""
-    network, tick = batch.worlds.network, batch.worlds.tick
+    network, steps = batch.worlds.network, batch.worlds.steps
     ran = np.zeros(batch.rows, dtype=np.int64)
 
-    def counting():
-        entered = tick()
+    def count(now, rows):
         ran[:] += network.executing[:, network.model.behaviour_index[AVOIDANCE]]
-        return entered
 
-    monkeypatch.setattr(batch.worlds, "tick", counting)
+    counting = Step(AFTER_MOVING, count, Rows.of(np.arange(batch.rows)))
+    monkeypatch.setattr(batch.worlds, "steps", lambda: [*steps(), counting])
     batch.reset([1, 2])
     expected, given, rewards = [], [], []
     for _ in range(PERIODS):

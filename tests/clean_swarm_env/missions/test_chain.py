@@ -12,6 +12,7 @@ from clean_swarm_env.tasks.cleaning.learning.counts import PICKINGS, RECYCLINGS
 from clean_swarm_env.tasks.cleaning.robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
+from selforg.program import Program
 from tests.clean_swarm_env.courses import begun, coordinated, long_course, ticked
 
 SPAN, NEAR, BLIND = 4.0, 4.0, 50  # of the option Chain: [m], [m], [ticks]
@@ -128,18 +129,19 @@ def test_who_has_put_cargo_down_picks_it_again_after_the_time_and_is_paid_for_it
     worlds = one_robot((1.0, 10.0))
     progress = begun(MissionProgress(worlds), 0)
     progress.reset_period()
+    counted = Program(lambda: [*worlds.steps(), *progress.steps()])
     while not worlds.task.garbage.blind[0]:
-        progress.note(worlds.tick())
+        worlds.run(counted, 1)
     worlds.drive(np.zeros((1, 2)))  # it stays beside the item
     blind = 0
     while worlds.task.garbage.cargo[0] == NOTHING:
-        progress.note(worlds.tick())
+        worlds.run(counted, 1)
         blind += 1
     assert blind == BLIND + 1
     assert worlds.physics.positions[0, 0] < 5.4
     worlds.drive(None)
     while worlds.task.garbage.cargo[0] != NOTHING:  # it brings what is near to the station, and puts down leftovers
-        progress.note(worlds.tick())
+        worlds.run(counted, 1)
     assert worlds.task.garbage.leftover[0, 0] == 1
     assert progress.events[[PICKINGS, RECYCLINGS], 0].tolist() == [1, 1]
 

@@ -8,9 +8,10 @@ from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.reader import recordings_in
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.tasks.cleaning.consequences import NOTICED
+from clean_swarm_env.tasks.cleaning.consequences import NOTICED, suffer
 from clean_swarm_env.world.explaining import explain_robot
 from selector.documents.errors import DocumentError
+from selforg.program import Program
 from tests.clean_swarm_env.courses import begun
 from tests.pages import blocks
 
@@ -65,13 +66,13 @@ def test_a_fact_that_nobody_tells_is_one_line(own):
 
 
 def test_who_fails_tells_nothing_of_the_collision_before():
-    worlds = run(CROWD, 0, observation={"terms": ["heard"]})[0]
-    consequences, hit = worlds.task.consequences, np.zeros(8, dtype=np.int64)
-    hit[:2], told = 1, []
+    worlds, told = run(CROWD, 0, observation={"terms": ["heard"]})[0], []
+    colliding = Program(lambda: [step for step in worlds.steps() if step.kernel is suffer])
     for tick in range(10):
-        working = np.arange(8) != 0 if tick else np.ones(8, dtype=np.bool_)
-        consequences.apply(hit * (tick == 0), working, working, worlds.task.site.packed)
-        told += [np.flatnonzero(rows).tolist() for rows in consequences.noticed().values()]
+        worlds.collisions.entered_in_tick[:] = (np.arange(8) < 2) & (tick == 0)
+        worlds.team.working[:] = worlds.physics.present[:] = (np.arange(8) != 0) | (tick == 0)
+        colliding.run(0.2 * tick)
+        told += [np.flatnonzero(rows).tolist() for rows in worlds.task.noticed().values()]
     assert told == [[1]]
 
 

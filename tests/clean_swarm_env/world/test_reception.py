@@ -24,7 +24,7 @@ def _spread(worlds, ticks=1):
     for _ in range(ticks):
         worlds.minds.spread_poses(worlds.physics.positions, worlds.physics.headings, worlds.now)
         worlds.minds.receive(worlds.now)
-        worlds._clock.advance()
+        worlds.clock.packed.record.ticks[0] += 1
     everything = Filter(static=False, view_distance=np.inf)
     return [
         len(Queries(worlds.minds.buffers["gradients"]).gradients(row, worlds.now, everything))

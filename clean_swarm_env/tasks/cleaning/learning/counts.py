@@ -10,6 +10,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from clean_swarm_env.learning.progress import Followed, Period, open_followed, open_period
+from clean_swarm_env.physics.collisions import Counts, open_counts
 from clean_swarm_env.tasks.cleaning.cost import (
     EVENT,
     ITEMS,
@@ -27,9 +28,11 @@ from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from clean_swarm_env.world.mission_end import TIME_OVER
 from clean_swarm_env.world.parts.measure import Achievement
 from clean_swarm_env.world.worlds import Worlds
-from selforg.arrays import KEPT, READ, Floats, Ints
-from selforg.compiler.decorators import inlined, long_kernel
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
+from selforg.compiler.decorators import inlined, lean_kernel, long_kernel
 from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.plugins import is_own
+from selforg.program import COUNTING, Rows, Step
 
 ACHIEVEMENTS = (
     Achievement("picked", "Items that the robot picked in the period and nobody had picked before."),
@@ -51,6 +54,9 @@ class PaidWork(NamedTuple):
     collisions: Annotated[Ints, "W K", READ]  # events at each distance since the mission began
     samples: Annotated[Ints, "W K", READ]  # pairs closer than each distance, summed over all counts
     terms: Annotated[Floats, "W 6", READ]  # `CostTerms` of each mission
+    over: Annotated[Flags, "W", READ]  # worlds into which no more garbage will come
+    arrived: Annotated[Ints, "W", READ]  # items that have come
+    length: float  # of a tick [s]
 
 
 PAID_RECORD = Recording(PaidWork)
@@ -58,7 +64,7 @@ open_paid = PAID_RECORD.open
 
 
 class CleaningCounts:
-    """Counts the achievements of cleaning, and its costs; see `learning.progress.Counts`."""
+    """Counts the achievements of cleaning, and its costs; see `learning.progress.MissionCounts`."""
 
     _terms: Annotated[Floats, "W 6", KEPT]
 
@@ -77,6 +83,9 @@ class CleaningCounts:
                 collisions=worlds.collisions.events,
                 samples=worlds.collisions.samples,
                 terms=self._terms,
+                over=task.comings.over,
+                arrived=task.garbage.arrived,
+                length=worlds.period,
             )
         )
 
@@ -89,10 +98,18 @@ class CleaningCounts:
         paid.had_price[world] = 0.0
         self._terms[world] = cost_terms(self._worlds.missions[world])
 
-    def count(self, entered: Ints) -> None:
-        """Add the last tick, whose collision events are `entered` (R,), in worlds where it counts."""
-        records = self._period.handle, self._followed.handle, self._floor.handle, self._paid.handle
-        count_cleaning(*records, entered, self._worlds.period)
+    def finishing(self) -> Step:
+        """Return the step that notes which worlds are done, before a tick is counted."""
+        worlds, done = self._worlds, self._followed.record.done
+        rows, records = Rows.of(worlds.world.every_row), (self._floor, self._paid, self._followed)
+        if is_own(type(worlds.task)):  # which may be done otherwise
+            return Step(COUNTING, lambda now, _: np.copyto(done, worlds.task.done()), rows)
+        return Step(COUNTING, note_done, rows, note_done, records)
+
+    def counting(self) -> Step:
+        """Return the step that adds what a tick brought in worlds where it counts."""
+        records = self._period, self._followed, self._floor, self._paid, self._worlds.collisions.packed
+        return Step(COUNTING, count_cleaning, Rows.of(self._worlds.world.every_row), count_cleaning, records)
 
 
 @inlined
@@ -111,21 +128,34 @@ def add_cost(world: int, dumped: int, tick: float, p: Period, f: FloorRecord, a:
         p.cost[world] += limit / worth * whole / max(f.done[world], NO_ITEM) - (whole - worth * f.done[world])
 
 
+@lean_kernel
+def note_done(
+    now: float, rows: Ints, floor: Handle[FloorRecord], paid: Handle[PaidWork], followed: Handle[Followed]
+) -> int:
+    """Note the worlds where all that has come is dumped, and no more will come; a step, see `selforg.program`."""
+    f, a, o = open_floor(floor), open_paid(paid), open_followed(followed)
+    for world in range(f.done.shape[0]):
+        o.done[world] = a.over[world] and f.done[world] == a.arrived[world]
+    return 0
+
+
 @long_kernel
 def count_cleaning(
+    now: float,
+    rows: Ints,
     period: Handle[Period],
     followed: Written[Followed],
     floor: Handle[FloorRecord],
     paid: Written[PaidWork],
-    entered: Ints,
-    length: float,
-) -> None:
-    """Add what robots achieved in a tick of `length` [s], and its cost, to the period of worlds in which it counts.
+    counts: Handle[Counts],
+) -> int:
+    """Add what robots achieved in a tick, and its cost, to the period of worlds in which it counts.
 
-    entered (R,): collision events of the robot. Lost cargo is not dumped. An item is paid for only the first time it is
+    This is a step, see `selforg.program`. Lost cargo is not dumped. An item is paid for only the first time it is
     picked: otherwise a robot could pick and drop the same item forever.
     """
     p, o, f, a = open_period(period), open_followed(followed), open_floor(floor), open_paid(paid)
+    entered, in_contact = open_counts(counts).entered_in_tick, open_counts(counts).in_contact
     robots = f.cargo.shape[0] // f.done.shape[0]
     for world in range(f.done.shape[0]):
         if not o.counts[world]:
@@ -145,10 +175,11 @@ def count_cleaning(
             while item != NOTHING:
                 p.events[DUMPINGS, row] += 1
                 item = f.under[world, item]
-            p.bumps[row] += a.terms[world, EVENT] * entered[row] + a.terms[world, SAMPLE] * o.in_contact[row]
+            p.bumps[row] += a.terms[world, EVENT] * entered[row] + a.terms[world, SAMPLE] * in_contact[row]
             a.had[row] = f.cargo[row]
             a.had_recycled[row] = f.recycled[row]
         dumped_now = f.done[world] - a.had_done[world]
         p.team[DUMPINGS, world] += dumped_now
         a.had_done[world] = f.done[world]
-        add_cost(world, dumped_now, length, p, f, a)
+        add_cost(world, dumped_now, a.length, p, f, a)
+    return 0
