@@ -2,7 +2,10 @@
 
 import copy
 import gc
+import os
 import pickle
+import subprocess
+import sys
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -13,6 +16,7 @@ from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Handle, Recording, Written
 from selforg.compiler.switches import BY_ADDRESS
 from selforg.program import ACT, FINISHING, LEAVE, SENSE, STOP, Program, Rows, Step, bits_of
+from tests.paths import ROOT
 
 
 class Tally(NamedTuple):
@@ -176,3 +180,24 @@ def test_what_cannot_be_called_by_address_is_refused():
     everyone = Rows.of(np.arange(2))
     with pytest.raises(TypeError, match="step answer_half: expected a result of int64, got float64"):
         Program(lambda: [Step(ACT, print, everyone, answer_half)]).run(0.0)
+
+
+CHECKED = """
+from tests.selforg.test_program import ACT, Counter, Program, Step, copy, count_rows, gc, pickle
+counter = Counter()
+counter.program.run(0.2)
+for duplicate in (copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))):
+    counter = duplicate(counter)
+    gc.collect()
+    counter.program.run(0.4)
+print(counter.tally.record.counts.tolist())
+Program(lambda: [Step(ACT, print, counter.everyone, count_rows, (counter.even,))]).run(0.6)
+"""
+
+
+@pytest.mark.skipif(not BY_ADDRESS, reason="nothing is called by address")
+def test_records_of_steps_are_checked_where_that_is_asked_for_and_copies_have_the_right_ones():
+    environment = {**os.environ, "CLEAN_SWARM_CHECK_RECORDS": "1"}
+    done = subprocess.run([sys.executable, "-c", CHECKED], cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.stdout.splitlines() == ["[6.0, 3.0, 6.0, 3.0]"]
+    assert done.stderr.splitlines()[-1] == "TypeError: this is not the handle of a record Tally"

@@ -1,5 +1,6 @@
 """Worlds in blocks that several threads step: the same bits, whole errors, whole interruptions."""
 
+import gc
 import hashlib
 import os
 import signal
@@ -10,9 +11,14 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv
+from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.joined import Joined, batches_of, in_threads
 from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.parts.measure import Measure
+from clean_swarm_env.world.parts.things import TaskState
+from clean_swarm_env.world.task import Task
+from selforg.plugins import PluginError
 from tests.clean_swarm_env.courses import begun, mission
 
 WORLDS = 5
@@ -123,3 +129,56 @@ def test_one_batch_is_stepped_in_the_thread_of_the_caller():
     joined.batches[0].rewards.of = lambda *_: threads.append(threading.current_thread())
     joined.step(np.zeros(joined.rows, dtype=np.int64))
     assert threads == [threading.main_thread()]
+
+
+class Failing(Task[TaskSettings, TaskState]):
+    """Robots wait; something goes wrong in a tick of some worlds."""
+
+    measures = (Measure("waited", "s", "higher", 2.0, "half of the time"),)
+    goal = "CollectiveExploration"
+    wrong = None
+    """What then happens to the task, if anything."""
+
+    def result(self):
+        return {"waited": self.world.ticks * 0.2}
+
+    def after_moving(self):
+        if Failing.wrong is not None and self.world.worlds == 2 and self.world.ticks[0] == 8:
+            Failing.wrong(self)
+
+
+def _raised(error):
+    def fail(task):
+        raise error
+
+    return fail
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize(
+    ("wrong", "line"),
+    [
+        (_raised(KeyError("lost")), r"test_threads.py:\d+: KeyError: 'lost'"),
+        (_raised(SystemExit(0)), r"test_threads.py:\d+: SystemExit: 0"),
+        (lambda task: task.world.positions.fill(np.nan), "Failing.after_moving: expected robots and things to be at"),
+        (_raised(KeyboardInterrupt()), "^$"),
+    ],
+)
+def test_a_step_in_python_that_fails_is_one_line_and_a_state_before_goes_on_with_the_same_bits(
+    threads, wrong, line, monkeypatch
+):
+    monkeypatch.setattr(TASKS, "_classes", dict(TASKS._classes))
+    TASKS.register(Failing)
+    joined = begun(Joined(batches_of("Failing", 2 * threads, threads), threads), range(2 * threads))
+    options = np.zeros(joined.rows, dtype=np.int64)
+    joined.step(options)
+    state = joined.get_state()
+    expected = course_of(joined, 5, state)
+    joined.set_state(state)
+    monkeypatch.setattr(Failing, "wrong", staticmethod(wrong))
+    with pytest.raises(KeyboardInterrupt if line == "^$" else PluginError, match=line) as raised:
+        joined.step(options)
+    assert "\n" not in str(raised.value)
+    monkeypatch.setattr(Failing, "wrong", None)
+    gc.collect()
+    assert course_of(joined, 5, state) == expected
