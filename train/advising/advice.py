@@ -26,10 +26,10 @@ from selector.documents.errors import DocumentError, within
 from selector.documents.fields import JOINT
 from selector.documents.find import files_of
 from selector.documents.writing import write_whole
-from selector.knowledge import Knowledge, Option
+from selector.knowledge import Option
 from selforg.plugins import PluginError
 from train.advising import perturbed
-from train.advising.opening import OpenedMission, document_of, open_mission, variants_of, without
+from train.advising.opening import document_of, open_mission, variants_of
 from train.advising.rounds import BROKE, CPU, Lacking, broke_off, needed, seconds_of
 from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
 from train.analysis.verdict import RANDOM
@@ -120,7 +120,8 @@ class Advising(Evaluation):
             drawn = [family.scenario(request.seed, k, "train") for k in range(KINDS_OF if kinds else 0)]
             if len(found := {task_class(family.mission).kind_of(scenario.mission) for scenario in drawn}) == 1:
                 raise DocumentError(f"--kinds: expected scenarios of several kinds, got one: {found.pop()}")
-            self.opened, self.choosers_that_fit = self._opened(open_mission(family, self.directories))
+            self.opened = open_mission(family, self.directories)
+            self.choosers_that_fit = self._fitting()
         self.family, self.mission = self.opened.family, self.opened.family.mission
         self.censors = not (task_class(self.mission).measures or items_keep_coming(self.mission))
         self.nothing_to_choose = self.opened.combinations == 1
@@ -248,29 +249,18 @@ class Advising(Evaluation):
         """Return who leads, in words."""
         return self.so_far.removeprefix("; ")
 
-    def _opened(self, wide: OpenedMission) -> tuple[OpenedMission, list[str]]:
-        """Return an opened mission without the options that no robot can have, and the rules and policies that fit."""
+    def _fitting(self) -> list[str]:
+        """Return the rules and policies that decide a goal of the mission and fit it; DocumentError if none can."""
+        wide = self.opened
         with TemporaryDirectory() as folder:
             file = Path(folder) / OPTIONS_FILE
-
-            def batch(known: Knowledge) -> Batch:
-                write_whole(file, document_of(known.table, self.directories).encode())
-                scenario = wide.with_knowledge(file).scenario(0, 0, "test")
-                return Batch(scenario.mission, directories=self.directories)
-
-            try:
-                built = batch(wide.known)
-            except (DocumentError, PluginError):
-                wide = without(wide, batch)
-                built = batch(wide.known)
-            return wide, [] if wide.combinations == 1 else self._fitting(wide, built)
-
-    def _fitting(self, wide: OpenedMission, batch: Batch) -> list[str]:
-        """Return the rules and policies that decide a goal of the mission and fit it."""
+            write_whole(file, document_of(wide.known.table, self.directories).encode())
+            mission = wide.with_knowledge(file).scenario(0, 0, "test").mission
+            batch = Batch(mission, directories=self.directories)
         names = [f"{MACHINE}:{name}" for name in files_of("machines", self.directories) if name not in NO_RULES]
         names += [f"{POLICY}:{name}" for name in files_of("policies", self.directories)]
         several, found = {goal for goal in wide.goals if len(wide.names(goal)) > 1}, []
-        for name in names:
+        for name in names if several else ():
             try:
                 if several & set(decider_named(name, self.directories).goals):
                     check_fit(name, Deciders(members=(name,)), batch, JOINT.join(wide.goals), self.directories)

@@ -5,9 +5,9 @@ What the mission itself says stays: its own options with their scores, what robo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain, product, zip_longest
 from pathlib import Path
 
@@ -42,8 +42,6 @@ class OpenedMission:
     """Goal -> the option of the highest score."""
     elsewhere: Mapping[str, float]
     """Option -> its highest score in any knowledge: what is tried first where there is no time for all."""
-    dropped: Mapping[str, str]
-    """Option that cannot be built -> why."""
 
     @property
     def goals(self) -> tuple[str, ...]:
@@ -68,31 +66,22 @@ class OpenedMission:
 def open_mission(family: FamilyConfig, directories: tuple[Path, ...]) -> OpenedMission:
     """Return a family opened; DocumentError if its mission has a mistake."""
     own, kind = knowledge_of(family.mission, directories), task_class(family.mission)
-    mission, library = kind.opened(family.mission), library_of(directories)
+    mission = kind.opened(family.mission)
     table: dict[str, tuple[Option, ...]] = {}
-    dropped: dict[str, str] = {}
     for goal in kind.goals(mission, directories):
         mine, found = own.table.get(goal, ()), list[Option]()
         least = min((0.0, *(option.score for option in mine)))
         for option in (*mine, *library_options(goal, directories)):
-            if option.name in dropped or any(option.same(other) for other in found):
-                continue
-            try:
-                library.of_option(option)
-            except ValueError as error:  # of a file, or of a plug-in
-                dropped[option.name] = str(error)
-                continue
-            found.append(option if option in mine or not mine else option.model_copy(update={"score": least}))
+            if not any(option.same(other) for other in found):
+                found.append(option if option in mine or not mine else option.model_copy(update={"score": least}))
         if not found:
-            raise DocumentError(
-                f"{goal}: expected an option that can be built, got none: {'; '.join(dropped.values())}"
-            )
+            raise DocumentError(f"{goal}: expected an option in the mission's knowledge or the library, got none")
         table[goal] = tuple(found)
     learned = {goal: scores for goal, scores in own.learned.items() if goal in table}
     known = Knowledge(table, own.source, learned)
     experts = {goal: one.options[int(one.scores.argmax())] for goal in table for one in [Problem.of(known, goal)]}
     changed = family.model_copy(update={"mission": mission})
-    return OpenedMission(changed, known, experts, _scores_elsewhere(tuple(table), directories), dropped)
+    return OpenedMission(changed, known, experts, _scores_elsewhere(tuple(table), directories))
 
 
 def _scores_elsewhere(goals: Sequence[str], directories: tuple[Path, ...]) -> dict[str, float]:
@@ -104,28 +93,6 @@ def _scores_elsewhere(goals: Sequence[str], directories: tuple[Path, ...]) -> di
             for option in chain.from_iterable(table.get(goal, ()) for goal in goals):
                 found[option.name] = max(option.score, found.get(option.name, option.score))
     return found
-
-
-def without(wide: OpenedMission, build: Callable[[Knowledge], object]) -> OpenedMission:
-    """Return an opened mission without those options of the library with which `build` fails.
-
-    Raises:
-        ValueError: what the mission itself says cannot be built.
-
-    """
-    known = replace(wide.known, table={goal: own[:1] for goal, own in wide.known.table.items()})
-    build(known)
-    dropped = dict(wide.dropped)
-    for goal, own in wide.known.table.items():
-        for option in own[1:]:
-            more = replace(known, table={**known.table, goal: (*known.table[goal], option)})
-            try:
-                build(more)
-            except ValueError as error:  # of a document, or of a plug-in
-                dropped[option.name] = str(error)
-            else:
-                known = more
-    return replace(wide, known=known, dropped=dropped)
 
 
 def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> dict[str, list[Option]]:

@@ -287,8 +287,7 @@ class Advice:
 
     @property
     def _remarks(self) -> list[str]:
-        dropped = {**self.evaluation.opened.dropped, **self.broken}
-        first = {why: arm for arm, why in reversed(dropped.items())}
+        first = {why: arm for arm, why in reversed(self.broken.items())}
         told = [f"{self._words(arm)} dropped out: {why}." for why, arm in first.items()]
         rivals = [arm for arm in self.costs if arm not in (self.found.winner, *self.found.choosers)]
         if cheaper := [arm for arm in rivals if self.costs[arm].mean() < self.costs[self.found.winner].mean()]:

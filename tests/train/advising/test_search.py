@@ -30,7 +30,7 @@ def invented(seed, *, learned=None):
         )
     known = Knowledge(table, learned=learned(costs) if learned else {})
     experts = {goal: max(own, key=lambda one: one.score).name for goal, own in table.items()}
-    return OpenedMission(load_family("table1-starts"), known, experts, {}, {}), costs
+    return OpenedMission(load_family("table1-starts"), known, experts, {}), costs
 
 
 def cost_of(arm, costs):
