@@ -7,8 +7,9 @@ from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AliasChoices, AliasPath, BaseModel, Field
+from pydantic import AliasPath, BaseModel, Field
 
+from clean_swarm_env.config.robots import RobotConfig
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import NOTHING, Area, Canvas, SignedThings, Zone, between
 from clean_swarm_env.drawing.look import LOOK
@@ -51,28 +52,10 @@ class DrawnThing(BaseModel):
     """Its number among the things that move; -1: it stays where it is."""
 
 
-class _Model(BaseModel):
-    """What a picture takes of a model of robots."""
-
-    model: str
-    radius: Positive
-    """[m]."""
-
-
 class _Shown(BaseModel):
     """What a picture takes from the head."""
 
-    radius: Annotated[
-        Positive,
-        Field(
-            validation_alias=AliasChoices(
-                AliasPath("mission", "robots", "radius"), AliasPath("mission", "robots", "groups", 0, "radius")
-            )
-        ),
-    ]
-    """Of the robots, or of those of the first model [m]."""
-    groups: Annotated[tuple[_Model, ...], Field(validation_alias=AliasPath("mission", "robots", "groups"))] = ()
-    """The models of robots that differ."""
+    robots: Annotated[RobotConfig, Field(validation_alias=AliasPath("mission", "robots"))]
     models: tuple[Annotated[int, Field(strict=True, ge=0)], ...] = ()
     """(N,) number of each robot's model, if they differ."""
     things: tuple[DrawnThing, ...] = ()
@@ -101,9 +84,9 @@ class RecordedCourse:
         self._recording = recording
         shown = self._shown = validated(_Shown, head, f"{recording.path}: head")
         self._models = np.array(shown.models, dtype=np.int64)
-        self._radii = np.array([model.radius for model in shown.groups] or [shown.radius])
-        if shown.groups and (len(shown.models) != head["robots"] or self._models.max() >= len(shown.groups)):
-            expected = f"the model of each of {head['robots']} robots, below {len(shown.groups)}"
+        self._radii, groups = np.array([model.radius for model in shown.robots.models]), shown.robots.groups
+        if groups and (len(shown.models) != head["robots"] or self._models.max() >= len(groups)):
+            expected = f"the model of each of {head['robots']} robots, below {len(groups)}"
             raise ConfigurationError(f"{recording.path}: head: models: expected {expected}, got {shown.models}")
         self._options = {goal: names for goal, names in head["options"].items() if f"{HELD}{goal}" in recording}
         moving = 1 + max((thing.moves for thing in shown.things), default=-1)
@@ -160,9 +143,9 @@ class RecordedCourse:
             closed=self._shown.ground != "walled",
             time=frame * self._recording.period,
             state=", ".join(filter(None, (str(head["about"].get("condition", "")), *counted))),
-            radius=self._radii[self._models[there]] if len(self._models) else self._shown.radius,
+            radius=self._radii[self._models[there]] if len(self._models) else self._shown.robots.radius,
             models=self._models[there] if len(self._models) else None,
-            model_names=tuple(model.model for model in self._shown.groups),
+            model_names=tuple(model.model for model in self._shown.robots.groups),
             numbers=np.flatnonzero(there),
             working=now["working"][there] == 1,
             options=tuple(self._options[goal]) if goal is not None else (),
