@@ -14,9 +14,9 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE, DeliveryConfig
-from clean_swarm_env.config.events import MOST_TIMES, Again, Event, Join, SetDelivery, check_team
+from clean_swarm_env.config.events import MOST_TIMES, Again, Event, Join, SetDelivery, check_team, in_order
 from clean_swarm_env.config.free_places import check_place, check_walls, free_ground, robots_that_fit
-from clean_swarm_env.config.robots import RobotConfig, models_of_rows, of_each
+from clean_swarm_env.config.robots import RobotConfig
 from clean_swarm_env.config.tasks import (
     CLEANING,
     TaskSettings,
@@ -228,8 +228,16 @@ class MissionConfig(Closed):
 
     @property
     def models(self) -> Ints:
-        """The number of the model of each robot (N,) of the whole mission, in `robots.models`."""
-        return models_of_rows(self.robots, self.events, self.rows)
+        """The number of the model of each robot (N,) of the whole mission, in `robots.models`.
+
+        First come those at the start, then those that join, then rows that no event needs, of the first model.
+        """
+        names = [model.model for model in self.robots.models]
+        found = [number for number, model in enumerate(self.robots.models) for _ in range(model.count)]
+        for _, event in in_order(self.events):
+            if isinstance(event, Join):
+                found += [names.index(event.model) if event.model else 0] * event.robots
+        return np.array((found + [0] * self.rows)[: self.rows], dtype=np.int64)
 
     @property
     def counted_distances(self) -> tuple[float, ...]:
@@ -239,7 +247,7 @@ class MissionConfig(Closed):
 
     def of_each(self, key: str) -> Floats:
         """Return a setting of each robot (N,) of the whole mission; see `RobotModel`."""
-        return of_each(self.robots, self.models, key)
+        return np.array([getattr(model, key) for model in self.robots.models], dtype=np.float64)[self.models]
 
     @property
     def _robots_needed(self) -> int:

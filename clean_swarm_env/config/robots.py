@@ -9,15 +9,12 @@ import sys
 from collections.abc import Sequence
 from typing import Annotated, Any, Final, Literal, Self
 
-import numpy as np
 from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE
-from clean_swarm_env.config.events import Event, Join, in_order
 from clean_swarm_env.config.types import Index, Length, Robots
 from selector.documents.errors import check_unique, impossible
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive
-from selforg.arrays import Floats, Ints
 
 SUMMED_UP: Final = (
     "radius",
@@ -132,21 +129,3 @@ class RobotConfig(RobotModel):
         """Radius of equal discs that cover as much as those of the robots at the start [m]."""
         covered = sum(group.count * group.radius**2 for group in self.groups)
         return math.sqrt(covered / self.count) if self.groups else self.radius
-
-
-def models_of_rows(robots: RobotConfig, events: Sequence[Event], rows: int) -> Ints:
-    """Return the number of the model of each robot (N,): of those at the start, of those that join, and of spare rows.
-
-    Rows that no event needs are of the first model.
-    """
-    names = [model.model for model in robots.models]
-    found = [number for number, model in enumerate(robots.models) for _ in range(model.count)]
-    for _, event in in_order(tuple(events)):
-        if isinstance(event, Join):
-            found += [names.index(event.model) if event.model else 0] * event.robots
-    return np.array((found + [0] * rows)[:rows], dtype=np.int64)
-
-
-def of_each(robots: RobotConfig, models: Ints, key: str) -> Floats:
-    """Return the setting `key` of robots (K,) whose models have the numbers `models` (K,)."""
-    return np.array([getattr(model, key) for model in robots.models], dtype=np.float64)[models]

@@ -14,7 +14,6 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.robots import models_of_rows, of_each
 from clean_swarm_env.config.tasks import NO_ITEMS, TaskSettings, items_of, with_items
 from clean_swarm_env.config.types import ConfigurationError, Point
 from selector.documents.errors import check_unique, shown, validated
@@ -159,17 +158,18 @@ def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfi
     if mission.robots.groups and len(robots) != mission.robots.count:
         expected = f"{mission.robots.count}, as in the groups of the mission"
         raise ConfigurationError(f"scenario {start.id}: robots: expected {expected}, got {len(robots)}")
-    if mission.world.contacts == "solid":
-        _check_apart(mission, start.id, robots[:, :2], size)
     task = with_items(mission.task, count=len(start.items))
     count = {} if mission.robots.groups else {"count": len(robots)}
     parts = {"robots": {**mission.robots.model_dump(), **count}, "task": task.model_dump()}
-    return validated(MissionConfig, {**mission.model_dump(), **parts}, f"scenario {start.id}", own=True)
+    found = validated(MissionConfig, {**mission.model_dump(), **parts}, f"scenario {start.id}", own=True)
+    if mission.world.contacts == "solid":
+        _check_apart(found, start.id, robots[:, :2], size)
+    return found
 
 
 def _check_apart(mission: MissionConfig, scenario: str, places: Floats, size: Floats) -> None:
     """Raise ConfigurationError for the first of the solid robots at places (N, 2) [m] that lies in another."""
-    radii = of_each(mission.robots, models_of_rows(mission.robots, (), len(places)), "radius")
+    radii = mission.of_each("radius")
     for row in range(1, len(places)):
         away = distances(places[row], places[:row], size)
         if (away < radii[row] + radii[:row]).any():
